@@ -21,12 +21,13 @@ pub enum Comb {
 
 struct Piece {
     solid: Solid,
-    /// Rounding of the union with everything before it, metres.
+    /// Rounding radius of the union with all earlier solids, metres.
     blend: f64,
     /// Whether the solid is carved out instead of added.
     carved: bool,
     comb: Comb,
-    /// Bounding sphere of the solid: centre, radius, and least growth rate of the solid's distance outside it.
+    /// Bounding sphere of the solid: centre, radius in metres, and the least growth of the solid's distance per metre
+    /// outside the sphere.
     bound: (DVec3, f64, f64),
 }
 
@@ -47,33 +48,32 @@ impl Piece {
 /// Body as an implicit surface.
 pub struct Body {
     pieces: Vec<Piece>,
-    /// Width over which the combs of neighbouring solids mix, metres.
+    /// Blend width between the comb directions of neighbouring solids, metres.
     comb_width: f64,
 }
 
 impl Body {
-    /// Creates a body without solids; combs mix over `comb_width` metres.
+    /// Creates a body without solids. The comb directions of neighbouring solids are blended over `comb_width` metres.
     pub fn empty(comb_width: f64) -> Self {
         Self { pieces: Vec::new(), comb_width }
     }
 
-    /// Adds a solid, rounded over `blend` metres against everything before it.
+    /// Adds a solid by a smooth union, rounded over `blend` metres, with all earlier solids.
     pub fn add(&mut self, solid: Solid, blend: f64, comb: Comb) {
         self.pieces.push(Piece::new(solid, blend, false, comb));
     }
 
-    /// Carves a solid out of everything before it.
+    /// Carves a solid out of all earlier solids; the edge is rounded over `blend` metres.
     pub fn carve(&mut self, solid: Solid, blend: f64, comb: Comb) {
         self.pieces.push(Piece::new(solid, blend, true, comb));
     }
 
     /// Returns the approximate signed distance, negative inside.
     pub fn distance(&self, p: DVec3) -> f64 {
-        // Beyond any blend, so that the first solid is added unchanged.
+        // The initial distance exceeds every blend width, so the first solid is added unchanged.
         let mut d = 1e9;
         for piece in &self.pieces {
-            // Adding or carving a solid out of reach leaves the distance unchanged; at most points, most solids are out
-            // of reach.
+            // Skips solids that cannot change the distance at `p`, which at most points are the majority.
             if piece.is_beyond(p, piece.blend + if piece.carved { -d } else { d }) {
                 continue;
             }
@@ -83,7 +83,8 @@ impl Body {
         d
     }
 
-    /// Returns the comb direction at `p`, not yet projected onto the surface: the solids' combs, weighted by nearness.
+    /// Returns the comb direction at `p`, not yet projected onto the surface: the mean of the solids' comb directions,
+    /// weighted by proximity.
     pub fn comb(&self, p: DVec3) -> DVec3 {
         let added = self.pieces.iter().filter(|piece| !piece.carved);
         let near: Vec<(f64, &Piece)> = added.map(|piece| (piece.solid.distance(p), piece)).collect();
@@ -109,9 +110,9 @@ pub enum Keep {
     All,
 }
 
-/// Returns the closed mesh of the zero set of `field` inside the box from `low` to `high`, vertices on the surface. The
-/// surface is first meshed on cubes of `cell` metres, which must be finer than the thinnest part. The result is then
-/// remeshed to `sizing`.
+/// Returns the closed mesh of the zero set of `field` inside the box from `low` to `high`. All vertices are on the
+/// surface. The surface is first meshed on cubes of `cell` metres, which must be finer than the thinnest part. The
+/// result is then remeshed to `sizing`.
 pub fn mesh(
     field: &dyn Fn(DVec3) -> f64,
     [low, high]: [DVec3; 2],
@@ -138,13 +139,14 @@ pub fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64) -> Solid {
     Solid::RoundCone { a, b, ra, rb }
 }
 
-/// Returns the hull of two spheres flattened along x to `share` of its width. Its axis must lie in a yz-plane.
+/// Returns the hull of two spheres, flattened along x to the fraction `share` of its width. Its axis must lie in a
+/// plane parallel to the yz-plane.
 pub fn oval(a: DVec3, ra: f64, b: DVec3, rb: f64, share: f64) -> Solid {
     Solid::Oval { a, b, ra, rb, across: DVec3::X, share }
 }
 
-/// Returns the smooth line through `points` (position and radius) as one solid, with `steps` segments between
-/// neighbours.
+/// Returns one solid along the smooth curve through `points` (position and radius), with `steps` segments between
+/// neighbouring points.
 pub fn chain(points: &[(DVec3, f64)], steps: usize) -> Solid {
     Solid::Chain { line: curve(points, steps) }
 }
@@ -154,8 +156,8 @@ pub fn ellipsoid(centre: DVec3, radii: DVec3, axes: DMat3) -> Solid {
     Solid::Ellipsoid { centre, radii, axes }
 }
 
-/// Returns a smooth line through `points` (position and radius) with `steps` segments between neighbours: a Catmull-Rom
-/// spline, straight at the ends.
+/// Returns a smooth curve through `points` (position and radius) with `steps` segments between neighbouring points. The
+/// curve is a Catmull-Rom spline, straight at the ends.
 pub fn curve(points: &[(DVec3, f64)], steps: usize) -> Vec<(DVec3, f64)> {
     let vector = |k: usize| points[k].0.extend(points[k].1);
     let last = points.len() - 1;
@@ -173,19 +175,20 @@ pub fn curve(points: &[(DVec3, f64)], steps: usize) -> Vec<(DVec3, f64)> {
     line
 }
 
-/// Returns the signed distance to an almond shape, the opening between two eyelids. Its two arcs rise `over` above and
-/// drop `under` below the line between the corners, which are 2 * `half` apart.
+/// Returns the signed distance to an almond shape, such as the opening between two eyelids. Two arcs bound it, between
+/// corners that are 2 * `half` apart. They rise to `over` above the line between the corners and drop to `under` below
+/// it.
 pub fn almond(q: DVec2, half: f64, over: f64, under: f64) -> f64 {
     let arc = |q: DVec2, height: f64| {
         let radius = (half * half + height * height) / (2.0 * height);
         (q - DVec2::new(0.0, height - radius)).length() - radius
     };
-    // The upper lid is highest nearer to +x, the lower one lowest away from it.
+    // Shifts the highest point of the upper lid towards +x and the lowest point of the lower lid towards -x.
     let shift = DVec2::new(0.08 * half, 0.0);
     arc(q - shift, over).max(arc(DVec2::new(q.x, -q.y) + shift, under))
 }
 
-/// Returns a smooth bump: 1 at 0, nearly 0 beyond `width` on both sides.
+/// Returns a smooth bump: 1 at `x` = 0, nearly 0 for |`x`| > `width`.
 pub fn bump(x: f64, width: f64) -> f64 {
     let q = 2.0 * x / width;
     let q = 1.0 + q * q;
@@ -202,7 +205,7 @@ pub fn on_side(side: f64, v: DVec3) -> DVec3 {
     if side > 0.0 { v } else { mirror(v) }
 }
 
-/// Returns the rotation about x that turns +Z down by the angle whose sine and cosine have the ratio `sin : cos`.
+/// Returns the rotation about x that turns +Z downwards. The sine and cosine of the angle have the ratio `sin : cos`.
 pub fn pitch(sin: f64, cos: f64) -> DMat3 {
     let length = (sin * sin + cos * cos).sqrt();
     let (s, c) = (sin / length, cos / length);

@@ -1,12 +1,14 @@
-//! Texture coordinates in which hair grows evenly: v along the comb, u to its right, both in one world scale.
+//! Texture coordinates aligned with the comb: v runs along the comb, u to its right. Both have the same world scale, so
+//! that hair has an even density.
 //!
 //! The mesh is cut into charts. The coordinates of a chart are the least-squares solution of "gradient of u = S /
-//! scale, gradient of v = T / scale". T is the comb in the face's plane and S = T x N. Each coordinate is one Poisson
-//! problem with the cotangent Laplacian (Praun, Finkelstein and Hoppe 2000 in the area-weighted form; Lengyel 2001).
+//! scale, gradient of v = T / scale". T is the comb direction in the face's plane, and S = T x N. Each coordinate is
+//! the solution of a Poisson problem with the cotangent Laplacian (Praun, Finkelstein and Hoppe 2000 in the
+//! area-weighted form; Lengyel 2001).
 //!
-//! Charts grow from single faces by pairwise merging, longest shared border first. A merge is refused if a face would
-//! be stretched, turned away from the comb or flipped beyond the bounds. Charts may overlap in the texture because hair
-//! tiles repeat.
+//! Charts grow from single faces by pairwise merging; pairs with the longest shared border are merged first. A merge is
+//! refused if a face would be flipped, or stretched or turned away from the comb beyond the bounds. Charts may overlap
+//! in the texture because hair tiles repeat.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -87,12 +89,12 @@ pub fn make(mesh: &TriMesh, comb: &dyn Fn(DVec3) -> DVec3, params: &ChartParams)
 struct Face {
     area: f64,
     corners: [DVec3; 3],
-    /// Gradients of the three hat functions, 1 / metres.
+    /// Gradients of the three hat functions of the corners, 1 / metres.
     hats: [DVec3; 3],
     normal: DVec3,
-    /// Unit comb in the face's plane: the target v direction.
+    /// Unit comb direction in the face's plane: the target direction of v.
     t: DVec3,
-    /// Unit target u direction, t x normal.
+    /// Target direction of u, t x normal; unit length.
     s: DVec3,
 }
 
@@ -118,12 +120,12 @@ fn faces(mesh: &TriMesh, neighbours: &[[u32; 3]], comb: &dyn Fn(DVec3) -> DVec3)
             let (area, normal) = (0.5 * double.length(), double.normalize_or_zero());
             let hats = [0, 1, 2].map(|i| normal.cross(corners[(i + 2) % 3] - corners[(i + 1) % 3]) / (2.0 * area));
             let wanted = comb((corners[0] + corners[1] + corners[2]) / 3.0).normalize_or_zero();
-            // The length is the confidence: short where the comb is nearly perpendicular to the surface.
+            // The length measures confidence: it is short where the comb is nearly perpendicular to the surface.
             Face { area, corners, hats, normal, t: wanted - normal * wanted.dot(normal), s: DVec3::ZERO }
         })
         .collect();
-    // Diffusion lets uncertain faces (nose, paws, rump) follow their neighbours, and leaves as few whirls as the shape
-    // allows.
+    // Diffuses the comb directions. Uncertain faces (nose, paws, rump) then follow their neighbours, and as few whirls
+    // remain as the shape allows.
     let wanted: Vec<DVec3> = faces.iter().map(|f| f.t * f.t.length()).collect();
     for _ in 0..60 {
         let next: Vec<DVec3> = (0..faces.len())
@@ -166,15 +168,16 @@ impl Charter<'_> {
         (c[(k + 1) % 3] - c[k]).length()
     }
 
-    /// Returns the edge of `g` shared with `f`, such that corner k of `f` and corner `edge + 1` of `g` coincide.
+    /// Returns the index of the edge of `g` that is shared with `f`: corner k of `f` coincides with corner `edge + 1`
+    /// of `g`.
     fn edge_towards(&self, g: u32, f: u32, k: usize) -> usize {
         let start = self.mesh.triangles[f as usize][k];
         let corners = self.mesh.triangles[g as usize];
         (0..3).find(|&j| corners[(j + 1) % 3] == start && self.neighbours[g as usize][j] == f).unwrap_or(0)
     }
 
-    /// Joins the corners of `chart` that meet across its inner edges; returns the vertex of each corner and the number
-    /// of vertices.
+    /// Joins the corners of `chart` that meet across its interior edges. Returns the vertex index of each corner, and
+    /// the number of vertices.
     fn chart_vertices(&mut self, chart: &[u32]) -> (Vec<[u32; 3]>, usize) {
         for (i, &f) in chart.iter().enumerate() {
             self.local[f as usize] = i as u32;
@@ -215,7 +218,8 @@ impl Charter<'_> {
         (corners, count as usize)
     }
 
-    /// Solves the least-squares problem of one connected chart, from `start`; returns `None` if a bound is violated.
+    /// Solves the least-squares problem of one connected chart, with `start` as the initial guess. Returns `None` if
+    /// the solution violates a bound.
     fn solve(&mut self, chart: &[u32], start: &CornerUvs) -> Option<CornerUvs> {
         let (corners, count) = self.chart_vertices(chart);
         let scale = self.params.metres_per_uv;
@@ -270,8 +274,8 @@ impl Charter<'_> {
         }
     }
 
-    /// Returns the borders between charts: total length and mean jump of the coordinates from the lower to the higher
-    /// chart.
+    /// Returns the borders between charts: total length, and mean difference of the coordinates between the lower and
+    /// the higher chart.
     fn borders(&self) -> BTreeMap<(u32, u32), (f64, [f64; 2])> {
         let mut borders: BTreeMap<(u32, u32), (f64, [f64; 2])> = BTreeMap::new();
         for f in 0..self.faces.len() as u32 {
@@ -373,7 +377,7 @@ impl Charter<'_> {
                 let mut grown = self.members[other as usize].clone();
                 grown.push(f);
                 let mut start = self.current(&grown);
-                // Initial guess for the solver: the new face continues a neighbour's coordinates.
+                // Extends a neighbour's coordinates to the new face as the initial guess for the solver.
                 if let (Some(last), Some(k)) = (start.last_mut(), around.iter().position(|&c| c == other)) {
                     let g = self.neighbours[f as usize][k];
                     let e = self.edge_towards(g, f, k);
@@ -391,7 +395,7 @@ impl Charter<'_> {
                 break;
             }
         }
-        // Charts that gave up faces still have their old coordinates; solving again adapts them to the loss.
+        // Charts that lost faces still have their old coordinates and are therefore solved again.
         for c in 0..self.members.len() {
             let members = self.members[c].clone();
             let start = self.current(&members);
@@ -406,7 +410,7 @@ impl Charter<'_> {
     fn align(&mut self) {
         let mut borders: Vec<_> = self.borders().into_iter().collect();
         borders.sort_by(|x, y| y.1.0.total_cmp(&x.1.0).then(x.0.cmp(&y.0)));
-        // Kruskal's spanning tree; each chart's shift is stored relative to its root.
+        // Builds Kruskal's spanning tree; each chart's shift is stored relative to the root of its tree.
         let mut group: Vec<u32> = (0..self.members.len() as u32).collect();
         let mut shift = vec![[0.0; 2]; self.members.len()];
         for ((a, b), (_, jump)) in borders {
@@ -457,9 +461,11 @@ impl Charter<'_> {
     }
 }
 
-/// Solves the sum of the triangles' 3x3 systems from `x` by conjugate gradients with the diagonal as preconditioner.
+/// Solves the sum of the triangles' 3x3 systems by conjugate gradients, from the initial guess `x`. The preconditioner
+/// is the diagonal.
 ///
-/// The matrix is singular (constants). The right-hand side sums to zero, so the iteration stays in the solvable space.
+/// The matrix is singular: constants are in its null space. The right-hand side sums to zero, so the iteration stays in
+/// the solvable subspace.
 fn conjugate_gradients(corners: &[[u32; 3]], locals: &[[[f64; 3]; 3]], rhs: &[f64], x: &mut [f64]) {
     let apply = |x: &[f64]| {
         let mut y = vec![0.0; x.len()];
@@ -514,21 +520,23 @@ pub fn singular_values([a, b, c, d]: [f64; 4]) -> (f64, f64) {
 pub struct ChartReport {
     /// Area-weighted mean of (σ1/σ2 + σ2/σ1)/2 − 1.
     pub angle_distortion: f64,
-    /// Area-weighted mean of (σ1σ2 + 1/(σ1σ2))/2 − 1 after the global scale that makes the total areas equal.
+    /// Area-weighted mean of (σ1σ2 + 1/(σ1σ2))/2 − 1, after a global scaling that makes the total areas equal.
     pub area_distortion: f64,
     /// Number of triangles whose determinant is not positive.
     pub flipped_triangles: usize,
-    /// Total length of edges whose two sides disagree, each edge once, divided by the square root of the mesh's area.
+    /// Total length of the edges at which the coordinates of the two sides differ, each edge counted once. It is
+    /// divided by the square root of the mesh's area.
     pub seam_length_ratio: f64,
-    /// World length of one unit of texture coordinates that makes the total areas equal, metres.
+    /// World length of one unit of texture coordinates, metres: the one at which the total areas on surface and texture
+    /// are equal.
     pub metres_per_uv: f64,
-    /// Least singular value at that scale.
+    /// Least singular value at the scale `metres_per_uv`.
     pub least_stretch: f64,
-    /// Greatest singular value at that scale.
+    /// Greatest singular value at the scale `metres_per_uv`.
     pub greatest_stretch: f64,
 }
 
-/// Measures texture coordinates, `positions[i]` and `uvs[i]` per vertex.
+/// Measures the texture coordinates `uvs[i]` of the vertices at `positions[i]`.
 pub fn report(positions: &[DVec3], uvs: &[[f64; 2]], triangles: &[[u32; 3]]) -> ChartReport {
     let mut result = ChartReport { least_stretch: f64::MAX, ..ChartReport::default() };
     let (mut area, mut uv_area) = (0.0, 0.0);
@@ -539,7 +547,7 @@ pub fn report(positions: &[DVec3], uvs: &[[f64; 2]], triangles: &[[u32; 3]]) -> 
         let x = (b - a).normalize_or_zero();
         let (b1, c1) = ((b - a).length(), (c - a).dot(x));
         let c2 = ((c - a) - x * c1).length();
-        // Columns of the map: along the first edge, and across it (to the left, the side of the third corner).
+        // Columns of the map's Jacobian: along the first edge, and perpendicular to it, towards the third corner.
         let along = [(ub[0] - ua[0]) / b1, (ub[1] - ua[1]) / b1];
         let across = [0, 1].map(|k| (uc[k] - ua[k] - along[k] * c1) / c2);
         let determinant = along[0] * across[1] - along[1] * across[0];

@@ -68,7 +68,7 @@ pub fn body() -> Body {
     let back = Comb::Along(v(0.0, -0.3, -0.95));
     let down = Comb::Along(v(0.0, -1.0, -0.1));
 
-    // A drop (breast, back, rump) and the folded wings, whose lower edges stick out.
+    // Drop-shaped trunk (breast, back, rump) and folded wings, whose lower edges stick out.
     body.add(ellipsoid(v(0.0, 0.865, -0.04), v(0.145, 0.16, 0.32), pitch(-0.16, 1.0)), 0.05, back);
     body.add(ellipsoid(v(0.0, 0.865, 0.13), v(0.125, 0.14, 0.15), pitch(-0.5, 1.0)), 0.06, back);
     body.add(cone(v(0.0, 0.84, -0.2), 0.1, v(0.0, 0.79, -0.37), 0.045), 0.05, back);
@@ -128,7 +128,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
         lines.iter().flat_map(|line| line.windows(2).map(|w| cone(w[0].0, w[0].1, w[1].0, w[1].1))).collect();
     let near = |p: DVec3| pieces.iter().map(|s| s.distance(p)).fold(f64::MAX, f64::min) - 0.014;
     regions.paint(PLUMES, &|p| near(p).max(p.z + 0.26), &surface);
-    // From above the breast to under the eyes.
+    // The black throat reaches from above the breast to below the eyes.
     let throat =
         |p: DVec3| (v(0.0, 1.04, 0.335) - p).dot(v(0.0, 0.9, 0.45)).max(p.y - 1.462).max((p.z - 0.372).min(p.y - 1.36));
     regions.paint(NECK, &throat, &surface);

@@ -31,7 +31,7 @@ pub const LEG: [DVec3; 4] = [
 
 /// Duration of one cycle of `Walk` (two steps), seconds.
 pub const CYCLE_S: f64 = 1.2;
-/// Distance covered by one cycle of `Walk`, metres; the clip itself is in place.
+/// Distance covered by one cycle of `Walk`, metres. The clip itself stays in place.
 pub const CYCLE_M: f64 = 0.66;
 
 fn bones() -> Vec<Bone> {
@@ -54,7 +54,7 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// Returns the feet: joint, and rest position of the foot's tip in the model.
+/// Returns each foot's joint, and the rest position of its tip in model space.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), &LEGS)
 }
@@ -69,7 +69,7 @@ pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
     rig::weights(mesh, &bones(), 0.012, 4)
 }
 
-/// Returns a walk, looping and in place: once a step, the head waits while the body moves on, then it is thrust
+/// Returns a walk that loops in place. Once a step, the head rests while the body moves on, and is then thrust
 /// forwards. One cycle covers [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), CYCLE_S, 24, &stride)
@@ -80,7 +80,7 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
     pose.shift(DVec3::new(0.0, -0.028 + 0.012 * beat(0.15), 0.012 * beat(0.4)));
     pose.pitch(BODY, 2.5 * beat(0.3));
     pose.pitch(TAIL, 4.0 * beat(0.5));
-    // Slow back, quick forth, twice a cycle.
+    // The head moves slowly back and quickly forwards, twice a cycle.
     let thrust = cycle(&[(0.0, 1.0), (0.36, -0.2), (0.7, -1.0), (0.88, 0.6)], 2.0 * phase);
     let (lower, upper) = (9.0 * thrust, 7.0 * thrust);
     pose.pitch(NECK, lower);

@@ -1,8 +1,8 @@
-//! Gaits: clips generated from footfalls. Feet follow prescribed paths and the leg joints follow by inverse kinematics,
-//! so a foot on the ground moves backwards exactly as fast as the animal advances.
+//! Gaits: clips generated from footfalls. Feet follow prescribed paths, and inverse kinematics gives the rotations of
+//! the leg joints. A foot on the ground therefore moves backwards exactly as fast as the animal advances.
 //!
-//! Joints that carry a foot turn about x only: a leg is solved in its yz-plane, where a rotation is a product of
-//! complex numbers `y + i z`. Necks, ears and tails may turn about any axis.
+//! Joints between the root and a foot turn about x only. A leg is solved in its yz-plane, where a rotation is a product
+//! of complex numbers `y + i z`. Necks, ears and tails may turn about any axis.
 
 use core::f64::consts::PI;
 
@@ -13,10 +13,11 @@ use super::{
     rig::{Bone, rotations, turn},
 };
 
-/// Pose of a skeleton, changed from rest step by step: parents before children.
+/// Pose of a skeleton, built up by changes to the rest pose; parents must be changed before children.
 pub struct Pose<'a> {
     bones: &'a [Bone],
-    /// Rotation of each joint about x relative to the parent, degrees; positive lowers what points forwards.
+    /// Rotation of each joint about x relative to its parent, degrees. Positive angles lower a bone that points
+    /// forwards.
     pitch_deg: Vec<f64>,
     /// Further rotations, applied before the one about x.
     turns: Vec<DQuat>,
@@ -24,14 +25,14 @@ pub struct Pose<'a> {
     shift: DVec3,
 }
 
-/// Leg: its joints for inverse kinematics, from the body down.
+/// Joints of a leg for inverse kinematics, from the body down.
 #[derive(Clone, Copy, Debug)]
 pub struct Leg {
     /// Joint of the thigh or the upper arm.
     pub upper: u8,
     /// Joint of the lower leg or the forearm.
     pub lower: u8,
-    /// Joint of a third bone, bent explicitly by [`Foot::cannon_deg`].
+    /// Joint of a third bone, whose bend [`Foot::cannon_deg`] prescribes.
     pub cannon: Option<u8>,
     /// Joint of the foot; the end of its bone touches the ground.
     pub foot: u8,
@@ -40,11 +41,11 @@ pub struct Leg {
 /// Target of a foot: offset of its tip from rest, metres, and rotation about x in the world, degrees.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Foot {
-    /// Upward offset.
+    /// Upward offset, metres.
     pub up: f64,
-    /// Forward offset.
+    /// Forward offset, metres.
     pub forwards: f64,
-    /// Rotation about x; positive raises the heel.
+    /// Rotation about x, degrees; positive raises the heel.
     pub pitch_deg: f64,
     /// Bend of the third bone relative to rest, degrees.
     pub cannon_deg: f64,
@@ -53,7 +54,7 @@ pub struct Foot {
 /// Footfalls of one leg. Phases are fractions of the cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// Phase at which the foot comes down.
+    /// Phase at which the foot touches down.
     pub touch: f64,
     /// Fraction of the cycle during which the foot is on the ground.
     pub duty: f64,
@@ -61,12 +62,12 @@ pub struct Step {
     pub front: f64,
     /// Distance the animal covers in a cycle, metres.
     pub stride: f64,
-    /// Height to which the tip is lifted, metres.
+    /// Greatest height of the tip while the foot is in the air, metres.
     pub lift: f64,
 }
 
 impl Step {
-    /// Returns the phase since touchdown, 0..1; the foot is on the ground while it is below [`Step::duty`].
+    /// Returns the phase since touchdown, 0..1. The foot is on the ground while the result is below [`Step::duty`].
     pub fn phase_since_touch(&self, phase: f64) -> f64 {
         let since = phase - self.touch;
         since - libm::floor(since)
@@ -90,13 +91,13 @@ impl Step {
     }
 }
 
-/// Returns the feet of `legs`: joint, and rest position of the foot's tip in the model.
+/// Returns the foot joint of each of `legs`, and the rest position of the foot's tip in model space.
 pub fn feet<'a>(bones: &[Bone], legs: impl IntoIterator<Item = &'a Leg>) -> Vec<(usize, DVec3)> {
     legs.into_iter().map(|leg| (usize::from(leg.foot), bones[leg.foot as usize].to)).collect()
 }
 
-/// Evaluates a smooth periodic curve through `keys` (ascending phase in 0..1, and value) at `phase`. The pieces are
-/// cubic; the slope at a key is that of the line between its neighbours.
+/// Evaluates a smooth periodic curve at `phase`. `keys` are pairs of phase (0..1, ascending) and value. The curve is
+/// piecewise cubic; the slope at a key is that of the line between its two neighbours.
 pub fn cycle(keys: &[(f64, f64)], phase: f64) -> f64 {
     let n = keys.len() as i64;
     let key = |k: i64| {
@@ -121,7 +122,7 @@ pub fn wave(phase: f64, start: f64) -> f64 {
     libm::sin(2.0 * PI * (phase - start))
 }
 
-/// Returns `y + i z` of a vector.
+/// Returns a vector's projection onto the yz-plane, as the complex number `y + i z`.
 fn plane(v: DVec3) -> DVec2 {
     DVec2::new(v.y, v.z)
 }
@@ -140,17 +141,17 @@ impl Pose<'_> {
         Pose { bones, pitch_deg: vec![0.0; bones.len()], turns: vec![DQuat::IDENTITY; bones.len()], shift: DVec3::ZERO }
     }
 
-    /// Moves the root, metres.
+    /// Moves the root by `by`, metres.
     pub fn shift(&mut self, by: DVec3) {
         self.shift += by;
     }
 
-    /// Rotates a joint about x, degrees; positive lowers what points forwards.
+    /// Rotates a joint about x, degrees. Positive angles lower a bone that points forwards.
     pub fn pitch(&mut self, joint: u8, degrees: f64) {
         self.pitch_deg[joint as usize] += degrees;
     }
 
-    /// Rotates a joint about another axis, degrees; not for joints that carry a leg.
+    /// Rotates a joint about any axis, degrees. Not allowed for joints between the root and a foot.
     pub fn turn(&mut self, joint: u8, axis: DVec3, degrees: f64) {
         let own = &mut self.turns[joint as usize];
         *own = turn(axis, degrees) * *own;
@@ -169,7 +170,7 @@ impl Pose<'_> {
         }
     }
 
-    /// Bends a leg so that its foot reaches `foot`, or as near as the leg's length allows; returns the remaining
+    /// Bends a leg so that its foot reaches `foot`, or comes as near as the leg's length allows. Returns the remaining
     /// distance, metres.
     pub fn solve_leg(&mut self, leg: &Leg, foot: Foot) -> f64 {
         let radians = PI / 180.0;
@@ -178,7 +179,8 @@ impl Pose<'_> {
         let tip = plane(end.to) + DVec2::new(foot.up, foot.forwards);
         let heel = tip - turned(plane(end.to - end.from), foot.pitch_deg * radians);
 
-        // With its third bone bent, the lower leg is treated as a straight line from the middle joint to the foot's.
+        // The lower leg with its bent third bone is treated as one straight bone from the middle joint to the foot
+        // joint.
         let bent = foot.cannon_deg * radians;
         let below = match leg.cannon.map(bone) {
             Some(cannon) => plane(cannon.from - lower.from) + turned(plane(end.from - cannon.from), bent),
@@ -192,7 +194,7 @@ impl Pose<'_> {
         let way = heel - carrier;
         let (a, b, wanted) = (above.length(), below.length(), way.length());
         let distance = wanted.clamp((a - b).abs() * 1.001, (a + b) * 0.9999);
-        // The middle joint bends to the same side as at rest.
+        // The middle joint bends to the same side as in the rest pose.
         let side = above.perp_dot(plane(end.from - lower.from)).signum();
         let corner = libm::acos(((a * a + distance * distance - b * b) / (2.0 * a * distance)).clamp(-1.0, 1.0));
         let upper_turn = angle(way) - side * corner - angle(above);
@@ -215,8 +217,8 @@ impl Pose<'_> {
     }
 }
 
-/// Builds a clip of one cycle in `frames` even steps; `pose` bends the resting skeleton for a phase in 0..1. The last
-/// key equals the first.
+/// Builds a clip of one cycle with `frames` equal time steps. `pose` changes the rest pose for a phase in 0..1. The
+/// last key equals the first.
 pub fn clip(name: &str, bones: &[Bone], seconds: f64, frames: usize, pose: &dyn Fn(f64, &mut Pose<'_>)) -> Clip {
     let poses: Vec<Pose<'_>> = (0..=frames)
         .map(|k| {

@@ -1,4 +1,5 @@
-//! A small glTF 2.0 binary writer: one mesh of several primitives, at most one skin, linear and cubic-spline clips.
+//! A small glTF 2.0 binary writer. It supports one mesh of several primitives, at most one skin, and clips with linear
+//! or cubic-spline interpolation.
 
 use anyhow::{Context as _, ensure};
 use glam::{DVec3, DVec4};
@@ -8,7 +9,7 @@ use serde_json::{Value, json};
 /// Up to four joints with their weights, which sum to one.
 pub type Weights = [(u8, f64); 4];
 
-/// Model ready to be written.
+/// Model to be written as glTF.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Name of scene, mesh and node.
@@ -147,7 +148,8 @@ impl Primitive {
     }
 }
 
-/// Appends little-endian floats, with the bounds of `width`-tuples if `bounded`, as glTF requires for some accessors.
+/// Appends little-endian floats. If `bounded`, the accessor stores the minimum and maximum of the `width`-tuples, which
+/// glTF requires for some accessors.
 fn push_floats(buffer: &mut Buffer, values: &[f64], width: usize, target: Option<ViewTarget>, bounded: bool) -> usize {
     let floats: Vec<f32> = values.iter().map(|&x| x as f32).collect();
     let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -160,8 +162,8 @@ fn flat(vectors: &[DVec3]) -> Vec<f64> {
     vectors.iter().flat_map(DVec3::to_array).collect()
 }
 
-/// Quantises weights to 16-bit fractions that sum to exactly one; the rounding remainder is added to the largest, which
-/// comes first.
+/// Quantises weights to 16-bit fractions that sum to exactly one. The rounding remainder is added to the first weight,
+/// which is the largest.
 fn quantise_weights(weights: &Weights) -> [u16; 4] {
     let mut q = weights.map(|(_, w)| (w * 65535.0).round() as u16);
     let rest: u16 = q[1..].iter().sum();
@@ -188,7 +190,7 @@ impl Model {
             "materials": self.materials.iter().map(Material::to_json).collect::<Vec<_>>(),
         });
         if let Some(joints) = &self.skeleton {
-            // Joint j is node j + 1: the mesh's node comes first.
+            // Joint j is node j + 1, because the mesh's node comes first.
             let matrices: Vec<f64> = joints.iter().flat_map(|j| inverse_translation(j.world)).collect();
             let inverse = push_floats(&mut buffer, &matrices, 16, None, false);
             let joint_nodes: Vec<usize> = (1..=joints.len()).collect();

@@ -63,7 +63,7 @@ pub fn body() -> Body {
         body.add(ellipsoid(m(v(0.028, 0.0128, 0.085)), v(0.015, 0.0125, 0.022), DMat3::IDENTITY), 0.01, paw);
     }
 
-    // Ears: a leaf of three tapered plates with a rounded back, hollowed on its face.
+    // Ears: a leaf of three tapered plates with a rounded back, hollowed on the front.
     for side in [1.0, -1.0] {
         let [root, tip, facing] = ear(side);
         let along = tip - root;
@@ -95,17 +95,17 @@ fn fur_color(p: DVec3, n: DVec3) -> DVec3 {
     let dark = v(0.03, 0.022, 0.016);
     let rust = v(0.38, 0.19, 0.08);
 
-    // Darker along the spine, lighter down the flanks.
+    // Fur is darker along the spine and lighter down the flanks.
     let mut c = flank.lerp(back, ramp(-0.15, 0.7, n.y - 0.35 * n.z));
-    // Belly, inside of the legs, throat: pale where the surface faces down, or forward low on the body.
+    // Belly, inside of the legs and throat are pale: surfaces that face down, or face forward low on the body.
     let below = ramp(0.1, 0.75, -n.y) * ramp(0.3, 0.24, p.y);
     c = c.lerp(cream, below);
     let chest = ramp(0.35, 0.9, n.z) * ramp(0.036, 0.014, p.x.abs()) * ramp(0.25, 0.2, p.y) * ramp(0.02, 0.05, p.z);
     c = c.lerp(cream, chest * 0.85);
-    // Reddish breast and nape, as in brown hares.
+    // Breast and nape are reddish, as in brown hares.
     let breast = ramp(0.17, 0.21, p.y) * ramp(0.28, 0.24, p.y);
     c = c.lerp(rust, breast * 0.55);
-    // Head: pale lips and chin, pale ring round the eye.
+    // Lips, chin and a ring round the eye are pale.
     if p.y > 0.26 && p.y < 0.345 {
         c = c.lerp(cream, ramp(0.300, 0.286, p.y) * ramp(0.07, 0.1, p.z));
         let (centre, _) = eye(if p.x > 0.0 { 1.0 } else { -1.0 });
@@ -113,25 +113,25 @@ fn fur_color(p: DVec3, n: DVec3) -> DVec3 {
         c = c.lerp(cream, ramp(0.0245, 0.0175, ring) * 0.9);
         c = c.lerp(dark, ramp(0.0165, 0.0125, ring) * 0.8);
     }
-    // Ears: black tips, pale inside.
+    // Ears have black tips and a pale inside.
     if p.y > 0.345 {
         let [root, tip, facing] = ear(if p.x > 0.0 { 1.0 } else { -1.0 });
         let t = (p - root).dot(tip - root) / (tip - root).length_squared();
         c = c.lerp(v(0.62, 0.45, 0.36), ramp(0.2, 0.8, n.dot(facing)) * ramp(0.12, 0.3, t) * 0.85);
         c = c.lerp(dark, ramp(0.72, 0.86, t));
     }
-    // Tail: black above, white below.
+    // The tail is black above and white below.
     if p.z < -0.142 && p.y < 0.13 {
         let away = ramp(-0.142, -0.156, p.z);
         let light = v(0.85, 0.82, 0.76);
         c = c.lerp(light.lerp(dark, ramp(0.1, 0.55, n.y)), away);
     }
-    // Soles.
+    // Soles are slightly rust-coloured.
     c.lerp(rust, ramp(0.02, 0.008, p.y) * 0.4)
 }
 
-/// Returns the hair length at a point of the mesh surface as a share of the longest: short on the face, the ears and
-/// the feet, almost none round the eyes.
+/// Returns the hair length at a point of the mesh surface, relative to the longest hair. It is short on the face, the
+/// ears and the feet, and nearly 0 round the eyes.
 fn hair_length(p: DVec3) -> f64 {
     let mut length = 1.0;
     let mut shorten = |to: f64, share: f64| length += (f64::min(to, length) - length) * share;

@@ -41,7 +41,7 @@ pub const HEAD_ONLY: Weights = bound_to(HEAD);
 
 /// Duration of one hop of `Walk`, seconds.
 pub const HOP_S: f64 = 0.8;
-/// Distance covered by one hop of `Walk`, metres; the clip itself is in place.
+/// Distance covered by one hop of `Walk`, metres. The clip itself stays in place.
 pub const HOP_M: f64 = 0.48;
 
 fn bones() -> Vec<Bone> {
@@ -54,7 +54,7 @@ fn bones() -> Vec<Bone> {
         bone("hips", None, v(0.0, 0.075, -0.075), v(0.0, 0.09, -0.07)),
         bone("spine", Some(HIPS), v(0.0, 0.125, -0.055), v(0.0, 0.17, -0.03)),
         bone("chest", Some(SPINE), v(0.0, 0.175, 0.0), v(0.0, 0.215, 0.02)),
-        // A leaf joint, so that its breathing scale affects neither neck nor legs.
+        // The joint is a leaf, so the scale that animates breathing affects neither neck nor legs.
         bone("ribs", Some(CHEST), v(0.0, 0.165, 0.02), v(0.0, 0.185, 0.055)),
         bone("neck", Some(CHEST), v(0.0, 0.235, 0.035), v(0.0, 0.275, 0.05)),
         bone("head", Some(NECK), v(0.0, 0.295, 0.06), v(0.0, 0.3, 0.12)),
@@ -86,7 +86,7 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// Returns the feet: joint, and rest position of the foot's tip in the model.
+/// Returns each foot's joint, and the rest position of its tip in model space.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
 }
@@ -101,7 +101,7 @@ pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
     rig::weights(mesh, &bones(), 0.0032, 4)
 }
 
-/// Creates rotation keys about one axis: seconds and degrees.
+/// Creates rotation keys about one axis. `keys` are pairs of seconds and degrees.
 fn rotation_keys(joint: u8, axis: DVec3, keys: &[(f64, f64)]) -> Channel {
     rotations(joint, keys.iter().map(|&(t, degrees)| (t, turn(axis, degrees))))
 }
@@ -115,7 +115,8 @@ pub fn ear_breath() -> Clip {
     let bend = [(0.0, 0.0), (0.6, 4.0), (1.1, 0.0), (1.6, -7.0), (2.0, 0.0)];
     let nod = [(0.0, 0.0), (0.7, 1.5), (1.4, -1.0), (2.0, 0.0)];
     let wag = [(0.0, 0.0), (1.1, 0.0), (1.2, 10.0), (1.32, -8.0), (1.45, 0.0), (2.0, 0.0)];
-    // Cubic spline keys hold in-tangent, value, out-tangent; flat tangents at the turning points give even breathing.
+    // A cubic-spline key holds in-tangent, value and out-tangent. Tangents of zero at the turning points give even
+    // breathing.
     let breath = |x: f64| [[0.0; 3], [1.0 + x, 1.0 + 0.5 * x, 1.0 + x], [0.0; 3]];
     let ribs = [0.0, 0.045, 0.0, 0.045, 0.0];
     Clip {
@@ -138,15 +139,15 @@ pub fn ear_breath() -> Clip {
     }
 }
 
-/// Returns one hop, looping and in place. The hind feet push into the stretched leap, the forefeet land, and the hind
+/// Returns one hop that loops in place. The hind feet push off into the stretched leap, the forefeet land, and the hind
 /// feet swing past them on the outside. One hop covers [`HOP_M`] metres in [`HOP_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), HOP_S, 24, &hop)
 }
 
 fn hop(phase: f64, pose: &mut Pose<'_>) {
-    // The back: gathered and round at hind touchdown (phase 0), stretched in the leap (0.45), nose down on the
-    // forefeet.
+    // The back is round and gathered at hind touchdown (phase 0) and stretched in the leap (0.45). The nose is down
+    // while the forefeet land.
     let pitch = cycle(&[(0.0, 36.0), (0.2, 31.0), (0.36, 27.0), (0.5, 34.0), (0.66, 44.0), (0.84, 42.0)], phase);
     let bend = cycle(&[(0.0, 14.0), (0.2, 6.0), (0.4, -6.0), (0.6, 0.0), (0.8, 12.0)], phase);
     let height =
@@ -157,7 +158,8 @@ fn hop(phase: f64, pose: &mut Pose<'_>) {
     pose.pitch(SPINE, bend);
     pose.pitch(CHEST, bend + 6.0);
     let carried = pitch + 2.0 * bend + 6.0;
-    // The head keeps its height and looks ahead; the ears trail behind the motion of the back.
+    // The neck compensates part of the back's pitch, so that the head keeps its height and looks ahead. The ears trail
+    // behind the motion of the back.
     pose.pitch(NECK, 0.25 * (30.0 - carried));
     pose.pitch(HEAD, 0.75 * (14.0 - carried));
     let ears = cycle(&[(0.0, -52.0), (0.25, -40.0), (0.5, -62.0), (0.75, -48.0)], phase);

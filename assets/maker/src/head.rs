@@ -1,9 +1,10 @@
-//! The head: a study of a human head with neck and shoulders, life size and 0.38 m high, cut flat on the plane y = 0,
-//! facing +Z.
+//! The head: a study of a human head with neck and shoulders, life size and 0.38 m high. It is cut flat on the plane y
+//! = 0 and faces +Z.
 //!
-//! Made for hair: the scalp, the brows and the rims of the upper lids have separate materials. Measures are means of
-//! adult faces (Farkas 1994, "Anthropometry of the Head and Face"), between those of women and men. Vertex to chin is
-//! 0.23 m. Breadths: skull 0.15 m, cheekbones 0.132 m, jaw 0.1 m. The pupils are 0.063 m apart.
+//! The model is made for hair: the scalp, the brows and the rims of the upper lids have separate materials. Measures
+//! are means of adult faces (Farkas 1994, "Anthropometry of the Head and Face"), between those of women and men. The
+//! distance from vertex to chin is 0.23 m. Breadths: skull 0.15 m, cheekbones 0.132 m, jaw 0.1 m. The pupils are 0.063
+//! m apart.
 
 use glam::{DMat3, DVec3, DVec4, dvec2, dvec3 as v};
 
@@ -36,22 +37,23 @@ const EYE_RADIUS: f64 = 0.0127;
 /// Radius of the lids' outer side.
 const LID_RADIUS: f64 = 0.0143;
 
-/// Half the width of the opening between the lids, and its heights above and below the line between its corners.
+/// Half the width of the opening between the lids, and its heights above and below the line between its corners,
+/// metres.
 const LIDS: [f64; 3] = [0.0139, 0.0053, 0.0045];
 
-/// Comb direction of the sides of the nose, the ears and similar parts: down.
+/// Comb direction of the sides of the nose, the ears and similar parts: downwards.
 const DOWN: Comb = Comb::Along(DVec3::new(0.0, -1.0, -0.1));
 
-/// Returns a value below 0 between the lids of the nearer eye, seen from the front, metres. The opening is bounded by
-/// two arcs that meet in the corners of the eye.
+/// Returns a value that is negative between the lids of the nearer eye, seen from the front, metres. The opening is
+/// bounded by two arcs that meet in the corners of the eye.
 fn opening(p: DVec3) -> f64 {
     let [half, over, under] = LIDS;
     let q = dvec2(p.x.abs() - EYE_AT.x, p.y - EYE_AT.y);
-    // The outer corner is slightly higher.
+    // The outer corner is slightly higher than the inner one.
     almond(dvec2(-q.x, q.y - 0.055 * q.x), half, over, under)
 }
 
-/// Returns the depth of the line between the lips, metres.
+/// Returns the depth of the groove between the lips, metres.
 fn parting(p: DVec3) -> f64 {
     let x = p.x.abs() / MOUTH;
     if x > 1.2 || p.z < 0.06 {
@@ -68,7 +70,7 @@ fn field(body: &Body, p: DVec3) -> f64 {
     if at.length_squared() > 0.0009 || at.z < 0.0 {
         return d;
     }
-    // The fold over the upper lid, a groove.
+    // A groove forms the fold over the upper lid.
     let within = ramp(0.001, 0.004, at.y) * ramp(0.015, 0.01, at.x.abs()) * ramp(0.0, 0.004, at.z);
     let d = d + 0.0007 * bump(opening(p) - 0.0038, 0.0034) * within;
     let floor = (EYE_RADIUS - 0.0006 - at.length()).max(0.0035 - at.z);
@@ -80,7 +82,7 @@ fn field(body: &Body, p: DVec3) -> f64 {
 pub fn body() -> Body {
     let mut body = Body::empty(0.008);
     let hair = Comb::From(WHORL);
-    // Skull: vault, forehead, back of the head; face: the middle, the dental arch, the chin and the floor of the mouth.
+    // Skull: vault, forehead and back of the head. Face: middle, dental arch, chin and floor of the mouth.
     body.add(ellipsoid(v(0.0, 0.298, -0.012), v(0.0745, 0.082, 0.094), DMat3::IDENTITY), 0.02, hair);
     body.add(ellipsoid(v(0.0, 0.306, 0.03), v(0.0615, 0.058, 0.0575), DMat3::IDENTITY), 0.03, hair);
     body.add(ellipsoid(v(0.0, 0.255, -0.048), v(0.062, 0.058, 0.052), DMat3::IDENTITY), 0.03, hair);
@@ -100,7 +102,7 @@ pub fn body() -> Body {
     for side in [1.0, -1.0] {
         ear(&mut body, side);
     }
-    // The flat cut at the base.
+    // Cuts the base flat.
     body.carve(ellipsoid(v(0.0, -8.0, -0.03), DVec3::splat(8.0), DMat3::IDENTITY), 0.014, DOWN);
     body
 }
@@ -108,10 +110,10 @@ pub fn body() -> Body {
 /// Adds the cheekbone, the jaw and the muscles on them.
 fn bones(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
-    // Cheekbone and its arch to the ear.
+    // Cheekbone with its arch to the ear.
     body.add(cone(m(v(0.04, 0.244, 0.056)), 0.014, m(v(0.053, 0.249, 0.034)), 0.0115), 0.025, DOWN);
     body.add(cone(m(v(0.053, 0.249, 0.034)), 0.0115, m(v(0.0585, 0.252, 0.002)), 0.0085), 0.022, DOWN);
-    // Jaw: from the ear to its angle and on to the chin; the cheek over it.
+    // Jaw, from the ear to its angle and on to the chin; then the cheek over it.
     body.add(cone(m(v(0.0535, 0.238, -0.003)), 0.0105, m(v(0.038, 0.191, 0.01)), 0.0115), 0.025, DOWN);
     body.add(cone(m(v(0.038, 0.191, 0.01)), 0.0115, m(v(0.01, 0.164, 0.068)), 0.0115), 0.025, DOWN);
     body.add(ellipsoid(m(v(0.037, 0.217, 0.031)), v(0.0205, 0.033, 0.03), pitch(0.2, 1.0)), 0.025, DOWN);
@@ -127,8 +129,8 @@ fn neck(body: &mut Body) {
     body.add(ellipsoid(v(0.0, -0.008, -0.04), v(0.145, 0.08, 0.072), DMat3::IDENTITY), 0.05, DOWN);
     for side in [1.0, -1.0] {
         let out = Comb::Along(m(side, v(0.8, -0.6, 0.0)));
-        // Trapezius, from the back of the head over the shoulder; shoulder; collar bone; the muscle from behind the ear
-        // to the breastbone.
+        // Trapezius (from the back of the head over the shoulder), shoulder, collar bone, and the muscle from behind
+        // the ear to the breastbone.
         body.add(cone(m(side, v(0.02, 0.19, -0.056)), 0.022, m(side, v(0.045, 0.086, -0.066)), 0.026), 0.035, DOWN);
         body.add(cone(m(side, v(0.045, 0.085, -0.065)), 0.026, m(side, v(0.14, 0.034, -0.052)), 0.025), 0.045, out);
         body.add(ellipsoid(m(side, v(0.155, -0.012, -0.046)), v(0.044, 0.06, 0.05), DMat3::IDENTITY), 0.04, out);
@@ -160,7 +162,7 @@ fn orbit(body: &mut Body, side: f64) {
     ];
     body.add(chain(&brow.map(|(p, r)| (m(p), r)), 3), 0.016, DOWN);
     body.carve(ellipsoid(m(v(0.0325, 0.266, 0.089)), v(0.0215, 0.0115, 0.0165), DMat3::IDENTITY), 0.016, DOWN);
-    // Soft tissue in the socket round the eye, and the lids over it.
+    // Soft tissue in the socket round the eye, and the lids over the eye.
     let soft = m(EYE_AT + v(0.0035, -0.0005, -0.0045));
     body.add(ellipsoid(soft, v(0.0205, 0.0135, 0.0125), DMat3::IDENTITY), 0.008, DOWN);
     body.add(ellipsoid(m(EYE_AT), DVec3::splat(LID_RADIUS), DMat3::IDENTITY), 0.005, DOWN);
@@ -181,7 +183,7 @@ fn nose(body: &mut Body) {
     body.carve(cone(v(0.0, 0.2125, 0.0955), 0.002, v(0.0, 0.205, 0.0955), 0.0026), 0.006, DOWN);
 }
 
-/// Half the width of the mouth.
+/// Half the width of the mouth, metres.
 const MOUTH: f64 = 0.0265;
 
 fn lips(body: &mut Body) {
@@ -206,9 +208,10 @@ fn lips(body: &mut Body) {
     body.carve(ellipsoid(v(0.0, 0.1765, 0.0955), v(0.017, 0.0045, 0.011), DMat3::IDENTITY), 0.014, DOWN);
 }
 
-/// Returns an ear's frame: its centre, and as columns the directions to the front, up and out of its face.
+/// Returns the frame of an ear: its centre, and a matrix with the columns front, up and outward (normal to the plane of
+/// the ear).
 fn ear_frame(side: f64) -> (DVec3, DMat3) {
-    // The ear's plane is angled off the skull by a quarter of a right angle, and leans back.
+    // The ear's plane is turned off the skull by a quarter of a right angle, and leans back.
     let up = v(0.1, 0.97, -0.22).normalize();
     let out = v(0.87, -0.05, 0.46);
     let out = (out - up * out.dot(up)).normalize();
@@ -224,7 +227,7 @@ fn ear(body: &mut Body, side: f64) {
     let leaf = |a, ra, b, rb| Solid::Leaf { a, b, ra, rb, normal: axes.z_axis, rim: 0.0026 };
     body.add(leaf(at(-0.001, 0.012, -0.002), 0.0165, at(0.006, -0.02, -0.002), 0.0085), 0.004, DOWN);
     body.add(ellipsoid(at(0.006, 0.0, -0.009), v(0.012, 0.02, 0.01), axes), 0.008, DOWN);
-    // Rim, from the bowl over the top to the lobe; the fold inside it.
+    // Rim, from the bowl over the top to the lobe; then the fold inside the rim.
     let rim = [
         (at(0.011, 0.003, 0.001), 0.0022),
         (at(0.0145, 0.014, 0.002), 0.0026),
@@ -245,7 +248,7 @@ fn ear(body: &mut Body, side: f64) {
         (at(-0.001, -0.0145, 0.0025), 0.0028),
     ];
     body.add(chain(&fold, 3), 0.003, DOWN);
-    // Bowl, and the flap in front of it.
+    // Bowl, and the flap of skin in front of it.
     body.carve(ellipsoid(at(0.002, -0.001, 0.0045), v(0.0075, 0.0095, 0.0068), axes), 0.003, DOWN);
     body.add(ellipsoid(at(0.012, -0.006, 0.0005), v(0.0042, 0.0058, 0.004), axes), 0.004, DOWN);
 }
@@ -257,8 +260,8 @@ fn to_ear(p: DVec3) -> f64 {
     ((q - v(0.0, 0.002, 0.0)) / v(0.0205, 0.034, 0.017)).length() * 0.02 - 0.02
 }
 
-/// Returns the greatest edge length at a point, metres: small near the eyes, the brows and the mouth, whose outlines
-/// define a face.
+/// Returns the greatest edge length at a point, metres. It is small near the eyes, the brows and the mouth, whose
+/// outlines define a face.
 fn fineness(p: DVec3) -> f64 {
     let to = |at: DVec3| (v(p.x.abs(), p.y, p.z) - at).length();
     let grow = |finest: f64, distance: f64| finest + 0.3 * distance.max(0.0);
@@ -276,9 +279,9 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     body::mesh(&surface, bounds, 0.0022, sizing, Keep::Largest)
 }
 
-/// Returns a value below 0 where hair grows on the skull.
+/// Returns a value that is negative where hair grows on the skull.
 fn scalp(p: DVec3) -> f64 {
-    // Height of the hairline as a function of the cosine of the angle round the head, from the nape to the forehead.
+    // The hairline's height is a function of the cosine of the angle round the head, from the nape to the forehead.
     let z = p.z + 0.012;
     let around = z / (p.x * p.x + z * z).sqrt().max(1e-6);
     let line = [
@@ -302,19 +305,19 @@ fn scalp(p: DVec3) -> f64 {
     (height - p.y).max(0.004 - to_ear(p))
 }
 
-/// Returns the distance to the brows (tapering arches) seen from the front, metres.
+/// Returns the distance to the brows, seen from the front, metres. The brows are tapering arches.
 fn brow_distance(p: DVec3) -> f64 {
     let line = [(0.0138, 0.2868, 0.0031), (0.0265, 0.2905, 0.0038), (0.041, 0.291, 0.003), (0.0545, 0.2838, 0.001)];
     let line = Solid::Chain { line: curve(&line.map(|(x, y, r)| (v(x, y, 0.0), r)), 4) };
     line.distance(v(p.x.abs(), p.y, 0.0))
 }
 
-/// Returns a value below 0 on the brows.
+/// Returns a value that is negative on the brows.
 fn brow(p: DVec3) -> f64 {
     brow_distance(p).max(0.03 - p.z)
 }
 
-/// Returns a value below 0 on the rim of an upper lid, 2 mm wide.
+/// Returns a value that is negative on the rim of an upper lid, which is 2 mm wide.
 fn lash(p: DVec3) -> f64 {
     let q = v(p.x.abs(), p.y, p.z) - EYE_AT;
     let over = 0.0012 + 0.1 * q.x.abs() - q.y;
@@ -326,7 +329,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let surface = |p: DVec3| field(body, p);
     let mut regions = Regions::new(mesh);
     regions.paint(SCALP, &scalp, &surface);
-    // The mesh is also cut along the border of the red of the lips; both sides keep the skin's material.
+    // Cuts the mesh along the border of the red of the lips; both sides keep the skin's material.
     regions.paint(LIPS, &|p| -lips_border(p), &surface);
     for material in &mut regions.materials {
         *material = if *material == LIPS { SKIN } else { *material };
@@ -336,7 +339,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     mirror_half(regions, &surface)
 }
 
-/// Returns the distance of a point inside the red of the lips to its border, metres; negative outside.
+/// Returns the signed distance to the border of the red of the lips, metres; positive inside.
 fn lips_border(p: DVec3) -> f64 {
     let x = p.x.abs() / MOUTH;
     let arch = 1.0 - x * x;
@@ -350,13 +353,13 @@ fn color(material: usize, p: DVec3) -> DVec4 {
     let (skin, red, lip) = (v(0.62, 0.37, 0.27), v(0.62, 0.24, 0.17), v(0.45, 0.155, 0.13));
     let near = |at: DVec3, radius: f64| ramp(radius, 0.25 * radius, (v(p.x.abs(), p.y, p.z) - at).length());
     let mut color = skin;
-    // Warmer where blood is near the surface: cheeks, tip of the nose, ears, chin.
+    // Cheeks, tip of the nose, ears and chin are redder, because blood is near the surface.
     color = color.lerp(red, 0.3 * near(v(0.042, 0.226, 0.062), 0.032));
     color = color.lerp(red, 0.3 * near(v(0.0, 0.226, 0.11), 0.016));
     color = color.lerp(red, 0.35 * ramp(0.003, -0.006, to_ear(p)));
     color = color.lerp(red, 0.12 * near(v(0.0, 0.165, 0.085), 0.02));
     color = color.lerp(lip, ramp(-0.0003, 0.0007, lips_border(p)));
-    // Darker in the nostrils and between the lids, to imitate hairs and depth.
+    // Nostrils and the gap between the lids are darker, to imitate hairs and depth.
     color = color.lerp(v(0.1, 0.035, 0.025), 0.8 * near(v(0.0064, 0.218, 0.0955), 0.005));
     if p.z > 0.05 {
         color = color.lerp(v(0.36, 0.17, 0.13), 0.45 * ramp(0.0016, 0.0, opening(p)));

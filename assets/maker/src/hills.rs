@@ -1,9 +1,9 @@
 //! The hills: a landscape for ink in the shan shui style. Three ridges of steep round peaks rise one behind another,
-//! behind gentle ground with a path. 1 unit is 1 m; y is up.
+//! beyond gentle ground with a path. One unit is 1 m; y is up.
 //!
-//! Animals walk on the path, along x. It crosses the whole ground from x = -40 to 40 near z = 0, flat at y = 0 for |z|
-//! < 1.6. The scene is viewed from +z. The ridges: `near` around z = -24 up to 9 m, `middle` around z = -60 up to 24 m,
-//! `far` around z = -125 up to 46 m. Every ridge is closed and reaches below the ground.
+//! Animals walk along x on the path, which crosses the whole ground from x = -40 to 40 near z = 0. The ground is flat
+//! at y = 0 for |z| < 1.6. The scene is viewed from +z. Ridges: `near` around z = -24 up to 9 m, `middle` around z =
+//! -60 up to 24 m, `far` around z = -125 up to 46 m. Every ridge is closed and reaches below the ground.
 
 use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
@@ -29,12 +29,12 @@ struct Ridge {
     behind: f64,
     /// Depth and width of the folds in the rock, metres.
     fold: (f64, f64),
-    /// Size of the box: half its width, height and half its depth, metres.
+    /// Size of the bounding box: half its width, its height and half its depth, metres.
     size: DVec3,
     /// Cell size of the first mesh, metres.
     cell: f64,
     sizing: Sizing,
-    /// Peaks: x, z relative to the ridge's centre, height and radius at the foot, metres.
+    /// Peaks: x, and z relative to the ridge's centre; height; radius at the foot. All in metres.
     peaks: &'static [[f64; 4]],
 }
 
@@ -105,7 +105,8 @@ const FAR: Ridge = Ridge {
     ],
 };
 
-/// Returns smooth noise in about -1..1, with bumps of about one unit: three sines in crossed directions.
+/// Returns smooth noise of about -1..1 with features about one unit wide: the sum of three sines in different
+/// directions.
 fn uneven(p: DVec3) -> f64 {
     let sine = |x: f64| libm::sin(x);
     let a = sine(1.31 * p.x + 0.7 * p.y + 0.4 * sine(0.9 * p.z + 1.3));
@@ -119,7 +120,8 @@ impl Ridge {
         let mut body = Body::empty(self.cell);
         let down = Comb::Along(v(0.0, -1.0, 0.0));
         for (k, &[x, before, height, radius]) in self.peaks.iter().enumerate() {
-            // A steep shaft that leans slightly, a round head, a lower shoulder on one side, and a widening foot.
+            // A peak is a steep shaft that leans slightly, with a round head, a lower shoulder on one side, and a
+            // widening foot.
             let z = before - self.behind;
             let side = if k % 2 == 0 { 1.0 } else { -1.0 };
             let lean = v(0.12 * side * radius, 0.0, -0.05 * radius);
@@ -136,7 +138,7 @@ impl Ridge {
         body
     }
 
-    /// Returns the signed distance to the rock: the peaks with downward folds, cut off below the ground.
+    /// Returns the signed distance to the rock: the peaks with folds that run downwards, cut off below the ground.
     fn distance(&self, body: &Body, p: DVec3) -> f64 {
         let (depth, width) = self.fold;
         // Folds are elongated downwards, and fade out at the foot.
@@ -167,20 +169,21 @@ impl Ridge {
     }
 }
 
-/// Returns the rock colour, linear RGB: pale at the foot, where mist is, darker towards the top and on steep rock.
+/// Returns the rock colour, linear RGB. Rock is pale at the foot, where mist is, and darker towards the top and where
+/// it is steep.
 fn rock(p: DVec3, n: DVec3, high: f64) -> DVec4 {
     let dark = 0.55 + 0.45 * ramp(0.8, 0.1, n.y);
     let mist = ramp(0.35 * high, 0.0, p.y);
     DVec3::splat((0.62 - 0.42 * dark).max(0.05)).lerp(DVec3::splat(0.8), mist).extend(1.0)
 }
 
-/// Returns the middle of the path at `x`, metres.
+/// Returns z of the path's centre line at `x`, metres.
 fn path_middle(x: f64) -> f64 {
     0.35 * libm::sin(0.21 * x + 0.6) + 0.2 * libm::sin(0.53 * x)
 }
 
-/// Returns the height of the ground, metres: flat on the path, a hand lower in front of it, gentle waves rising towards
-/// the hills.
+/// Returns the height of the ground, metres. It is 0 on the path, about 0.2 lower in front of it, and rises in gentle
+/// waves towards the hills.
 fn ground_height(x: f64, z: f64) -> f64 {
     let away = ramp(1.6, 7.0, z.abs());
     let waves = uneven(v(0.16 * x, 0.0, 0.21 * z)) + 0.25 * uneven(v(0.7 * x, 3.0, 0.8 * z));

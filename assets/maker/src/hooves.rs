@@ -17,7 +17,7 @@ pub const fn leg(first: u8) -> Leg {
 pub struct Pair<'a> {
     /// Index of the parent bone.
     pub parent: u8,
-    /// Joints of the left leg from above, then the front end of the hoof, metres.
+    /// Joints of the left leg from top to bottom, then the front end of the hoof, metres.
     pub joints: &'a [DVec3; 5],
     /// Radius of the flesh around each bone, metres.
     pub thickness: [f64; 4],
@@ -42,36 +42,36 @@ pub fn add_legs(bones: &mut Vec<Bone>, fore: &Pair<'_>, hind: &Pair<'_>) {
     }
 }
 
-/// Touchdown phases of the hooves: forelegs, then hind legs; left, then right.
+/// Touchdown phases of the hooves: first index fore or hind, second index left or right.
 pub type Touches = [[f64; 2]; 2];
 
-/// Walk of four overlapping beats: left hind, left fore, right hind, right fore.
+/// Touchdowns of a walk, whose four beats overlap: left hind, left fore, right hind, right fore.
 pub const WALK: Touches = [[0.25, 0.75], [0.0, 0.5]];
-/// Gallop: the hind legs one after the other, then the forelegs, then a phase with all four in the air.
+/// Touchdowns of a gallop: the hind legs one after the other, then the forelegs, then all four hooves are in the air.
 pub const GALLOP: Touches = [[0.34, 0.49], [0.0, 0.13]];
 
-/// Fraction of the cycle on the ground that the keys of tilt and bend assume.
+/// Duty factor for which the keys of tilt and bend are written.
 const KEYED_DUTY: f64 = 0.62;
 
 /// Gait of an animal.
 pub struct Gait {
     /// Touchdown phases of the hooves.
     pub touches: Touches,
-    /// Fraction of the cycle that each hoof is on the ground.
+    /// Fraction of the cycle during which each hoof is on the ground.
     pub duty: f64,
     /// Distance covered in a cycle, metres.
     pub stride: f64,
-    /// Forward offset from rest at touchdown, metres.
+    /// Forward offset of a hoof from rest at touchdown, metres.
     pub front: f64,
-    /// Height to which hooves are lifted, metres.
+    /// Greatest height of a hoof while it is in the air, metres.
     pub lift: f64,
-    /// Tilt of a hoof just after it leaves the ground, and later, degrees.
+    /// Tilt of a hoof just after it leaves the ground and later in the air, degrees.
     pub tilt: [f64; 2],
-    /// Bend of the cannon of a foreleg and of a hind leg in the air, degrees.
+    /// Bend of the cannon while the hoof is in the air, of a foreleg and of a hind leg, degrees.
     pub bend: [f64; 2],
 }
 
-/// Moves the legs of a pose, fore and hind, according to a gait.
+/// Moves the forelegs and hind legs of a pose according to a gait.
 pub fn apply_gait(phase: f64, pose: &mut Pose<'_>, [fore, hind]: [[Leg; 2]; 2], gait: &Gait) {
     let ([fore_bend, hind_bend], [fore_touches, hind_touches]) = (gait.bend, gait.touches);
     for (legs, bend, touches) in [

@@ -1,8 +1,8 @@
 //! Writes the models of this project: `cargo run -p pelage-assets -- [--out DIR] [--preview DIR] [--only NAME]`.
 //!
-//! `--out` (default: `assets` of this checkout) receives hare.glb and the other models in `models`, zebra.png and the
-//! other patterns in `patterns`. `--preview` receives a picture of each model and of each of its clips. `--only` makes
-//! one model and no pattern. Statistics of the models go to stdout.
+//! `--out` (default: `assets` of this checkout) receives models such as hare.glb in `models`, and patterns such as
+//! zebra.png in `patterns`. `--preview` receives a picture of each model and of each of its clips. `--only` makes one
+//! model and no patterns. Statistics of the models go to stdout.
 
 use std::path::PathBuf;
 

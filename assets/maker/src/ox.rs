@@ -1,8 +1,8 @@
 //! The ox: a water buffalo, 1.45 m at the withers and 2.7 m long without its tail, on the plane y = 0, facing +Z. Its
-//! walking posture is low, with the head forward and the horns swept back.
+//! posture is low, with the head forward and the horns swept back.
 //!
-//! Made for ink: the outline identifies it. Belly, dewlap and withers are heavy against thin legs, which are separate
-//! in every view.
+//! The model is made for ink, so its outline identifies it. Belly, dewlap and withers are heavy against thin legs,
+//! which are separate in every view.
 
 use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 
@@ -30,7 +30,7 @@ const NOSE: DVec3 = DVec3::new(0.0, 0.64, 1.74);
 
 /// Returns the centre line and radius of a horn, from inside the head to its tip.
 fn horn(side: f64) -> Vec<(DVec3, f64)> {
-    // A crescent that leaves the head sideways and turns back and up, clear of the neck.
+    // A horn is a crescent that leaves the head sideways and turns back and up, clear of the neck.
     let line = [
         (v(0.06, 1.09, 1.26), 0.072),
         (v(0.25, 1.15, 1.2), 0.066),
@@ -42,7 +42,7 @@ fn horn(side: f64) -> Vec<(DVec3, f64)> {
     curve(&line, 3).into_iter().map(|(p, radius)| (on_side(side, p), radius)).collect()
 }
 
-/// Returns the distance to the horns, metres, without the part inside the head.
+/// Returns the distance to the horns outside the head, metres.
 pub fn to_horns(p: DVec3) -> f64 {
     let near = [1.0, -1.0].into_iter().flat_map(|side| {
         let line = horn(side);
@@ -63,14 +63,14 @@ pub fn body() -> Body {
     let down = Comb::Along(v(0.0, -1.0, -0.15));
     let face = Comb::From(NOSE);
 
-    // Trunk: barrel, belly, withers, croup and the points of the hips.
+    // Trunk: barrel, belly, withers, croup and hip bones.
     body.add(cone(v(0.0, 0.98, 0.42), 0.36, v(0.0, 0.95, -0.55), 0.36), 0.1, back);
     body.add(ellipsoid(v(0.0, 0.88, -0.08), v(0.43, 0.36, 0.62), DMat3::IDENTITY), 0.15, back);
     body.add(ellipsoid(v(0.0, 1.2, 0.44), v(0.13, 0.26, 0.36), pitch(-0.1, 1.0)), 0.16, back);
     body.add(ellipsoid(v(0.0, 1.12, -0.62), v(0.2, 0.2, 0.34), pitch(-0.25, 1.0)), 0.16, back);
     body.add(ellipsoid(v(0.0, 0.84, 0.62), v(0.24, 0.3, 0.26), DMat3::IDENTITY), 0.14, down);
 
-    // Neck, low, and the fold under the throat.
+    // Low neck, and the fold under the throat.
     body.add(cone(v(0.0, 1.08, 0.6), 0.25, v(0.0, 1.01, 1.12), 0.165), 0.14, Comb::Along(v(0.0, -0.2, -1.0)));
     body.add(ellipsoid(v(0.0, 0.84, 0.86), v(0.075, 0.2, 0.26), pitch(-0.5, 1.0)), 0.12, down);
 
@@ -143,7 +143,7 @@ fn hoof(body: &mut Body, fetlock: DVec3, toe: DVec3) {
     let middle = v(toe.x, 0.0, toe.z - 0.06);
     body.add(cone(fetlock, 0.056, middle + v(0.0, 0.075, 0.0), 0.06), 0.03, down);
     body.add(cone(middle + v(0.0, 0.062, -0.012), 0.064, middle + v(0.0, 0.046, 0.022), 0.068), 0.02, down);
-    // Flat at the bottom: cut by the ground.
+    // The ground plane cuts the hoof flat.
     body.carve(ellipsoid(middle + v(0.0, -0.6, 0.0), DVec3::splat(0.6), DMat3::IDENTITY), 0.006, down);
 }
 
@@ -165,13 +165,13 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     let mut regions = Regions::new(mesh);
     regions.paint(HORN, &|p| to_horns(p) - 0.012, &surface);
     regions.paint(HOOF, &|p| p.y - 0.088, &surface);
-    // The end of the nose, perpendicular to its bridge.
+    // The end of the nose is bounded by a plane perpendicular to the bridge of the nose.
     regions.paint(MUZZLE, &|p| (p - v(0.0, 0.79, 1.57)).dot(v(0.0, 0.646, -0.763)), &surface);
     regions
 }
 
-/// Returns the hide's colour, linear RGB, and its hair length as a share of the longest: grey-black, paler on the legs
-/// below the knees.
+/// Returns the hide's linear colour and, as fourth component, its hair length relative to the longest hair. The hide is
+/// grey-black, and paler below the knees.
 fn hide(p: DVec3, n: DVec3) -> DVec4 {
     let (dark, pale) = (v(0.075, 0.068, 0.064), v(0.26, 0.23, 0.2));
     let mut color = dark.lerp(v(0.13, 0.115, 0.105), ramp(-0.2, 0.8, n.y) * ramp(0.6, 1.2, p.y));

@@ -42,7 +42,7 @@ pub const HIND_LEG: [DVec3; 5] = [
     DVec3::new(0.205, 0.0, -0.555),
 ];
 
-/// Root, two bends and end of the tail, above its tuft.
+/// Root, two bends and end of the tail's bones, metres. The tuft continues below the end.
 pub const TAIL: [DVec3; 4] = [
     DVec3::new(0.0, 1.2, -0.93),
     DVec3::new(0.0, 1.0, -1.06),
@@ -52,7 +52,7 @@ pub const TAIL: [DVec3; 4] = [
 
 /// Duration of one cycle of `Walk`, seconds.
 pub const CYCLE_S: f64 = 1.6;
-/// Distance covered by one cycle of `Walk`, metres; the clip itself is in place.
+/// Distance covered by one cycle of `Walk`, metres. The clip itself stays in place.
 pub const CYCLE_M: f64 = 1.1;
 
 fn bones() -> Vec<Bone> {
@@ -79,7 +79,7 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// Returns the feet: joint, and rest position of the foot's tip in the model.
+/// Returns each foot's joint, and the rest position of its tip in model space.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
 }
@@ -89,7 +89,7 @@ pub fn skeleton() -> Vec<Joint> {
     rig::skeleton(&bones())
 }
 
-/// Returns the skin weights for the vertices of `mesh`; where `is_horn`, vertices are bound to the head.
+/// Returns the skin weights for the vertices of `mesh`. Vertices for which `is_horn` is true are bound to the head.
 pub fn weights(mesh: &TriMesh, is_horn: &dyn Fn(DVec3) -> bool) -> Vec<Weights> {
     let mut weights = rig::weights(mesh, &bones(), 0.02, 5);
     for (own, &p) in weights.iter_mut().zip(&mesh.positions) {
@@ -100,14 +100,15 @@ pub fn weights(mesh: &TriMesh, is_horn: &dyn Fn(DVec3) -> bool) -> Vec<Weights> 
     weights
 }
 
-/// Returns a walk of four beats, looping and in place: left hind, left fore, right hind, right fore. One cycle covers
+/// Returns a walk of four beats that loops in place: left hind, left fore, right hind, right fore. One cycle covers
 /// [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), CYCLE_S, 32, &stride)
 }
 
 fn stride(phase: f64, pose: &mut Pose<'_>) {
-    // Twice a cycle the weight sinks onto a pair of legs; the back follows slightly, the heavy head more and later.
+    // Twice a cycle, the weight sinks onto a pair of legs. The back follows slightly; the heavy head follows more, and
+    // later.
     let beat = |start: f64| wave(2.0 * phase, start);
     pose.shift(DVec3::new(0.0, -0.035 + 0.012 * beat(0.1), 0.01 * beat(0.3)));
     pose.pitch(HIPS, 0.8 * beat(0.2));

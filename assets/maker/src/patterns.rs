@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// Width and height, texels.
 pub const SIDE: u32 = 192;
 
-/// Returns black stripes across white, wavy, of uneven width and occasionally forked.
+/// Returns wavy black stripes on white, of uneven width and occasionally forked.
 pub fn zebra() -> RgbImage {
     paint(|p| {
         let wave = 0.20 * libm::sin(TAU * p.y)
@@ -20,7 +20,7 @@ pub fn zebra() -> RgbImage {
     })
 }
 
-/// Returns a tabby pattern: narrow brown stripes across tan, wavy, of uneven width and occasionally interrupted.
+/// Returns a tabby pattern: narrow, wavy brown stripes on tan, of uneven width and occasionally interrupted.
 pub fn tabby() -> RgbImage {
     paint(|p| {
         let wave = 0.10 * libm::sin(TAU * p.y)
@@ -41,7 +41,8 @@ pub fn all() -> [(&'static str, RgbImage); 3] {
 
 /// Returns dark spots of uneven size on white.
 pub fn spots() -> RgbImage {
-    // One spot at a random position in each cell of a grid: even enough to look natural, never a visible square.
+    // Each cell of a grid has one spot at a random position. The spots are even enough to look natural, and the grid
+    // stays invisible.
     const CELLS: i64 = 7;
     let spot = |x: i64, y: i64| {
         let key = (x.rem_euclid(CELLS) * CELLS + y.rem_euclid(CELLS)) as u64;
@@ -59,7 +60,7 @@ pub fn spots() -> RgbImage {
         let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy)));
         let inside = around.map(|(dx, dy)| {
             let (place, radius, turn) = spot(q.x.floor() as i64 + dx, q.y.floor() as i64 + dy);
-            // Not quite round: an egg shape at a random angle.
+            // Spots are egg-shaped, at random angles.
             let way = q - place;
             let angle = libm::atan2(way.y, way.x) + turn;
             let radius = radius * (1.0 + 0.14 * libm::cos(2.0 * angle) + 0.06 * libm::cos(3.0 * angle + turn));

@@ -1,8 +1,8 @@
-//! The pony: a stocky pony of the Shetland type, 1 m high at the withers, standing square on the plane y = 0, facing
+//! The pony: a stocky pony of the Shetland type, 1 m high at the withers, standing square on the plane y = 0 and facing
 //! +Z.
 //!
-//! Made for long hair over short fur. Where mane, forelock and tail grow, the mesh has separate materials that look
-//! like the rest.
+//! The model is made for long hair over short fur. Where mane, forelock and tail grow, the mesh has separate materials
+//! of the same appearance as the fur around them.
 
 use glam::{DMat3, DVec3, DVec4, dvec2, dvec3 as v};
 
@@ -26,17 +26,17 @@ const EYE: usize = 5;
 
 /// Poll, between the ears: origin of the head's coordinates.
 const POLL: DVec3 = DVec3::new(0.0, 1.225, 0.6);
-/// Unit direction from the poll along the face, and out of the forehead.
+/// Unit direction along the face, from the poll to the nose.
 const ALONG: DVec3 = DVec3::new(0.0, -0.743, 0.669_294_4);
 const OUT: DVec3 = DVec3::new(0.0, 0.669_294_4, 0.743);
 
-/// Returns a point of the head from its coordinates: sideways, along the face from the poll, and out of the forehead,
-/// metres.
+/// Returns a point of the head from its head coordinates, metres: sideways, along the face from the poll, and out of
+/// the forehead.
 fn head(x: f64, s: f64, t: f64) -> DVec3 {
     POLL + v(x, 0.0, 0.0) + ALONG * s + OUT * t
 }
 
-/// Returns the head's coordinates of a point.
+/// Returns the head coordinates of a point.
 fn on_head(p: DVec3) -> DVec3 {
     v(p.x, (p - POLL).dot(ALONG), (p - POLL).dot(OUT))
 }
@@ -58,7 +58,7 @@ fn gaze(side: f64) -> DVec3 {
     (v(side, 0.0, 0.0) + ALONG * 0.2 + OUT * 0.32).normalize()
 }
 
-/// Returns the line of the crest from the withers to the poll, with the radius of the fat under it.
+/// Returns the curve of the crest from the withers to the poll, with the radius of the fat under it.
 fn crest() -> Vec<(DVec3, f64)> {
     let line = [
         (v(0.0, 0.925, 0.1), 0.03),
@@ -70,12 +70,12 @@ fn crest() -> Vec<(DVec3, f64)> {
     curve(&line, 4)
 }
 
-/// Returns the dock, from inside the croup to its end.
+/// Returns the curve of the dock, from inside the croup to the end of the dock.
 fn dock() -> Vec<(DVec3, f64)> {
     curve(&pony_rig::TAIL.map(|(p, radius)| (p, radius)), 3)
 }
 
-/// Returns the distance to a line of round cones, metres.
+/// Returns the distance to a chain of round cones, metres.
 fn to_line(line: Vec<(DVec3, f64)>, p: DVec3) -> f64 {
     Solid::Chain { line }.distance(p)
 }
@@ -86,7 +86,7 @@ fn field(body: &Body, p: DVec3) -> f64 {
     if p.z < 0.5 || p.y < 0.8 {
         return d;
     }
-    // The mouth: a fold between the lips.
+    // The mouth is a groove between the lips.
     let q = on_head(p);
     let d = d + 0.0035 * bump(q.z - MOUTH, 0.013) * ramp(0.345, 0.37, q.y);
     // Between the lids, the surface recedes behind the eyeball.
@@ -98,11 +98,11 @@ fn field(body: &Body, p: DVec3) -> f64 {
     smooth_max(d, -hole, 0.003)
 }
 
-/// Height of the line between the lips, out of the forehead in the head's coordinates.
+/// Height of the groove between the lips in head coordinates: component out of the forehead, metres.
 const MOUTH: f64 = -0.0375;
 
-/// Returns a value below 0 between the lids of the nearer eye, metres, and the point in that eye's frame: to the front,
-/// up, and out along its gaze.
+/// Returns a value that is negative between the lids of the nearer eye, metres. Also returns the point in that eye's
+/// frame: to the front, up, and out along the gaze.
 fn opening(p: DVec3) -> (f64, DVec3) {
     let (centre, _) = eye(1.0);
     let out = gaze(1.0);
@@ -134,12 +134,12 @@ fn trunk(body: &mut Body) {
     body.add(ellipsoid(v(0.0, 0.91, 0.14), v(0.06, 0.085, 0.2), pitch(0.06, 1.0)), 0.11, back);
     body.add(cone(v(0.0, 0.85, 0.08), 0.1, v(0.0, 0.852, -0.3), 0.115), 0.1, back);
     body.add(ellipsoid(v(0.0, 0.812, -0.335), v(0.165, 0.172, 0.215), pitch(-0.2, 1.0)), 0.1, back);
-    // Neck, flattened at the sides, and its crest.
+    // Neck, flattened at the sides, with its crest.
     let neck = Comb::Along(v(0.0, -0.75, -0.66));
     body.add(oval(v(0.0, 0.86, 0.27), 0.182, v(0.0, 0.99, 0.435), 0.146, 0.52), 0.12, neck);
     body.add(oval(v(0.0, 0.99, 0.435), 0.146, v(0.0, 1.12, 0.555), 0.112, 0.52), 0.04, neck);
     body.add(Solid::Chain { line: crest() }, 0.06, Comb::Along(v(0.0, -0.8, -0.6)));
-    // From the throat down to the breast.
+    // Underside of the neck, from the throat down to the breast.
     body.add(oval(v(0.0, 0.92, 0.43), 0.12, v(0.0, 0.7, 0.33), 0.12, 0.75), 0.08, neck);
     for side in [1.0, -1.0] {
         let at = on_side(side, v(0.058, 0.67, 0.35));
@@ -151,7 +151,7 @@ fn foreleg(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
     let down = Comb::Along(v(0.0, -1.0, -0.12));
     let [shoulder, elbow, knee, fetlock, toe] = pony_rig::FORELEG.map(m);
-    // Blade, upper arm, forearm, knee, cannon with its sinews, fetlock.
+    // Foreleg: shoulder blade, upper arm, forearm, knee, cannon with its sinews, fetlock.
     body.add(ellipsoid(m(v(0.118, 0.79, 0.28)), v(0.07, 0.2, 0.115), pitch(-0.6, 0.8)), 0.09, down);
     body.add(cone(shoulder, 0.085, elbow, 0.076), 0.06, down);
     body.add(ellipsoid(elbow + v(0.0, 0.0, -0.03), v(0.05, 0.07, 0.06), pitch(0.3, 1.0)), 0.05, down);
@@ -165,7 +165,7 @@ fn hind_leg(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
     let down = Comb::Along(v(0.0, -1.0, -0.12));
     let [hip, stifle, hock, fetlock, toe] = pony_rig::HIND_LEG.map(m);
-    // Haunch, buttock, thigh, gaskin, the sinew to the point of the hock, hock.
+    // Hind leg: haunch, buttock, thigh, gaskin, the sinew to the point of the hock, hock.
     body.add(ellipsoid(m(v(0.1, 0.75, -0.34)), v(0.105, 0.22, 0.18), pitch(-0.1, 1.0)), 0.09, down);
     body.add(ellipsoid(m(v(0.083, 0.7, -0.425)), v(0.08, 0.175, 0.115), pitch(0.08, 1.0)), 0.07, down);
     body.add(cone(hip, 0.135, stifle, 0.074), 0.07, down);
@@ -186,7 +186,7 @@ fn cannon(body: &mut Body, top: DVec3, fetlock: DVec3) {
     body.add(ellipsoid(fetlock, v(0.034, 0.036, 0.038), DMat3::IDENTITY), 0.02, down);
 }
 
-/// Adds the pastern and hoof: a cone cut by the ground, its front as steep as the pastern.
+/// Adds the pastern and the hoof: a cone cut by the ground, with a front as steep as the pastern.
 fn hoof(body: &mut Body, fetlock: DVec3, toe: DVec3) {
     let down = Comb::Along(v(0.0, -1.0, 0.4));
     let middle = v(toe.x, 0.0, toe.z - 0.052);
@@ -200,7 +200,7 @@ fn face(body: &mut Body) {
     let comb = Comb::From(head(0.0, 0.46, 0.03));
     let axes = head_axes();
     let ball = |x: f64, s: f64, t: f64, radii: DVec3| ellipsoid(head(x, s, t), radii, axes);
-    // Skull, the bridge of the nose, muzzle, chin.
+    // Skull, bridge of the nose, muzzle, chin.
     body.add(ball(0.0, 0.085, 0.008, v(0.074, 0.105, 0.066)), 0.05, comb);
     body.add(oval(head(0.0, 0.13, 0.006), 0.068, head(0.0, 0.34, -0.003), 0.051, 0.88), 0.03, comb);
     body.add(ball(0.0, 0.362, -0.007, v(0.051, 0.052, 0.053)), 0.03, comb);
@@ -208,7 +208,7 @@ fn face(body: &mut Body) {
     body.add(ball(0.0, 0.37, -0.0565, v(0.033, 0.035, 0.0205)), 0.012, comb);
     for side in [1.0, -1.0] {
         let x = |x: f64| side * x;
-        // Cheek with the round edge of its jaw, jaw bar, cheekbone, brow.
+        // Cheek with the round edge of the jaw, jaw bar, cheekbone, brow.
         body.add(ball(x(0.045), 0.12, -0.05, v(0.03, 0.085, 0.078)), 0.045, comb);
         body.add(cone(head(x(0.03), 0.17, -0.088), 0.026, head(x(0.02), 0.35, -0.045), 0.022), 0.04, comb);
         body.add(cone(head(x(0.059), 0.16, 0.01), 0.014, head(x(0.038), 0.27, 0.004), 0.01), 0.04, comb);
@@ -219,7 +219,7 @@ fn face(body: &mut Body) {
         body.add(ball(x(0.032), 0.372, 0.02, v(0.02, 0.028, 0.02)), 0.02, comb);
         let turned = DMat3::from_cols(DVec3::NEG_X, (ALONG - OUT * 0.5).normalize(), (OUT + ALONG * 0.5).normalize());
         body.carve(ellipsoid(head(x(0.046), 0.384, 0.018), v(0.013, 0.018, 0.008), turned), 0.008, comb);
-        // The lids, closed.
+        // Closed lids.
         body.add(ellipsoid(eye(side).0, DVec3::splat(EYE_RADIUS + 0.003), DMat3::IDENTITY), 0.012, comb);
     }
     for side in [1.0, -1.0] {
@@ -227,7 +227,7 @@ fn face(body: &mut Body) {
     }
 }
 
-/// Adds an ear: a leaf, hollowed on its face.
+/// Adds an ear: a leaf, hollowed on the front.
 fn ear(body: &mut Body, side: f64) {
     let m = |p: DVec3| on_side(side, p);
     let [root, tip] = pony_rig::EAR.map(m);
@@ -245,7 +245,8 @@ fn ear(body: &mut Body, side: f64) {
     body.carve(ellipsoid(at(0.5) + normal * 0.017, v(0.0165, 0.047, 0.019), axes), 0.008, comb);
 }
 
-/// Returns the greatest edge length at a point, metres: small near eyes, nostrils and mouth, and where long hair grows.
+/// Returns the greatest edge length at a point, metres. It is small near eyes, nostrils and mouth, and where long hair
+/// grows.
 fn fineness(p: DVec3) -> f64 {
     let q = on_head(p);
     let grow = |finest: f64, distance: f64| finest + 0.35 * distance.max(0.0);
@@ -265,20 +266,20 @@ pub fn body_mesh(body: &Body) -> anyhow::Result<TriMesh> {
     body::mesh(&|p| field(body, p), bounds, 0.008, sizing, Keep::Largest)
 }
 
-/// Returns a value below 0 in the strip along the crest on which the mane grows, 4 cm wide.
+/// Returns a value that is negative on the strip along the crest where the mane grows, which is 4 cm wide.
 fn mane(p: DVec3) -> f64 {
     let along = p.z.max(0.0);
     (p.x.abs() - 0.02).max(to_line(crest(), p) - 0.05).max(0.15 - along).max((p - POLL).dot(v(0.0, 0.45, 0.9)) + 0.022)
 }
 
-/// Returns a value below 0 between the ears, where the forelock grows.
+/// Returns a value that is negative between the ears, where the forelock grows.
 fn forelock(p: DVec3) -> f64 {
     let q = on_head(p);
     let (x, s) = (q.x / 0.027, (q.y - 0.036) / 0.034);
     (((x * x + s * s).sqrt() - 1.0) * 0.027).max(0.02 - q.z)
 }
 
-/// Returns a value below 0 on the dock.
+/// Returns a value that is negative on the dock.
 fn tail(p: DVec3) -> f64 {
     let [(root, _), (bend, _), ..] = pony_rig::TAIL;
     let way = (bend - root).normalize();
@@ -292,7 +293,7 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     regions.paint(MANE, &mane, &surface);
     regions.paint(FORELOCK, &forelock, &surface);
     regions.paint(TAIL, &tail, &surface);
-    // The coronet, lower at the heels.
+    // The coronet, the upper border of the hoof, is lower at the heels.
     let heels = |p: DVec3| {
         let toe = if p.z > -0.1 { pony_rig::FORELEG[4] } else { pony_rig::HIND_LEG[4] };
         p.y - 0.058 - 0.22 * (p.z - (toe.z - 0.052))
@@ -301,13 +302,13 @@ pub fn regions(body: &Body, mesh: TriMesh) -> Regions {
     mirror_half(regions, &surface)
 }
 
-/// Returns the fur colour, linear RGB, and the hair length as a share of the longest: a chestnut with a mealy muzzle,
-/// belly and legs.
+/// Returns the fur's linear colour and, as fourth component, the hair length relative to the longest hair. The pony is
+/// a chestnut with a mealy muzzle, belly and legs.
 fn fur_color(p: DVec3, n: DVec3) -> DVec4 {
     let (chestnut, dark) = (v(0.33, 0.115, 0.034), v(0.2, 0.06, 0.018));
     let (mealy, skin) = (v(0.6, 0.38, 0.2), v(0.085, 0.06, 0.052));
     let mut color = chestnut.lerp(dark, 0.6 * ramp(0.35, 1.0, n.y) * ramp(0.75, 0.95, p.y));
-    // Belly, insides of the legs, and the legs below knee and hock.
+    // Belly, insides of the legs, and the legs below knee and hock are paler.
     let inside = ramp(0.3, 0.8, -n.x * p.x.signum()) * ramp(0.6, 0.5, p.y);
     color = color.lerp(mealy, 0.65 * (ramp(0.45, 0.95, -n.y) * ramp(0.75, 0.6, p.y)).max(inside));
     color = color.lerp(mealy, 0.35 * ramp(0.34, 0.16, p.y));
@@ -317,9 +318,9 @@ fn fur_color(p: DVec3, n: DVec3) -> DVec4 {
     if q.y > -0.2 && p.z > 0.5 {
         let on_face = ramp(0.0, 0.14, q.y + 0.8 * (q.z + 0.05));
         shorten(0.5, on_face);
-        // Excludes what is behind the chin: the throat.
+        // The factor excludes the throat, which is behind the chin.
         let muzzle = ramp(-0.15, -0.11, q.z);
-        // Muzzle and chin pale, then bare dark skin around nostrils and lips.
+        // Muzzle and chin are pale; the bare skin around nostrils and lips is dark.
         color = color.lerp(mealy, 0.9 * ramp(0.3, 0.36, q.y - 0.3 * q.z) * muzzle);
         let nostril = (p - head(0.046 * p.x.signum(), 0.384, 0.018)).length();
         let lips = ramp(0.012, 0.003, (q.z - MOUTH).abs()) * ramp(0.34, 0.37, q.y);
@@ -331,7 +332,7 @@ fn fur_color(p: DVec3, n: DVec3) -> DVec4 {
         color = color.lerp(mealy, 0.16 * ramp(0.055, 0.034, ring));
         color = color.lerp(skin, 0.9 * ramp(0.0065, 0.0015, opening(p).0.max(ring - 0.03)));
         shorten(0.05, ramp(0.05, 0.031, ring));
-        // Ears: dark rims and tips, paler inside.
+        // Ears have dark rims and tips, and are paler inside.
         let [root, tip] = pony_rig::EAR.map(|e| on_side(p.x.signum(), e));
         let t = (p - root).dot(tip - root) / (tip - root).length_squared();
         if p.y > 1.24 && t > 0.0 {

@@ -43,7 +43,7 @@ pub const HIND_LEG: [DVec3; 5] = [
     DVec3::new(0.1, 0.0, -0.385),
 ];
 
-/// Root, bend and end of the dock, and its radius at each.
+/// Root, bend and end of the dock, with the radius at each, metres.
 pub const TAIL: [(DVec3, f64); 3] = [
     (DVec3::new(0.0, 0.905, -0.485), 0.033),
     (DVec3::new(0.0, 0.868, -0.57), 0.025),
@@ -55,11 +55,11 @@ pub const EAR: [DVec3; 2] = [DVec3::new(0.05, 1.242, 0.632), DVec3::new(0.078, 1
 
 /// Duration of one cycle of `Walk`, seconds.
 pub const CYCLE_S: f64 = 1.1;
-/// Distance covered by one cycle of `Walk`, metres; the clip itself is in place.
+/// Distance covered by one cycle of `Walk`, metres. The clip itself stays in place.
 pub const CYCLE_M: f64 = 0.9;
 /// Duration of one cycle of `Gallop`, seconds.
 pub const GALLOP_S: f64 = 0.48;
-/// Distance covered by one cycle of `Gallop`, metres; the clip itself is in place.
+/// Distance covered by one cycle of `Gallop`, metres. The clip itself stays in place.
 pub const GALLOP_M: f64 = 2.5;
 
 fn bones() -> Vec<Bone> {
@@ -86,7 +86,7 @@ fn bones() -> Vec<Bone> {
     bones
 }
 
-/// Returns the feet: joint, and rest position of the foot's tip in the model.
+/// Returns each foot's joint, and the rest position of its tip in model space.
 pub fn feet() -> Vec<(usize, DVec3)> {
     gait::feet(&bones(), FORELEGS.iter().chain(&HIND_LEGS))
 }
@@ -101,14 +101,14 @@ pub fn weights(mesh: &TriMesh) -> Vec<Weights> {
     rig::weights(mesh, &bones(), 0.012, 6)
 }
 
-/// Returns a walk of four beats, looping and in place: left hind, left fore, right hind, right fore. One cycle covers
+/// Returns a walk of four beats that loops in place: left hind, left fore, right hind, right fore. One cycle covers
 /// [`CYCLE_M`] metres in [`CYCLE_S`] seconds.
 pub fn walk() -> Clip {
     gait::clip("Walk", &bones(), CYCLE_S, 32, &stride)
 }
 
 fn stride(phase: f64, pose: &mut Pose<'_>) {
-    // Twice a cycle the weight sinks onto a pair of legs; neck and head nod with it.
+    // Twice a cycle, the weight sinks onto a pair of legs, and neck and head nod with it.
     let beat = |start: f64| wave(2.0 * phase, start);
     pose.shift(DVec3::new(0.0, -0.024 + 0.009 * beat(0.1), 0.006 * beat(0.3)));
     pose.pitch(HIPS, 0.7 * beat(0.2));
@@ -129,14 +129,14 @@ fn stride(phase: f64, pose: &mut Pose<'_>) {
     hooves::apply_gait(phase, pose, [FORELEGS, HIND_LEGS], &walk);
 }
 
-/// Returns a gallop, looping and in place. One cycle covers [`GALLOP_M`] metres in [`GALLOP_S`] seconds.
+/// Returns a gallop that loops in place. One cycle covers [`GALLOP_M`] metres in [`GALLOP_S`] seconds.
 pub fn gallop() -> Clip {
     gait::clip("Gallop", &bones(), GALLOP_S, 32, &bound)
 }
 
 fn bound(phase: f64, pose: &mut Pose<'_>) {
-    // Once a cycle the animal is airborne, gathered: highest when no hoof is down, nose up while the hind legs push,
-    // nose down while the forelegs carry it.
+    // Once a cycle, the animal is in the air with its legs gathered, and is highest then. Its nose is up while the hind
+    // legs push, and down while the forelegs carry it.
     pose.shift(DVec3::new(0.0, -0.055 + 0.04 * wave(phase, 0.62), 0.0));
     pose.pitch(HIPS, 5.0 * wave(phase, 0.3));
     pose.pitch(SPINE, -4.0 * wave(phase, 0.62));
@@ -148,7 +148,7 @@ fn bound(phase: f64, pose: &mut Pose<'_>) {
         pose.pitch(ear, -24.0);
         pose.turn(ear, DVec3::Z, side * (2.0 + 3.0 * wave(phase, 0.3)));
     }
-    // Raise the dock.
+    // Raises the dock.
     for (k, joint) in TAILS.into_iter().enumerate() {
         pose.pitch(joint, [34.0, 14.0][k] + 5.0 * wave(phase, 0.2 + 0.1 * k as f64));
     }

@@ -1,11 +1,12 @@
-//! Poses of a model at a moment of one of its clips, per glTF 2.0 (§3.7.3.3 and Appendix C): for pictures and for
-//! measuring gaits.
+//! Poses of a model at any time of a clip, per glTF 2.0 (§3.7.3.3 and Appendix C). Used for pictures and for measuring
+//! gaits.
 
 use glam::{DAffine3, DQuat, DVec3, DVec4};
 
 use super::glb::{Channel, Clip, Interpolation, Model, Target};
 
-/// Returns the model with its vertices moved by `clip` at `time_s`; times outside the clip's keys use the nearest key.
+/// Returns the model with its vertices moved by `clip` at `time_s`. Times outside the keys are clamped to the first or
+/// last key.
 pub fn posed(model: &Model, clip: &Clip, time_s: f64) -> Model {
     let moved = skin_transforms(model, clip, time_s);
     let mut posed = model.clone();
@@ -23,7 +24,7 @@ pub fn posed(model: &Model, clip: &Clip, time_s: f64) -> Model {
     posed
 }
 
-/// Returns, for each joint, the transform of a point from the rest pose to `time_s`.
+/// Returns, for each joint, the transform that moves a point from the rest pose to the pose at `time_s`.
 pub fn skin_transforms(model: &Model, clip: &Clip, time_s: f64) -> Vec<DAffine3> {
     let joints = model.skeleton.as_deref().unwrap_or_default();
     let mut worlds: Vec<DAffine3> = Vec::new();
@@ -43,7 +44,7 @@ pub fn skin_transforms(model: &Model, clip: &Clip, time_s: f64) -> Vec<DAffine3>
     worlds.iter().zip(joints).map(|(world, joint)| *world * DAffine3::from_translation(-joint.world)).collect()
 }
 
-/// Evaluates the channel; values with three components leave the fourth 0.
+/// Evaluates the channel at `time_s`. The fourth component is 0 for values with three components.
 fn sample(channel: &Channel, time_s: f64) -> DVec4 {
     let width = if channel.target == Target::Rotation { 4 } else { 3 };
     let vector = |place: usize| {
@@ -70,7 +71,7 @@ fn sample(channel: &Channel, time_s: f64) -> DVec4 {
     }
 }
 
-/// Evaluates the cubic Hermite curve from `from` to `to` with the slopes `leaving` and `arriving`, at `s` in 0..=1.
+/// Evaluates the cubic Hermite curve at `s` in 0..=1, from `from` with slope `leaving` to `to` with slope `arriving`.
 pub fn hermite(from: DVec4, leaving: DVec4, to: DVec4, arriving: DVec4, s: f64) -> DVec4 {
     let (s2, s3) = (s * s, s * s * s);
     from * (2.0 * s3 - 3.0 * s2 + 1.0)

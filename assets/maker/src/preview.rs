@@ -1,5 +1,5 @@
-//! Preview pictures: the model from three sides in its vertex colours, and with its texture coordinates as a checker
-//! pattern.
+//! Preview pictures of a model from three sides, once with its vertex colours and once with a checker pattern in its
+//! texture coordinates.
 
 use glam::{DMat3, DVec3};
 use image::{Rgb, RgbImage};
@@ -12,12 +12,14 @@ use super::{
 const PANEL: u32 = 480;
 const PAPER: Rgb<u8> = Rgb([205, 208, 214]);
 
-/// Draws three views, and below them the same three with checkered texture coordinates; 1440 x 960 pixels.
+/// Draws three views of the model. Below them, the same views have checkered texture coordinates. The picture is 1440 x
+/// 960 pixels.
 ///
-/// Checker squares are a quarter of a unit wide; within each unit, red grows with u and green with v.
+/// Checker squares are a quarter of a unit of texture coordinates wide. Within each unit, red grows with u and green
+/// with v.
 pub fn draw(model: &Model) -> RgbImage {
     let mut picture = RgbImage::from_pixel(3 * PANEL, 2 * PANEL, PAPER);
-    // Front left, side, back: direction from the model to the eye.
+    // Directions from the model to the eye: front left, side, back.
     let eyes = [DVec3::new(0.55, 0.18, 0.8), DVec3::new(1.0, 0.1, 0.05), DVec3::new(-0.55, 0.35, -0.8)];
     for (column, eye) in eyes.into_iter().enumerate() {
         for checker in [false, true] {
@@ -61,7 +63,7 @@ impl Panel {
                     DVec3::new(half + q.x, half - q.y, q.z)
                 });
                 let area = (p[1] - p[0]).cross(p[2] - p[0]).z;
-                // The picture's y axis points down, so front faces have negative area.
+                // The picture's y axis points down, so front faces have negative area and others are skipped.
                 if area >= 0.0 {
                     continue;
                 }
@@ -101,7 +103,8 @@ impl Panel {
 
 const FRAME: u32 = 320;
 
-/// Draws a clip at eight evenly spaced moments: from the side, and below from the front left; 2560 x 640 pixels.
+/// Draws a clip at eight evenly spaced times. The upper row shows the side view, the lower row the view from the front
+/// left. The picture is 2560 x 640 pixels.
 pub fn draw_clip(model: &Model, clip: &Clip) -> RgbImage {
     let mut picture = RgbImage::from_pixel(8 * FRAME, 2 * FRAME, PAPER);
     let seconds = clip.channels.iter().filter_map(|c| c.times.last().copied()).fold(0.0, f64::max);

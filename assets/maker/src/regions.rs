@@ -24,7 +24,7 @@ impl Regions {
     }
 
     /// Assigns `material` to the surface where `level` is negative. New vertices are projected onto the zero set of
-    /// `surface`. Regions painted one after another must not touch.
+    /// `surface`. Regions painted by separate calls must not touch.
     pub fn paint(&mut self, material: usize, level: &dyn Fn(DVec3) -> f64, surface: &dyn Fn(DVec3) -> f64) {
         let mut values: Vec<f64> = self.mesh.positions.iter().map(|&p| level(p)).collect();
         self.snap(&mut values, surface);
@@ -39,7 +39,8 @@ impl Regions {
                 }
                 continue;
             }
-            // The first corner is the one alone on its side; if a corner is on the border, the corner before that one.
+            // The first corner is the one that is alone on its side of the border. If a corner is on the border, it is
+            // the corner before that one.
             let first = if signs.contains(&0) {
                 (signs.iter().position(|s| *s == 0).unwrap_or(0) + 2) % 3
             } else {
@@ -79,7 +80,7 @@ impl Regions {
 
     /// Moves vertices near the border onto it, so that cutting leaves no slivers.
     fn snap(&mut self, values: &mut [f64], surface: &dyn Fn(DVec3) -> f64) {
-        // Per vertex, the nearest border crossing of its edges: fraction of the edge, and position.
+        // Nearest border crossing on the edges of each vertex: fraction of the edge, and position.
         let mut nearest: BTreeMap<u32, (f64, DVec3)> = BTreeMap::new();
         for t in &self.mesh.triangles {
             for k in 0..3 {

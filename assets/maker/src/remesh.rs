@@ -1,9 +1,9 @@
-//! Isotropic remeshing on an implicit surface: split long edges, collapse short ones, flip towards valence six, relax
-//! in the tangent plane and project back onto the surface (Botsch and Kobbelt 2004, "A Remeshing Approach to
-//! Multiresolution Modeling").
+//! Isotropic remeshing on an implicit surface. Each round splits long edges, collapses short ones, and flips edges
+//! towards valence six. It then relaxes vertices in the tangent plane and projects them back onto the surface (Botsch
+//! and Kobbelt 2004, "A Remeshing Approach to Multiresolution Modeling").
 //!
-//! Compared with quadric decimation it is less accurate per triangle. It gives the even, well-shaped triangles that
-//! texture charts and skinning need, and its vertices are exactly on the surface.
+//! Quadric decimation is more accurate for the same number of triangles. Remeshing gives the even, well-shaped
+//! triangles that texture charts and skinning need, and its vertices are exactly on the surface.
 
 use std::collections::BTreeSet;
 
@@ -23,17 +23,18 @@ pub struct Sizing {
     pub shortest: f64,
     /// Greatest edge length, metres.
     pub longest: f64,
-    /// Greatest edge length at a point, metres; may be below `shortest`. For areas with more detail than their
-    /// curvature shows.
+    /// Greatest edge length at a point, metres; may be below `shortest`. Used for areas that need more detail than
+    /// their curvature suggests.
     pub local: fn(DVec3) -> f64,
 }
 
-/// Returns no local limit: the edge length follows from the curvature alone.
+/// Returns `f64::MAX`, so that the edge length follows from the curvature alone.
 pub fn no_local_limit(_: DVec3) -> f64 {
     f64::MAX
 }
 
-/// Remeshes in place. `field` is negative inside; the mesh must be a closed manifold and stays one.
+/// Remeshes in place with `rounds` rounds. `field` is negative inside. The mesh must be a closed manifold, and stays
+/// one.
 pub fn remesh(mesh: &mut TriMesh, field: &dyn Fn(DVec3) -> f64, sizing: Sizing, rounds: usize) {
     let mut work = Remesher::new(mesh, field, 2.0 * sizing.sagitta);
     for _ in 0..rounds {
@@ -94,7 +95,7 @@ impl<'a> Remesher<'a> {
         directed.filter(|(a, b)| a < b).collect()
     }
 
-    /// Returns the two triangles of the edge `(a, b)`: first the one in which b follows a.
+    /// Returns the two triangles at the edge `(a, b)`. In the first one, b follows a.
     fn wings(&self, a: u32, b: u32) -> Option<(u32, u32)> {
         let holds = |t: u32, from, to| {
             let c = self.triangles[t as usize];
@@ -110,8 +111,8 @@ impl<'a> Remesher<'a> {
         corners.into_iter().find(|&v| v != a && v != b).unwrap_or(a)
     }
 
-    /// Returns the target edge length at each vertex: the chord with the target sagitta at the sharpest normal
-    /// curvature, smoothed so that neighbours differ little.
+    /// Returns the target edge length at each vertex, metres. It is the chord that has the target sagitta at the
+    /// greatest normal curvature, smoothed so that neighbours differ little.
     fn edge_lengths(&self, sizing: Sizing) -> Vec<f64> {
         let step = 2e-3;
         let curvature_length = |p: DVec3| {
@@ -129,7 +130,7 @@ impl<'a> Remesher<'a> {
                 .clamp(sizing.shortest, sizing.longest)
                 .min((sizing.local)(p))
         };
-        // Most vertices of the first mesh are soon collapsed; their target lengths are not needed.
+        // Most vertices of the first mesh are soon collapsed, so their target lengths are not computed.
         let length = |(&p, fan): (&DVec3, &Vec<u32>)| if fan.is_empty() { 0.0 } else { curvature_length(p) };
         let mut wanted: Vec<f64> = self.positions.iter().zip(&self.fans).map(length).collect();
         for _ in 0..3 {
@@ -156,7 +157,7 @@ impl<'a> Remesher<'a> {
             self.positions.push(project(self.field, (pa + pb) * 0.5, 8));
             wanted.push(target);
             self.fans.push(Vec::new());
-            // Each of the two triangles keeps the half at `a`; the half at `b` is a new triangle.
+            // Each of the two triangles keeps the half with `a`; the half with `b` becomes a new triangle.
             for t in [left, right] {
                 let old = self.triangles[t as usize];
                 let new = self.triangles.len() as u32;
@@ -180,8 +181,8 @@ impl<'a> Remesher<'a> {
                 continue;
             }
             let (ring_a, ring_b) = (self.ring(a), self.ring(b));
-            // Link condition: `a` and `b` must share exactly the two opposite corners, else the surface would pinch.
-            // With valence three at such a corner it would fold onto itself.
+            // Link condition: the only common neighbours of `a` and `b` may be the two opposite corners, else the
+            // surface would pinch. At an opposite corner of valence three, the surface would fold onto itself.
             let tips = [self.opposite(left, a, b), self.opposite(right, a, b)];
             if ring_a.intersection(&ring_b).count() != 2 || tips.iter().any(|&c| self.fans[c as usize].len() <= 3) {
                 continue;
@@ -260,8 +261,8 @@ impl<'a> Remesher<'a> {
                 (p[1] - p[0]).cross(p[2] - p[0])
             };
             let old = (area(self.triangles[left as usize]) + area(self.triangles[right as usize])).normalize_or_zero();
-            // Both new triangles must face the same direction as the old pair, and the edge must not cut a corner of
-            // the surface.
+            // Both new triangles must face in about the same direction as the old pair, and the new edge must not cut a
+            // corner of the surface.
             let smooth = |t: [u32; 3]| area(t).normalize_or_zero().dot(old) > 0.8;
             let off = |t: [u32; 3]| self.error(t.map(|v| self.position(v)));
             let before = off(self.triangles[left as usize]).max(off(self.triangles[right as usize]));

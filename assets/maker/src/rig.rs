@@ -25,12 +25,12 @@ pub struct Bone {
     pub from: DVec3,
     /// Position of the far end, metres.
     pub to: DVec3,
-    /// Radius of the flesh around the bone, metres; surface within it has distance 0 to the bone.
+    /// Radius of the flesh around the bone, metres. Surface points within this radius have distance 0 to the bone.
     pub thickness: f64,
 }
 
 impl Bone {
-    /// Creates a bone of joint `name` from `from` to `to`.
+    /// Creates a bone from its joint `name` at `from` to its far end at `to`.
     pub const fn new(name: &'static str, parent: Option<u8>, from: DVec3, to: DVec3, thickness: f64) -> Self {
         Self { name, parent, from, to, thickness }
     }
@@ -43,7 +43,7 @@ impl Bone {
     }
 }
 
-/// Returns the joints in rest pose: translations only, so that every inverse bind matrix is a translation too.
+/// Returns the joints in rest pose. They have translations only, so every inverse bind matrix is a translation too.
 pub fn skeleton(bones: &[Bone]) -> Vec<Joint> {
     let joint = |bone: &Bone| {
         let origin = bone.parent.map_or(DVec3::ZERO, |p| bones[p as usize].from);
@@ -57,8 +57,8 @@ pub fn skeleton(bones: &[Bone]) -> Vec<Joint> {
     bones.iter().map(joint).collect()
 }
 
-/// Computes skin weights: near bones are weighted by the inverse fourth power of the distance (plus `softness` metres).
-/// The weights are then smoothed over the mesh `rounds` times.
+/// Computes skin weights. A bone's weight is the inverse fourth power of its distance plus `softness`, metres. The
+/// weights are then smoothed over the mesh `rounds` times.
 pub fn weights(mesh: &TriMesh, bones: &[Bone], softness: f64, rounds: usize) -> Vec<Weights> {
     let own = |&p: &DVec3| {
         let near = |bone: &Bone| {
@@ -106,7 +106,7 @@ fn normalise(row: &mut [f64]) {
 fn four_largest(row: &[f64]) -> Weights {
     let mut order: Vec<usize> = (0..row.len()).collect();
     order.sort_by(|&a, &b| row[b].total_cmp(&row[a]));
-    // Weights under one per cent have no visible effect.
+    // Drops weights of at most one per cent, which have no visible effect.
     let kept: Vec<usize> = order.into_iter().take(4).filter(|&j| row[j] > 0.01).collect();
     let sum: f64 = kept.iter().map(|&j| row[j]).sum();
     let mut weights = [(0, 0.0); 4];
@@ -123,7 +123,7 @@ pub fn turn(axis: DVec3, degrees: f64) -> DQuat {
     DQuat::from_xyzw(axis.x * s, axis.y * s, axis.z * s, c)
 }
 
-/// Creates linear keys of a joint's rotation: seconds and rotation.
+/// Creates linear rotation keys of a joint. `keys` are pairs of seconds and rotation.
 pub fn rotations(joint: u8, keys: impl IntoIterator<Item = (f64, DQuat)>) -> Channel {
     let (times, turns): (Vec<f64>, Vec<DQuat>) = keys.into_iter().unzip();
     Channel {

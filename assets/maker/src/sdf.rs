@@ -1,8 +1,8 @@
 //! Implicit shapes: signed distances (negative inside) of a few solids, and their smooth union and difference.
 //!
 //! Only `+ - * /` and square roots are used, so that the same source gives the same bits on every machine. The
-//! ellipsoid's function is not an exact distance: it has the correct zero set and a gradient of order one. [`project`]
-//! therefore uses Newton steps divided by the squared gradient.
+//! ellipsoid's function is not an exact distance: its zero set is correct, but its gradient is only roughly of length
+//! 1. [`project`] therefore divides its Newton steps by the squared gradient.
 
 use glam::{DMat3, DVec3};
 
@@ -33,7 +33,7 @@ pub enum Solid {
     Oval {
         /// Centre of the first sphere, which flattening does not move.
         a: DVec3,
-        /// Centre of the second sphere, after flattening.
+        /// Centre of the second sphere, already flattened.
         b: DVec3,
         /// Radius at `a`, before flattening.
         ra: f64,
@@ -44,13 +44,14 @@ pub enum Solid {
         /// Width along `across` relative to the spheres, above 0 and at most 1.
         share: f64,
     },
-    /// Hulls of neighbouring spheres of a line, as one solid. Added one by one, their blends would bulge at the joints.
+    /// Union of the hulls of consecutive spheres along a curve, as one solid. If the hulls were added separately, their
+    /// blends would bulge at the joints.
     Chain {
         /// Centres and radii, at least two.
         line: Vec<(DVec3, f64)>,
     },
-    /// Plate with the outline of a round cone, in the plane through `a` with unit normal `normal`, with a half-round
-    /// rim.
+    /// Plate with a half-round rim. Its outline is that of a round cone, in the plane through `a` with unit normal
+    /// `normal`.
     Leaf {
         /// Centre of the outline's first circle.
         a: DVec3,
@@ -68,8 +69,8 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// Returns a bounding sphere (centre, radius) and the least growth of [`Solid::distance`] per metre away from the
-    /// sphere. Inside the sphere, the distance is never below that of the sphere itself.
+    /// Returns a bounding sphere (centre, radius), and the least growth of [`Solid::distance`] per metre away from the
+    /// sphere. Inside the sphere, the solid's distance is at least the sphere's.
     pub fn bound(&self) -> (DVec3, f64, f64) {
         match *self {
             Self::Chain { ref line } => {
@@ -94,7 +95,8 @@ impl Solid {
                 let q = axes.transpose() * (p - centre);
                 let k0 = (q / radii).length();
                 let k1 = (q / (radii * radii)).length();
-                // Both vanish at the centre, where any value up to minus the smallest radius is valid.
+                // Numerator and denominator vanish at the centre, where any value up to minus the smallest radius is
+                // valid.
                 if k1 < 1e-9 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
             }
             Self::RoundCone { a, b, ra, rb } => round_cone(p, a, b, ra, rb),
@@ -107,8 +109,8 @@ impl Solid {
                 let (foot, radius) = round_cone_foot(wide, a, b, ra, rb);
                 let away = wide - foot;
                 let length = away.length();
-                // Divided by its own slope, the scaled distance is accurate near the surface, so blends keep their
-                // requested width.
+                // Dividing the scaled distance by the length of its gradient makes it accurate near the surface, so
+                // that blends keep their requested width.
                 let slope = away + across * (away.dot(across) * (1.0 / share - 1.0));
                 (length - radius) * length / slope.length().max(1e-12)
             }
@@ -127,8 +129,9 @@ fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
     (p - foot).length() - radius
 }
 
-/// Returns the centre and radius of the sphere nearest to `p` in the family between two spheres. With `h` along the
-/// axis and `q` across it, the foot satisfies `(h - t l) / distance = (ra - rb) / l`, hence the closed form of `t`.
+/// Returns the centre and radius of the sphere nearest to `p` in the linear family between the two spheres. With `h`
+/// along the axis and `q` across it, the foot satisfies `(h - t l) / distance = (ra - rb) / l`. This gives `t` in
+/// closed form.
 fn round_cone_foot(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> (DVec3, f64) {
     let length = (b - a).length();
     if length <= (ra - rb).abs() {
@@ -143,7 +146,7 @@ fn round_cone_foot(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> (DVec3, f6
     (a + (b - a) * t, ra + (rb - ra) * t)
 }
 
-/// Returns the minimum of two distances, rounded where they differ by less than `k` metres.
+/// Returns the minimum of two distances, rounded where they differ by less than `k`; all in metres.
 pub fn smooth_min(a: f64, b: f64, k: f64) -> f64 {
     let h = (k - (a - b).abs()).max(0.0) / k;
     a.min(b) - h * h * k * 0.25
@@ -154,7 +157,7 @@ pub fn smooth_max(a: f64, b: f64, k: f64) -> f64 {
     -smooth_min(-a, -b, k)
 }
 
-/// Returns the gradient of `field` at `p` by central differences of 0.1 mm.
+/// Returns the gradient of `field` at `p`, by central differences with a step of 0.1 mm.
 pub fn gradient(field: &dyn Fn(DVec3) -> f64, p: DVec3) -> DVec3 {
     let e = 1e-4;
     let along = |axis: DVec3| (field(p + axis * e) - field(p - axis * e)) / (2.0 * e);

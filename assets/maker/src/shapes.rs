@@ -1,5 +1,5 @@
-//! The torus and the torus knot: tubes around a closed curve. Their texture coordinates repeat a whole number of times
-//! around the tube (u) and along it (v), so that hair tiles close without a seam. Also spheres for eyes.
+//! The torus and the torus knot, which are tubes around a closed curve. Their texture coordinates repeat a whole number
+//! of times around the tube (u) and along it (v), so hair tiles close without a seam. Also spheres for eyes.
 
 use core::f64::consts::TAU;
 
@@ -10,7 +10,8 @@ use super::{
     rig::bound_to,
 };
 
-/// World length of one unit of texture coordinates, metres: of torus, knot and hare, and of the eyes of all models.
+/// World length of one unit of texture coordinates, metres. Used for torus, knot and hare, and for the eyes of all
+/// models.
 pub const METRES_PER_UV: f64 = 0.1;
 
 /// Returns a torus, 0.4 m across with a tube of 0.16 m: 19 x 15 quads, 570 triangles.
@@ -39,16 +40,16 @@ fn model(name: &str, primitive: &Primitive) -> Model {
     }
 }
 
-/// Builds a tube of `radius` metres around the closed curve `at`, whose period is 2 pi, in `rings` even steps of
-/// `sides` vertices.
+/// Builds a tube of radius `radius` metres around the closed curve `at`, whose period is 2 pi. The tube has `rings`
+/// rings at equal distances, each of `sides` vertices.
 fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize, color: [f64; 3]) -> Primitive {
     let (parameters, length) = even_steps(at, rings);
     let points: Vec<DVec3> = parameters.iter().map(|&t| at(t)).collect();
     let step = 1e-4;
     let tangents: Vec<DVec3> = parameters.iter().map(|&t| (at(t + step) - at(t - step)).normalize()).collect();
 
-    // Parallel transport: each normal is the previous one, rotated with the tangent. Here it is projected, which is the
-    // same to second order for small steps; the remaining twist is measured and distributed evenly.
+    // Parallel transport rotates the previous normal with the tangent. For small steps, projecting it onto the new
+    // normal plane is the same to second order. The remaining twist is measured and distributed evenly.
     let mut normals = vec![tangents[0].any_orthonormal_vector()];
     for i in 1..=rings {
         let (last, tangent) = (normals[i - 1], tangents[i % rings]);
@@ -65,11 +66,11 @@ fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize
         let (p, tangent) = (points[i % rings], tangents[i % rings]);
         for j in 0..=sides {
             let round = j as f64 / sides as f64;
-            // Subtract the twist, so that the last ring meets the first. Both copies of the seam are computed from the
+            // Subtracts the twist, so that the last ring meets the first. Both copies of the seam are computed from the
             // same numbers.
             let (i0, j0) = (i % rings, (j % sides) as f64 / sides as f64);
             let angle = j0 * TAU - twist * i0 as f64 / rings as f64;
-            // side x tangent = normal: u, v and the outward normal are right-handed.
+            // `side` x tangent = normal, so u, v and the outward normal are right-handed.
             let side = tangent.cross(normals[i0]);
             let normal = normals[i0] * libm::cos(angle) + side * libm::sin(angle);
             let uv = [round * round_u, along * round_v];
@@ -87,8 +88,8 @@ fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize
     primitive
 }
 
-/// Returns the parameters of `count` points at even distances along the closed curve, and its length, from 4 096
-/// chords.
+/// Returns the parameters of `count` points at equal distances along the closed curve, and the curve's length. Both are
+/// computed from 4 096 chords.
 fn even_steps(at: &dyn Fn(f64) -> DVec3, count: usize) -> (Vec<f64>, f64) {
     let chords = 4096_usize;
     let parameter = |k: usize| k as f64 / chords as f64 * TAU;
@@ -111,8 +112,8 @@ fn even_steps(at: &dyn Fn(f64) -> DVec3, count: usize) -> (Vec<f64>, f64) {
     (parameters, length)
 }
 
-/// Builds two spheres of material `material` with `n` cells along a cube edge, an eye on each side. `eye` returns the
-/// centre and radii for a side.
+/// Builds a pair of eyes: two spheres of material `material`, with `n` cells along a cube edge. `eye` returns centre
+/// and radii for a side, +1 or -1.
 pub fn eyes(material: usize, eye: impl Fn(f64) -> (DVec3, DVec3), n: u32, weights: Weights) -> Primitive {
     let mut eyes = Primitive::new("eyes", material);
     for side in [1.0, -1.0] {
@@ -122,7 +123,7 @@ pub fn eyes(material: usize, eye: impl Fn(f64) -> (DVec3, DVec3), n: u32, weight
     eyes
 }
 
-/// Adds a sphere: a cube with `n` cells along an edge, inflated, so that no triangle is a sliver.
+/// Adds a sphere as an inflated cube with `n` cells along an edge, which avoids slivers.
 pub fn push_ball(to: &mut Primitive, centre: DVec3, radii: DVec3, n: u32, weights: Weights) {
     let faces = [
         [DVec3::X, DVec3::Y, DVec3::Z],

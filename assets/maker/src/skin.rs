@@ -24,15 +24,15 @@ pub struct SurfaceFunctions<'a> {
 }
 
 impl SurfaceFunctions<'_> {
-    /// Builds one primitive per name; the index in `names` is the material. Each has the triangles painted with that
-    /// material. `weights` belong to the mesh's vertices.
+    /// Builds one primitive per name. A name's index in `names` is its material, and the primitive has the triangles
+    /// painted with that material. `weights` belong to the mesh's vertices.
     pub fn primitives(&self, regions: &Regions, names: &[&str], weights: &[Weights]) -> anyhow::Result<Vec<Primitive>> {
         let params = ChartParams { metres_per_uv: self.metres_per_uv, ..ChartParams::default() };
         let atlas = charts::make(&regions.mesh, self.comb, &params)?;
         Ok(self.charted(regions, &atlas, names, weights))
     }
 
-    /// Builds the primitives as [`Self::primitives`] does, with given texture coordinates.
+    /// Builds the primitives as [`Self::primitives`] does, with the texture coordinates of `atlas`.
     pub fn charted(&self, regions: &Regions, atlas: &Atlas, names: &[&str], weights: &[Weights]) -> Vec<Primitive> {
         let mesh = &regions.mesh;
         let normals = self.normals(mesh);
@@ -60,7 +60,7 @@ impl SurfaceFunctions<'_> {
     }
 
     /// Returns the surface normals. In a crease narrower than the triangles, a normal may point away from one of its
-    /// faces. It is then adjusted until it agrees with all faces.
+    /// faces; it is then adjusted until it agrees with all of them.
     pub fn normals(&self, mesh: &TriMesh) -> Vec<DVec3> {
         let mut fans = vec![Vec::new(); mesh.positions.len()];
         for (t, corners) in mesh.triangles.iter().enumerate() {
@@ -71,7 +71,7 @@ impl SurfaceFunctions<'_> {
         }
         let bent = |(&p, fan): (&DVec3, &Vec<DVec3>)| {
             let mut n = normal(self.field, p);
-            // As in perceptron learning: move towards the face with the worst fit.
+            // Perceptron learning: each step moves the normal towards the face with the worst fit.
             for _ in 0..64 {
                 let worst = fan.iter().copied().min_by(|a, b| a.dot(n).total_cmp(&b.dot(n)));
                 match worst.filter(|face| face.dot(n) < 0.15) {

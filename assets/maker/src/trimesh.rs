@@ -15,7 +15,8 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// Meshes the zero set of `field` inside the box by naive surface nets on cubes of `cell` metres (Gibson 1998).
+    /// Meshes the zero set of `field` inside the box from `low` to `high` by naive surface nets (Gibson 1998) on cubes
+    /// of `cell` metres.
     pub fn from_field(field: &dyn Fn(DVec3) -> f64, low: DVec3, high: DVec3, cell: f64) -> Self {
         let count = ((high - low) / cell).ceil();
         let size = [count.x as u32 + 1, count.y as u32 + 1, count.z as u32 + 1];
@@ -113,12 +114,12 @@ impl TriMesh {
     }
 }
 
-/// Removes alternating signs around a cell's face by changing the sign of the smallest of the four samples. Surface
-/// nets pinch there, for example where a slanting limb just touches the face. `size` is the number of samples along x,
-/// y and z.
+/// Removes alternating signs around a face of a cell by changing the sign of the smallest of the four samples.
+/// Alternating signs make surface nets pinch, for example where a slanting limb just touches the face. `size` is the
+/// number of samples along x, y and z.
 fn remove_alternating_signs(samples: &mut [f32], size: [usize; 3]) {
     let steps = [1, size[0], size[0] * size[1]];
-    // A changed sample may cause alternation on a neighbouring face; a few rounds are enough.
+    // A changed sample may cause alternating signs on a neighbouring face; a few rounds are enough.
     for _ in 0..8 {
         let mut changed = false;
         for at in 0..samples.len() {
@@ -144,7 +145,7 @@ fn remove_alternating_signs(samples: &mut [f32], size: [usize; 3]) {
     }
 }
 
-/// Returns the representative of `v` in a union-find forest, halving the path on the way.
+/// Returns the representative of `v` in a union-find forest, with path halving.
 pub fn find(root: &mut [u32], mut v: u32) -> u32 {
     while root[v as usize] != v {
         root[v as usize] = root[root[v as usize] as usize];

@@ -1,5 +1,5 @@
-//! Seconds of the surface stage against the number of triangles: a knotted tube from a thousand triangles to a third of
-//! a million. The growth between steps is to be compared with n log n.
+//! Benchmark of the surface stage: seconds against the number of triangles, on a knotted tube of a thousand to a third
+//! of a million triangles. The growth should be compared with n log n.
 //!
 //! `cargo bench --workspace --bench surface -- MODEL…` also measures models; paths are relative to `bake/`.
 #![allow(clippy::disallowed_methods, reason = "packages made by tests are never kept")]
@@ -25,7 +25,7 @@ fn knot(along: u32, around: u32) -> Model {
     })
 }
 
-/// Prints the result, and returns the median seconds of three runs.
+/// Measures the model three times, prints the result and returns the median, seconds.
 fn measure(name: &str, model: &Model) -> f64 {
     let box_of = bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
     let tile_size_m = Lengths::resolve(&Recipe::default(), &box_of).tile_size_m;

@@ -1,5 +1,5 @@
-//! The command line as a page of Markdown, and the results of `--json` as JSON schemas, generated from their
-//! definitions. This is a hidden subcommand, because only the binary has these definitions.
+//! Markdown page about the command line, and JSON schemas of the results of `--json`, generated from their definitions.
+//! This is a hidden subcommand, because only the binary has these definitions.
 
 use clap::{Arg, ArgAction, Command};
 use pelage_params::wrap;
@@ -14,14 +14,14 @@ use serde_json::{Map, Value, json};
 #[command(hide = true)]
 pub struct CommandsPageArgs {}
 
-/// Runs the subcommand on the whole command line and all results.
+/// Writes the page of `command` and the schemas of all `results`.
 pub fn run(mut command: Command, results: Vec<ResultSchema>, output: &mut Output) -> Result<Exit, Failure> {
     let text = page(&mut command);
     output.result(text.trim_end(), &json!({ "page": text, "schemas": schemas(results) }))?;
     Ok(Exit::Done)
 }
 
-/// Returns the JSON schema of the results of each command, by its name; shared types are in `$defs`.
+/// Returns the JSON schemas of the commands' results by command name; shared types are in `$defs`.
 fn schemas(mut results: Vec<ResultSchema>) -> Value {
     results.sort_by_key(|(name, _)| *name);
     let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
@@ -71,15 +71,15 @@ fn page(command: &mut Command) -> String {
 /// Commands whose common options are listed once.
 const PICTURE_COMMANDS: [&str; 4] = ["render", "bench", "view", "reference"];
 
-/// Number of these commands that must have an option in common.
+/// Number of `PICTURE_COMMANDS` that must have an option in common for it to be listed once.
 const SHARED_BY: usize = 3;
 
 const SHARED_TITLE: &str = "Options of every picture";
 const SHARED_TEXT: &str =
     "Commands that draw have these options in common. The section of a command names those that it lacks.";
 
-/// Returns the options that at least [`SHARED_BY`] of [`PICTURE_COMMANDS`] have with the same help text, in the order
-/// of the first.
+/// Returns the options that at least [`SHARED_BY`] of [`PICTURE_COMMANDS`] have with the same help text. Their order is
+/// that of the first such command.
 fn shared_arguments<'a>(subcommands: &[&'a Command]) -> Vec<&'a Arg> {
     let draws = |command: &&&'a Command| PICTURE_COMMANDS.contains(&command.get_name());
     let all = || subcommands.iter().filter(draws).flat_map(|command| listed(command));
@@ -100,7 +100,7 @@ fn listed(command: &Command) -> impl Iterator<Item = &Arg> {
     command.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_global_set() && is_ours(arg))
 }
 
-/// Formats arguments as a list, those with a heading last.
+/// Formats arguments as a list; those under a heading come last.
 fn entries(arguments: &[&Arg]) -> String {
     let (grouped, plain): (Vec<&Arg>, Vec<&Arg>) = arguments.iter().partition(|arg| arg.get_help_heading().is_some());
     let mut text = String::new();
@@ -115,8 +115,8 @@ fn entries(arguments: &[&Arg]) -> String {
     text
 }
 
-/// Returns the section of a command; `above`: parent command of an action, with a trailing space. Options of `shared`
-/// are not repeated.
+/// Returns the section of a command. `above` is the parent command, with a trailing space. Options in `shared` are not
+/// repeated.
 fn section(command: &Command, above: &str, shared: &[&Arg]) -> String {
     let mut text = format!("\n## `pelage {above}{}`\n", command.get_name());
     let about = command.get_long_about().or(command.get_about());
@@ -142,7 +142,7 @@ fn section(command: &Command, above: &str, shared: &[&Arg]) -> String {
     text
 }
 
-/// Returns whether an argument is neither added by clap to every command nor part of the laboratory.
+/// Returns false for arguments that clap adds to every command, and for those of the laboratory.
 fn is_ours(arg: &Arg) -> bool {
     arg.get_help_heading() != Some(LABORATORY)
         && !matches!(
@@ -151,7 +151,7 @@ fn is_ours(arg: &Arg) -> bool {
         )
 }
 
-/// Returns the usage line: required arguments, and that options may follow.
+/// Returns the usage line: required arguments, and a placeholder if there are options.
 fn synopsis(command: &Command, above: &str) -> String {
     let required = command.get_arguments().filter(|arg| arg.is_required_set());
     let (places, options): (Vec<_>, Vec<_>) = required.partition(|arg| arg.is_positional());
@@ -161,7 +161,7 @@ fn synopsis(command: &Command, above: &str) -> String {
     format!("pelage {above}{}{action} [OPTIONS]", words.join(" "))
 }
 
-/// Formats an argument as it is typed: `--output <PNG>`, with its short form `-o, --output <PNG>`.
+/// Formats an argument as typed, such as `--output <PNG>`; `with_short` includes its short form: `-o, --output <PNG>`.
 fn typed_form(arg: &Arg, with_short: bool) -> String {
     let short = arg.get_short().filter(|_| with_short).map(|c| format!("-{c}"));
     let names: Vec<_> = short.into_iter().chain(arg.get_long().map(|l| format!("--{l}"))).collect();
@@ -191,7 +191,7 @@ fn item(indent: &str, text: &str) -> String {
     format!("{indent}- {}\n", wrap(&format!("{indent}  "), text))
 }
 
-/// Returns a help text on one line; its paragraphs become sentences.
+/// Returns a help text on one line, with paragraphs joined as sentences.
 fn single_line(text: Option<&clap::builder::StyledStr>) -> String {
     let text = text.map(ToString::to_string).unwrap_or_default();
     let paragraphs = text.split("\n\n").map(|paragraph| paragraph.split_whitespace().collect::<Vec<_>>().join(" "));

@@ -1,9 +1,9 @@
-//! Distance of drawn lines from those that should be there.
+//! Distance between drawn lines and those that should be there.
 //!
-//! Precision is the share of drawn pixels near a true line, recall the share of the true lines' pixels near a drawn one
-//! (Rijsbergen 1979). Near means within some pixels, centre to centre, by the exact distance. A drawn line counts by
-//! its centre pixel: pass the detected features if known, else [`Mask::core`] of the ink. Otherwise a stroke that is
-//! meant to be wide would be wrong by its width.
+//! Precision is the fraction of drawn pixels near a true line. Recall is the fraction of the true lines' pixels near a
+//! drawn one (Rijsbergen 1979). Near means within a number of pixels, measured exactly from centre to centre. A drawn
+//! line is represented by its centre pixels: pass the detected features if known, else [`Mask::core`] of the ink.
+//! Otherwise, a stroke that is meant to be wide would have an error of half its width.
 
 use crate::truth::{LineKind, VisibleLines};
 use pelage_bake::mask::{Mask, Stroke};
@@ -12,12 +12,12 @@ use pelage_import::BakeError;
 /// Largest distance at which a drawn line still matches a true one, pixels.
 pub const NEAR_PX: f64 = 2.0;
 
-/// Agreement of drawn lines with those of the truth.
+/// Agreement of drawn lines with the true lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineFigures {
-    /// Share of the drawn pixels that are near a true line, 0..=1; `None` if nothing is drawn.
+    /// Fraction of the drawn pixels that are near a true line, 0..=1; `None` if nothing is drawn.
     pub precision: Option<f64>,
-    /// Share of the true lines' pixels that are near a drawn one, 0..=1; `None` without true lines.
+    /// Fraction of the true lines' pixels that are near a drawn one, 0..=1; `None` without true lines.
     pub recall: Option<f64>,
     /// Number of drawn pixels.
     pub drawn: usize,
@@ -36,7 +36,7 @@ impl LineFigures {
     }
 }
 
-/// Compares lines; pixels within `near_px` of each other are near ([`NEAR_PX`]).
+/// Compares drawn lines with true ones. Pixels at most `near_px` apart are near; [`NEAR_PX`] is the usual value.
 ///
 /// # Errors
 ///
@@ -54,9 +54,9 @@ pub fn compare_lines(drawn: &Mask, truth: &Mask, near_px: f64) -> Result<LineFig
 /// Measures of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineMeasures {
-    /// Comparison with all lines of the truth, within [`NEAR_PX`].
+    /// Comparison with all true lines, within [`NEAR_PX`].
     pub lines: LineFigures,
-    /// Recall of each kind of line, in the order of [`LineKind::ALL`]; `None` where the truth has none.
+    /// Recall of each kind of line, in the order of [`LineKind::ALL`]; `None` for kinds that the truth lacks.
     pub recall: [Option<f64>; 4],
     /// Widest stroke.
     pub stroke: Stroke,
@@ -64,8 +64,8 @@ pub struct LineMeasures {
 
 /// Measures a drawing against the lines of its model.
 ///
-/// * `features`: pixels where the drawing found lines, of any width: their [`Mask::core`] counts
-/// * `ink`: pixels that it drew there
+/// * `features`: pixels where the drawing found lines, of any width; their [`Mask::core`] is compared
+/// * `ink`: pixels that are drawn as ink
 ///
 /// # Errors
 ///
@@ -81,12 +81,13 @@ pub fn measure_lines(features: &Mask, ink: &Mask, truth: &VisibleLines) -> Resul
     Ok(LineMeasures { lines, recall, stroke: ink.widest_stroke() })
 }
 
-/// Returns the share of a set's pixels that are within `near_px` of the other set, and the size of the set.
+/// Returns the fraction of the pixels of `of` that are within `near_px` of a pixel of `to`, and the number of pixels of
+/// `of`.
 fn share_near(of: &Mask, to: &Mask, near_px: f64) -> (Option<f64>, usize) {
     let (mut near, mut all) = (0usize, 0usize);
     for (_, distance) in of.pixels.iter().zip(to.distances()).filter(|(set, _)| **set) {
         all += 1;
-        // A distance is the root of an integer; the slack covers the rounding of the root.
+        // Distances are square roots of integers; the tolerance covers the rounding of the root.
         near += usize::from(distance <= near_px + 1e-9);
     }
     ((all > 0).then(|| near as f64 / all as f64), all)
@@ -108,7 +109,7 @@ mod tests {
             assert_eq!((found.precision, found.recall, found.f1()), (Some(expected), Some(expected), expected));
             assert_eq!((found.drawn, found.truth), (30, 30));
         }
-        // Two pixels across and one down is farther than two.
+        // A pixel two columns and one row away is farther than two pixels.
         let dot = |x: i64, y: i64| {
             let mut mask = Mask::empty(9, 9);
             mask.insert(x, y);
@@ -126,10 +127,10 @@ mod tests {
         assert!((found.f1() - 2.0 / 3.0).abs() < 1e-12);
         let found = compare_lines(&upright(10, 1), &twice, NEAR_PX).unwrap();
         assert_eq!((found.precision, found.recall), (Some(1.0), Some(0.5)));
-        // A wide stroke is right by its core, but wrong by its width.
+        // A wide stroke is correct by its core, but not by all its pixels.
         let wide = upright(7, 7);
         let core = compare_lines(&wide.core(), &upright(10, 1), NEAR_PX).unwrap();
-        // The core's ends are a pixel or two farther in.
+        // The core ends a pixel or two before the stroke does.
         assert!(core.precision == Some(1.0) && core.recall.unwrap() > 0.9, "{core:?}");
         assert!(compare_lines(&wide, &upright(10, 1), NEAR_PX).unwrap().precision.unwrap() < 0.8);
     }

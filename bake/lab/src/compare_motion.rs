@@ -1,14 +1,14 @@
-//! Flicker: change of a picture from one frame to the next beyond the motion of what it shows.
+//! Flicker: change of a picture from one frame to the next, beyond the motion of its contents.
 //!
 //! If the ray of a frame's pixel meets the mesh surface, that point (triangle and weights) is looked up on the surface
 //! of the next frame. It is then projected into that frame's picture. If the point is visible there as well, both greys
-//! should be the same except for light and view; their mean absolute difference is the flicker. It is 0 for a texture
-//! fixed to the surface and large for one fixed to the screen. The motion is that of the mesh itself and not estimated
-//! from the pictures, so that a texture that swims is not mistaken for motion.
+//! should be the same except for changes of light and view. Their mean absolute difference is the flicker. It is 0 for
+//! a texture fixed to the surface, and large for one fixed to the screen. The motion is taken from the mesh and not
+//! estimated from the pictures, so that a texture that slides over the surface does not count as motion.
 //!
 //! Contours move over the surface even without flicker, because they depend on the view. Pixels that are lines in both
-//! frames, or in neither, are therefore separated from those where a line appears or vanishes. The figures compare
-//! drawing methods on the same motion; they are not to be compared with 0.
+//! frames or in neither are therefore separated from those where a line appears or vanishes. Figures are meant to
+//! compare drawing methods on the same motion; even a perfect method does not reach 0.
 
 use glam::DVec2;
 use pelage_bake::mask::Mask;
@@ -16,14 +16,14 @@ use pelage_import::BakeError;
 use pelage_truth::{SurfaceVisibility, TrueCamera};
 use rayon::prelude::*;
 
-/// Frame: a picture and what it shows.
+/// Frame: a picture, and the surface that it shows.
 #[derive(Clone, Copy)]
 pub struct FlickerFrame<'a> {
     /// Posed mesh surface.
     pub sight: &'a SurfaceVisibility,
     /// Camera of the picture.
     pub camera: &'a TrueCamera,
-    /// Grey of each of `width * height` pixels as displayed, sRGB-encoded, 0 black to 1 white, row-major from the top.
+    /// Displayed grey of each of `width * height` pixels, sRGB-encoded, 0 black to 1 white, row-major from the top.
     pub grey: &'a [f32],
     /// Pixels that are lines, of the picture's size.
     pub lines: &'a Mask,
@@ -34,11 +34,12 @@ pub struct FlickerFrame<'a> {
 pub struct Flicker {
     /// Mean over all pixels whose surface point is visible in both frames.
     pub surface: MeanOf,
-    /// Mean over those that are lines in neither frame, and touch none.
+    /// Mean over the pixels of `surface` that are lines in neither frame, and touch none.
     pub wash: MeanOf,
-    /// Mean over those that are lines in both.
+    /// Mean over the pixels of `surface` that are lines in both frames.
     pub lines: MeanOf,
-    /// Mean over pixels that show no mesh surface in either frame, each compared with itself: valid for a fixed camera.
+    /// Mean over pixels that show no mesh surface in either frame. Each pixel is compared with itself, which is valid
+    /// for a fixed camera.
     pub background: MeanOf,
 }
 
@@ -67,7 +68,7 @@ impl MeanOf {
 }
 
 impl Flicker {
-    /// Combines both, as over one longer sequence.
+    /// Combines two means, as if measured over one longer sequence.
     #[must_use]
     pub fn joined(self, other: Self) -> Self {
         Self {
@@ -79,8 +80,7 @@ impl Flicker {
     }
 }
 
-/// Tolerance of the occlusion test in front of a surface point, as a share of the distance between the eye and the
-/// point.
+/// Tolerance of the test whether a surface point is occluded, relative to the distance between the eye and the point.
 const SLACK: f64 = 1e-4;
 
 /// Measures the flicker between two consecutive frames of one model.
@@ -128,7 +128,7 @@ pub fn flicker(now: &FlickerFrame<'_>, next: &FlickerFrame<'_>, size: (u32, u32)
             }
             let apart = (f64::from(now.grey[i]) - bilinear(next.grey, size, at)).abs();
             out.surface.add(apart);
-            // The four pixels that the lookup interpolates.
+            // The lookup interpolates these four pixels.
             let corner = (at - 0.5).floor();
             let around = [(0, 0), (1, 0), (0, 1), (1, 1)]
                 .map(|(dx, dy)| next.lines.contains(corner.x as i64 + dx, corner.y as i64 + dy));
@@ -147,8 +147,8 @@ pub fn flicker(now: &FlickerFrame<'_>, next: &FlickerFrame<'_>, size: (u32, u32)
     Ok(rows.into_iter().fold(Flicker::default(), Flicker::joined))
 }
 
-/// Returns the grey at a point of a picture, in pixels from its upper left corner, clamped to the outermost pixel
-/// centres.
+/// Returns the grey at a point of a picture, clamped to the outermost pixel centres. The point is in pixels from the
+/// upper left corner.
 fn bilinear(grey: &[f32], (width, height): (u32, u32), at: DVec2) -> f64 {
     let last = DVec2::new(f64::from(width - 1), f64::from(height - 1));
     let at = (at - 0.5).clamp(DVec2::ZERO, last);

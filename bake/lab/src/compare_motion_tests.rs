@@ -6,7 +6,7 @@ use pelage_truth::Lens;
 
 const SIZE: (u32, u32) = (60, 40);
 
-/// Returns squares two metres wide, each at its position.
+/// Returns squares two metres wide, one at each position.
 fn squares(places: &[DVec3]) -> SurfaceVisibility {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mut skin = PosedMesh {
@@ -28,19 +28,20 @@ fn squares(places: &[DVec3]) -> SurfaceVisibility {
     SurfaceVisibility::new(skin).unwrap()
 }
 
-/// Returns a camera whose picture is four metres high, so that a pixel is a tenth of a metre.
+/// Returns a camera whose picture is four metres high; a pixel is a tenth of a metre.
 fn camera() -> TrueCamera {
     let lens = Lens::Orthographic { height_m: 4.0 };
     TrueCamera { eye_ws: Vec3::new(0.0, 0.0, 5.0), target_ws: Vec3::ZERO, up_ws: Vec3::Y, lens }
 }
 
-/// Returns a wave of grey in metres of the picture, with 3.5 m across and 4.5 m down from crest to crest.
+/// Returns a wave of grey at a position in the picture, metres. Wavelengths are 3.5 m horizontally and 4.5 m
+/// vertically.
 fn wave(x: f64, y: f64) -> f64 {
     0.5 + 0.25 * (1.8 * x).sin() + 0.25 * (1.4 * y + 0.5).cos()
 }
 
-/// Returns a picture of the square at `place`, with the wave as its texture, moved by `slip`; around it a grey of a
-/// fifth.
+/// Returns a picture of the square at `place`, textured with the wave and shifted by `slip`, on a background of grey
+/// 0.2.
 fn picture(place: DVec3, slip: DVec3) -> Vec<f32> {
     let pixel = |i: u32| {
         let (x, y) = (f64::from(i % SIZE.0) + 0.5, f64::from(i / SIZE.0) + 0.5);
@@ -65,7 +66,7 @@ fn static_scene_does_not_flicker() {
     assert!(found.surface.mean().unwrap() < 1e-6 && found.lines.mean().unwrap() < 1e-6, "{found:?}");
     assert_eq!(found.background.mean(), Some(0.0));
     assert_eq!((found.surface.count, found.background.count), (400, 2000));
-    // The columns beside the change touch both.
+    // The columns beside the change touch both lines and wash.
     assert!((180..=200).contains(&found.lines.count) && (180..=200).contains(&found.wash.count), "{found:?}");
     assert_eq!(found.wash.mean().map(|mean| mean < 1e-6), Some(true));
     assert_eq!(Flicker::default().surface.mean(), None);
@@ -80,17 +81,17 @@ fn surface_textures_do_not_flicker_and_screen_textures_do() {
     let lines = Mask::from_fn(60, 40, |x, y| (22..38).contains(&x) && (12..28).contains(&y));
     let grey = picture(here, DVec3::ZERO);
     let glued = measure((&now, &grey), (&next, &picture(there, DVec3::ZERO)), &lines);
-    // The same wave fixed to the screen: on the square it has slipped by the square's motion.
+    // The same wave is fixed to the screen, so it slides on the square by the square's motion.
     let screen = measure((&now, &grey), (&next, &picture(there, there)), &lines);
     for (glued, screen, share) in [(glued.surface, screen.surface, 0.3), (glued.lines, screen.lines, 0.03)] {
         let (glued, screen) = (glued.mean().unwrap(), screen.mean().unwrap());
         assert!(screen > 0.05 && glued < share * screen, "{glued} on the surface, {screen} on the screen");
     }
-    // At the square's border a pixel mixes with its surroundings; elsewhere only the interpolation between four pixels
+    // Pixels at the square's border mix with the background; elsewhere, only the error of bilinear interpolation
     // remains.
     assert!(glued.lines.mean().unwrap() < 0.002, "{glued:?}");
     assert_eq!(glued.surface.count, 400);
-    // The lines' pixels keep their position in the picture while the square moves by three.
+    // The lines' pixels keep their positions in the picture while the square moves by three pixels.
     assert!((150..256).contains(&glued.lines.count), "{glued:?}");
 }
 
@@ -107,10 +108,10 @@ fn only_surfaces_visible_in_both_frames_count() {
     }
     let found = measure((&now, &grey), (&next, &changed), &Mask::empty(60, 40));
     assert_eq!(found.surface.count, 200, "{found:?}");
-    // Of the half that stays visible, only the column beside the change can mix with it.
+    // Of the visible half, only the column beside the occluding square can mix with it.
     assert!(found.surface.mean().unwrap() < 0.05, "{found:?}");
     assert_eq!(found.lines.mean(), None);
-    // A square that leaves the picture does not count.
+    // A square that leaves the picture is not measured.
     let gone = measure((&now, &grey), (&squares(&[DVec3::X * 9.0, DVec3::X * 9.0]), &grey), &Mask::empty(60, 40));
     assert_eq!(gone.surface.count, 0);
 }

@@ -1,7 +1,7 @@
 //! Dense least squares by Householder QR.
 
-/// Returns the coefficients of the linear combination of `columns` nearest to `values`. The columns must be
-/// independent.
+/// Returns the coefficients with which the linear combination of `columns` is nearest to `values`. The columns must be
+/// linearly independent.
 pub(super) fn least_squares(mut columns: Vec<Vec<f64>>, mut values: Vec<f64>) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     for k in 0..columns.len() {

@@ -1,5 +1,5 @@
-//! Laboratory: charts of accuracy against cost, stability tests of methods, and the printed forms of the papers. It is
-//! not published.
+//! Laboratory: charts of accuracy against cost, stability tests of methods, and the published forms of the papers. This
+//! crate is not released.
 
 pub mod chart;
 pub mod command;

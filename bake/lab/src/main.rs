@@ -1,4 +1,4 @@
-//! The command `pelage-lab`: every subcommand of `pelage`, and `chart`.
+//! The command `pelage-lab`: all subcommands of `pelage`, plus `chart`.
 
 mod commands_page;
 

@@ -1,8 +1,9 @@
-//! Scattering of a spherical Gaussian light by a fibre as printed (after Xu 2011): Gaussians replace the exact
-//! distribution around the fibre.
+//! Scattering of a spherical Gaussian light by a fibre in the published form (after Xu 2011): Gaussians approximate the
+//! exact distribution around the fibre.
 //!
-//! R is a sum of powers of cos(φ/2), TT one Gaussian about π. TRT has two about its caustics and one between them, of
-//! which only one is left from η′ = 2 on. The form is here for measurement only; pelage does not draw with it.
+//! R is a sum of powers of cos(φ/2), and TT one Gaussian about π. TRT has two Gaussians about its caustics and one
+//! between them; from η′ = 2 on, only one is left. The form is here for measurement only; pelage does not render with
+//! it.
 
 use crate::least_squares::least_squares;
 use glam::DVec3;
@@ -12,11 +13,11 @@ use pelage_formats::meaning::scattering::optics::LEAST_COS_D;
 use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre, FibreSection};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Number of values of cos θd at which paths are fitted.
+/// Number of values of cos θd at which the paths are fitted.
 const SECTIONS: usize = 96;
 /// Number of powers of cos(φ/2), from 0.
 const POWERS: usize = 7;
-/// Number of azimuths at which R is fitted, and over which it is integrated with light.
+/// Number of azimuths at which R is fitted, and over which R times the light is integrated.
 const AZIMUTHS: usize = 256;
 /// Range of η′ beyond 2 over which the caustics fade out.
 const FADES: f64 = 0.3;
@@ -38,7 +39,7 @@ impl CircularGaussian {
     }
 }
 
-/// Returns the integral of exp(κ (cos φ − 1)) over all azimuths.
+/// Returns the integral of exp(κ (cos φ − 1)) over all azimuths, where κ is `sharpness`.
 fn full_integral(sharpness: f64) -> f64 {
     TAU * i0e(sharpness)
 }
@@ -56,7 +57,7 @@ fn sharpness_of(light: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Fitted distribution of light around a section of a fibre.
+/// Fitted azimuthal distribution of the light scattered by a section of a fibre.
 #[derive(Clone, Copy, Debug, Default)]
 struct FittedSection {
     reflected: [f64; POWERS],
@@ -72,7 +73,7 @@ impl FittedSection {
             sum
         };
         let all = |p: u32| {
-            // Even steps integrate periodic functions accurately.
+            // Sums over equal steps integrate periodic functions accurately.
             let steps = 4 * AZIMUTHS;
             let at = |i: usize| light(p, TAU * (i as f64 + 0.5) / steps as f64 - PI);
             (0..steps).map(at).sum::<f64>() * TAU / steps as f64
@@ -111,7 +112,7 @@ fn powers(of: impl Fn(f64) -> f64) -> [f64; POWERS] {
     std::array::from_fn(|k| found[k])
 }
 
-/// Fits TRT in its three regimes. `middle`: its light towards azimuth 0; `all`: its light towards all azimuths.
+/// Fits TRT in its three regimes. `middle` is its light towards azimuth 0, `all` its light towards all azimuths.
 fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [CircularGaussian; 3] {
     let across = section.section.across;
     let sharp = 1.0 / (width * width);
@@ -144,7 +145,7 @@ fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [Circula
     one(1.0 / (mixed * mixed))
 }
 
-/// Smooth fibre with a given absorption per radius, fitted at all difference angles.
+/// Smooth fibre with a given absorption per radius, with the light of all difference angles fitted.
 #[derive(Clone, Debug)]
 pub struct PrintedLight {
     fibre: Fibre,
@@ -152,7 +153,7 @@ pub struct PrintedLight {
 }
 
 impl PrintedLight {
-    /// Fits a fibre; a rough one is treated as a smooth one with glints of the same width.
+    /// Fits a fibre. A rough fibre is treated as a smooth one with glints of the same width.
     pub fn new(fibre: &Fibre, sigma: f64) -> Self {
         let width = match fibre.around {
             AzimuthalScattering::Smooth(glint) => glint.width,
@@ -165,7 +166,7 @@ impl PrintedLight {
         Self { fibre: *fibre, sections: (0..SECTIONS).map(section).collect() }
     }
 
-    /// Returns the light that the fibre sends to the eye by R, TT and TRT.
+    /// Returns the light that the fibre scatters to the eye by R, TT and TRT.
     pub fn scatter(&self, tip: DVec3, light: &GaussianLight, eye: DVec3) -> f64 {
         const STEPS: usize = 64;
         let middle = Angles::between(tip, light.towards, eye);
@@ -213,7 +214,7 @@ mod tests {
             let eye = eye.normalize();
             let found = printed.scatter(DVec3::Y, &light, eye);
             let expected = exact.scatter([0.2; 3], DVec3::Y, &light, eye)[0];
-            // Paths with more than one internal reflection are not part of the printed form.
+            // The published form has no paths with more than one internal reflection.
             assert!((found / expected - 1.0).abs() < 0.12, "{eye}: {found}, {expected}");
         }
         let sharp = sharpness_of(full_integral(30.0));

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Range of an axis: logarithmic if the values span more than one decade, else linear from zero.
+/// Range of an axis. It is logarithmic if the values span more than one decade, else linear from zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
     /// Whether the axis is logarithmic.
@@ -11,12 +11,12 @@ pub struct Scale {
     pub range: Range<f64>,
 }
 
-/// Ticks of an axis, with and without a number.
+/// Ticks of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ticks {
     /// Ticks with a line and a number.
     pub major: Vec<f64>,
-    /// Ticks with a fainter line and no number; within a decade.
+    /// Ticks with a fainter line and no number, at the other values within a decade.
     pub minor: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Scale {
         if self.log { (value / a).ln() / (b / a).ln() } else { (value - a) / (b - a) }
     }
 
-    /// Returns the ticks: 1, 2 and 5 of each decade, or only 1; round steps on a linear axis.
+    /// Returns the ticks. A logarithmic axis has 1, 2 and 5 of each decade, or only 1; a linear axis has round steps.
     pub fn ticks(&self) -> Ticks {
         let (a, b) = (self.range.start, self.range.end);
         if !self.log {
@@ -61,7 +61,7 @@ impl Scale {
     }
 }
 
-/// Formats the number at a tick: three significant digits, thousands and millions as k and M.
+/// Formats the number at a tick: three significant digits, with the suffixes k for thousands and M for millions.
 pub fn label(value: f64) -> String {
     let digits = |x: f64| format!("{x:.2e}").parse::<f64>().unwrap_or(x).to_string();
     match value.abs() {

@@ -1,9 +1,9 @@
-//! Topic `detail`: layers, triangles and texels that a picture needs at the size at which a model is drawn, against the
-//! true strands.
+//! Topic `detail`: layers, triangles and texels that are needed at the size at which a model is drawn. The reference is
+//! a picture of the true strands.
 //!
 //! Fur that is few pixels high cannot show many layers, and small triangles add nothing there. The same view is
-//! therefore drawn in four sizes, each beside its own reference picture: with the runtime's choice, with everything,
-//! and with one of the three changed at a time.
+//! therefore drawn in four sizes, each compared with its own reference picture. Each size is drawn with the runtime's
+//! choice, in full detail, and with one of layers, triangles and texels changed at a time.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
@@ -13,7 +13,7 @@ use pelage_import::BakeError;
 use pelage_stage::LookDetail;
 use pelage_tool::shell_judge::SettingMeasurements;
 
-/// Picture size relative to the recipe's `[judge]`.
+/// Picture size relative to the recipe's `[judge]` size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
     /// Name of the size in the table.
@@ -23,7 +23,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// All sizes, largest first; each is half of the previous one, and so is its fur.
+    /// All sizes, largest first; each has half the width, height and fur height of the previous one, in pixels.
     pub const ALL: [Self; 4] = [
         Self { word: "double", ratio: (2, 1) },
         Self { word: "whole", ratio: (1, 1) },
@@ -39,7 +39,7 @@ impl Size {
     }
 }
 
-/// Tile sizes that are drawn in full detail, texels: from a small picture's needs to a close-up's.
+/// Tile sizes that are drawn in full detail, texels: from the size that a small picture needs to that of a close-up.
 pub const TILES: [u32; 4] = [32, 64, 128, 256];
 
 /// Parameters of one measurement: content and picture size.
@@ -53,9 +53,9 @@ pub struct DetailConfiguration {
     pub size: usize,
     /// Level of detail at which the package is drawn.
     pub detail: LookDetail,
-    /// Recipe with the changes.
+    /// Recipe with the changes of this configuration.
     pub recipe: Recipe,
-    /// Whether this is the default: the unchanged recipe at automatic level of detail.
+    /// Whether this is the default: the unchanged recipe at the automatic level of detail.
     pub default: bool,
 }
 
@@ -81,8 +81,8 @@ pub const COLUMNS: [&str; 18] = [
     "timing",
 ];
 
-/// Returns the panels of the chart, one per size: over fragments, or over milliseconds if the adapter does not count
-/// fragments.
+/// Returns the panels of the chart, one per size. The cost is the number of fragments, or milliseconds if the adapter
+/// does not count fragments.
 pub fn panels(counted: bool) -> Vec<Panel> {
     let (cost, cost_label) = match counted {
         true => ("fragments", "fragments per frame"),
@@ -104,8 +104,13 @@ pub fn panels(counted: bool) -> Vec<Panel> {
     Size::ALL.into_iter().zip(error_labels).map(panel).collect()
 }
 
-/// Lists what to measure. For each size: the runtime's choice, everything in the recipe, its levels of detail in
-/// quarter steps while they have layers, [`TILES`], and the runtime's choice without simplified triangle lists.
+/// Lists what to measure. Each size is drawn with:
+///
+/// * the runtime's choice
+/// * everything in the recipe
+/// * the recipe's levels of detail in quarter steps, as long as they have layers
+/// * the tile sizes of [`TILES`]
+/// * the runtime's choice without simplified triangle lists
 ///
 /// # Errors
 ///
@@ -115,7 +120,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<DetailConfiguration>, BakeErr
     unsimplified.set("detail.simplified=false")?;
     let coat = has_far_layer(base).then(FarFurStats::default);
     let chain = levels(&base.detail, base.slice.layers, coat.as_ref());
-    // Towards the far coat, at step 0, all layers vanish at once, so its level is left out.
+    // At step 0, the transition to the far layer, all layers vanish at once; that level is therefore excluded.
     let last = chain.iter().filter(|level| level.step > 0).count().saturating_sub(1);
     let mut out: Vec<DetailConfiguration> = Vec::new();
     for size in 0..Size::ALL.len() {
@@ -141,7 +146,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<DetailConfiguration>, BakeErr
     Ok(out)
 }
 
-/// Values that all rows of a size share.
+/// Values shared by all rows of a size.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DetailSizeFacts {
     /// Width and height of the picture, pixels.
@@ -152,7 +157,7 @@ pub struct DetailSizeFacts {
     pub samples: u32,
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `timing` is the source of the milliseconds.
 pub fn cells(
     configuration: &DetailConfiguration,
     seen: &DetailSizeFacts,
@@ -210,7 +215,7 @@ mod tests {
             for tile in TILES {
                 assert_eq!(drawn(LookDetail::Full, tile, true), 1, "a tile of {tile}");
             }
-            // Sixteen layers have three levels, each divided into quarter steps, and then the far coat.
+            // Sixteen layers have three levels, each divided into quarter steps, followed by the far layer.
             for level in [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0] {
                 assert_eq!(drawn(LookDetail::Level(level), base.slice.tile_texels, true), 1, "level {level}");
             }

@@ -1,9 +1,10 @@
-//! Topic `environment`: accuracy and cost of lighting fibres by an environment map. Compared: one broad light for the
-//! whole map; one lobe at a time by tables, exactly or as printed; samples of the map; constant ambient light.
+//! Topic `environment`: accuracy and cost of lighting fibres by an environment map. The compared methods are one broad
+//! light for the whole map; one lobe at a time, by tables, by its exact integral or in the published form; samples of
+//! the map; and constant ambient light.
 //!
-//! The truth integrates the map, direction by direction, times the fibre's scattering. Its directions are those above
-//! the mesh surface, and those below that a body of usual curvature does not hide. No other hair occludes. Where a map
-//! is fitted by lights, its sun is a separate, exact light, like a frame's key light.
+//! The truth is the integral of the map times the fibre's scattering, summed over directions. It includes directions
+//! above the mesh surface, and those below it that a body of usual curvature does not hide. No other hair occludes.
+//! Where lights are fitted to a map, its sun is a separate, exact light, like a frame's key light.
 
 use super::environment_fit::even_direction;
 use super::skies::NamedSky;
@@ -27,14 +28,14 @@ use std::f64::consts::PI;
 const POINTS: usize = 160;
 /// Absorption of the fibres per radius: blond and brown.
 const SIGMAS: [f64; 2] = [0.1, 0.5];
-/// Fibres under environment maps: human hair, soft, and matt wool.
+/// Fibres under environment maps: human hair, soft hair, and matt wool.
 const FIBRES: [FibreOptics; 3] = [
     FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12 },
     FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2 },
     FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5 },
 ];
-/// Columns and rows of the truth's cells. A cell with more than the share `BRIGHT` of all light is divided into
-/// `PARTED` × `PARTED` cells.
+/// Columns and rows of cells over which the truth is summed. A cell with more than the fraction `BRIGHT` of all light
+/// is divided into `PARTED` × `PARTED` cells.
 const CELLS: (u32, u32) = (64, 32);
 const PARTED: u32 = 6;
 const BRIGHT: f64 = 0.004;
@@ -43,10 +44,10 @@ const DIRECTIONS: u32 = 1024;
 
 /// Columns of the chart.
 ///
-/// * `sky`: name of the environment map, or width of a single light.
-/// * `error_percent`: root mean square of the difference over that of the truth, in luminance, over all points.
-///   `mean_percent`: mean over the truth's, less 1.
-/// * `microseconds`: time per point on one core, with all memory reads. `fetches`: texture samples per point in a
+/// * `sky`: name of the environment map, or width of a single light, degrees.
+/// * `error_percent`: relative RMS error of the luminance, over all points. `mean_percent`: mean luminance divided by
+///   the truth's, minus 1.
+/// * `microseconds`: time per point on one core, memory reads included. `fetches`: texture samples per point in a
 ///   frame. `bytes`: size of one fibre's tables.
 pub const COLUMNS: [&str; 6] = ["sky", "error_percent", "mean_percent", "microseconds", "fetches", "bytes"];
 
@@ -61,29 +62,29 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
 /// Method of lighting a fibre by an environment map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MapLighting {
-    /// Single light about the mean direction of all light above the mesh surface, by tables of that size; the map is
-    /// fitted with that number of lobes.
+    /// Single light about the mean direction of all light above the mesh surface, evaluated by tables of the given
+    /// size. The map is fitted with the given number of lobes.
     OneLight(usize, BroadSize),
-    /// Fit with that number of lobes, each by the tables.
+    /// Fit with the given number of lobes, each evaluated by the tables.
     Tables(usize),
-    /// Fit with that number of lobes, each by its integral.
+    /// Fit with the given number of lobes, each integrated exactly.
     Exact(usize),
-    /// Fit with that number of lobes, each as printed (after Xu 2011).
+    /// Fit with the given number of lobes, each in the published form (after Xu 2011).
     Printed(usize),
-    /// Samples of that number of directions of the map, by luminance.
+    /// The given number of directions, sampled from the map in proportion to luminance.
     Samples(usize),
-    /// Mean radiance of the map from all directions.
+    /// Mean radiance of the map over all directions, as constant light.
     Constant,
 }
 
-/// Method of lighting a fibre by a single light, with no mesh surface in the way.
+/// Method of lighting a fibre by a single light that no mesh surface hides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SingleLighting {
-    /// Integral of the light.
+    /// Exact integral over the light.
     Exact,
-    /// By the tables, for the part of the light that they cover.
+    /// Tables, for the part of the light that they cover.
     Tables,
-    /// Printed form.
+    /// Published form (after Xu 2011).
     Printed,
 }
 
@@ -93,9 +94,9 @@ pub const WIDTHS: [f64; 5] = [8.0, 10.0, 20.0, 40.0, 80.0];
 /// Parameters of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EnvironmentConfiguration {
-    /// Index of an environment map, and a method.
+    /// Index of an environment map, and the method.
     Sky(usize, MapLighting),
-    /// Width of a single light, and a method.
+    /// Width of a single light in degrees, and the method.
     Single(f64, SingleLighting),
 }
 
@@ -104,7 +105,7 @@ fn default_size() -> BroadSize {
     BroadSize::default()
 }
 
-/// Lists what to measure under `skies` environment maps.
+/// Lists what to measure, for `skies` environment maps.
 pub fn configurations(skies: usize) -> Vec<EnvironmentConfiguration> {
     let size = |means, to, from, phi| BroadSize { means, to, from, phi };
     let mut forms: Vec<MapLighting> = [4, 8, 16, 32].map(|lobes| MapLighting::OneLight(lobes, default_size())).into();
@@ -128,7 +129,7 @@ pub fn configurations(skies: usize) -> Vec<EnvironmentConfiguration> {
 }
 
 impl EnvironmentConfiguration {
-    /// Returns the varied setting and its value.
+    /// Returns the name of the varied setting, and its value.
     pub fn labels(&self) -> (&'static str, String) {
         let lobes = |n: usize| format!("{n} lobes");
         match self {
@@ -149,15 +150,15 @@ impl EnvironmentConfiguration {
         }
     }
 
-    /// Whether this is what a frame does.
+    /// Returns whether this is what a frame does.
     pub fn is_default(&self) -> bool {
         matches!(self, Self::Sky(_, MapLighting::OneLight(16, size)) if *size == default_size())
     }
 
     /// Returns the number of texture fetches per point in a frame.
     fn fetches(&self) -> Option<usize> {
-        // Total light, its direction and its irradiance; then the samples between two means and two angles to the eye.
-        // A single direction needs two tables.
+        // Three fetches give the total light, its direction and its irradiance. Four more interpolate between two means
+        // and two angles to the eye. A single direction needs two tables.
         match self {
             Self::Sky(_, MapLighting::OneLight(..)) => Some(3 + 4),
             Self::Sky(_, MapLighting::Tables(n)) => Some(4 * (n + 1)),
@@ -176,7 +177,7 @@ impl EnvironmentConfiguration {
     }
 }
 
-/// Hair point and direction to the eye; directions have length 1.
+/// Point on a hair, and unit vectors of its tip and of the direction to the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     fibre: usize,
@@ -186,8 +187,8 @@ struct Point {
     eye: DVec3,
 }
 
-/// Returns points of hair that leans up to 80 degrees, with mesh normals in all directions, seen from above the
-/// surface.
+/// Returns points on hair that leans by up to 80 degrees, seen from above the surface. Mesh normals have all
+/// directions.
 fn points() -> Vec<Point> {
     let random = |number: usize, what: u64| f64::from(uniform(hash(0x5e5, number as u64), what));
     let about = |normal: DVec3, cosine: f64, turn: f64| {
@@ -215,12 +216,12 @@ fn smooth(width_deg: f64, optics: &FibreOptics) -> Fibre {
     }
 }
 
-/// Returns the light that a fibre scatters from one direction.
+/// Returns the light that a fibre scatters to the eye from the direction `towards`.
 fn scatter_from(fibre: &Fibre, point: &Point, towards: DVec3) -> f64 {
     fibre.scatter([point.sigma; 3], &Angles::between(point.tip, towards, point.eye))[0]
 }
 
-/// Filters lights, as (direction, luminance), to those visible from hair on a surface with this normal.
+/// Filters lights, given as direction and luminance, to those visible from hair on a surface with this normal.
 fn above<'a>(lights: &'a [(DVec3, f64)], normal: DVec3) -> impl Iterator<Item = (DVec3, f64)> + 'a {
     lights.iter().copied().filter(move |(way, _)| normal.dot(*way) > -HORIZON_SINE)
 }
@@ -234,7 +235,7 @@ pub struct EnvironmentTruth {
 }
 
 impl EnvironmentTruth {
-    /// Computes the truth for an environment map.
+    /// Computes the truth under an environment map.
     pub fn new(sky: &NamedSky) -> Self {
         let points = points();
         let cells = cells_of(&sky.panorama);
@@ -249,13 +250,13 @@ impl EnvironmentTruth {
     }
 }
 
-/// Returns the directions of an environment map with the luminance from each.
+/// Returns the directions of an environment map's cells, with the light from each as luminance.
 fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
     let (coarse, fine) = (panorama.reduced(CELLS), panorama.reduced((PARTED * CELLS.0, PARTED * CELLS.1)));
     let of =
         |cells: &Panorama, x: u32, y: u32| (cells.towards(x, y), brightness(cells.at(x, y)) * cells.solid_angle(y));
     let (width, height) = coarse.size();
-    // A map with fewer pixels has no finer cells.
+    // A map with too few pixels has no finer cells.
     let parted = if fine.size() == (PARTED * width, PARTED * height) { PARTED } else { 1 };
     let bright = BRIGHT * brightness(panorama.total());
     let mut out = Vec::new();
@@ -276,7 +277,7 @@ fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
 pub struct EnvironmentAccuracy {
     /// Relative L2 error.
     pub error: f64,
-    /// Mean over the truth's, less 1.
+    /// Mean divided by the truth's mean, minus 1.
     pub mean: f64,
     /// Seconds per point.
     pub seconds: f64,
@@ -291,8 +292,8 @@ fn accuracy(pairs: &[(f64, f64)], seconds: f64) -> EnvironmentAccuracy {
     }
 }
 
-/// Runs `of` for each of `count` on this core. Returns the values and the seconds per call, from the fastest of three
-/// runs; a run longer than 0.5 s is not repeated.
+/// Calls `of` for each number below `count`, on this core. Returns the values, and the seconds per call in the fastest
+/// of three runs. A run longer than 0.5 s is not repeated.
 fn timed(count: usize, mut of: impl FnMut(usize) -> f64) -> (Vec<f64>, f64) {
     let (mut values, mut fastest) = (Vec::new(), f64::INFINITY);
     for _ in 0..3 {
@@ -405,7 +406,7 @@ pub fn measure_map(form: MapLighting, sky: &NamedSky, truth: &EnvironmentTruth) 
     accuracy(&pairs, seconds)
 }
 
-/// Converts a rough fibre to the printed form's: smooth, with glints of the same width.
+/// Converts a rough fibre to what the published form handles: a smooth fibre with glints of the same width.
 fn to_smooth(fibre: &Fibre) -> Fibre {
     match fibre.around {
         AzimuthalScattering::Rough(scale) => {
@@ -420,21 +421,21 @@ fn radiance(lobe: &pelage_stage::sky::LightLobe) -> f64 {
     brightness(DVec3::from(lobe.radiance.map(f64::from)))
 }
 
-/// Returns an environment without its sun as directions with their luminance.
+/// Returns an environment without its sun, as directions with their luminance.
 fn directions(environment: &Environment) -> Vec<(DVec3, f64)> {
     let each = 4.0 * PI / f64::from(DIRECTIONS);
     let ways = (0..DIRECTIONS).map(|i| even_direction(i, DIRECTIONS));
     ways.map(|way| (way, brightness(environment.radiance(way)) * each)).collect()
 }
 
-/// Returns the total light that reaches hair on a surface with this normal, and the mean of its directions.
+/// Returns the total light that reaches hair on a surface with this normal, and the light's mean direction.
 fn mean_of(lights: &[(DVec3, f64)], normal: DVec3) -> (f64, DVec3) {
     let (whole, middle) = above(lights, normal)
         .fold((0.0, DVec3::ZERO), |(whole, middle), (way, light)| (whole + light, middle + way * light));
     (whole, middle / whole.max(1e-300))
 }
 
-/// Returns, for each point, the visible share of each lobe.
+/// Returns, for each point, the visible fraction of each lobe.
 fn shares(environment: &Environment, points: &[Point]) -> Vec<Vec<f64>> {
     let lobes: Vec<Vec<(DVec3, f64)>> = environment
         .lobes
@@ -452,8 +453,8 @@ fn shares(environment: &Environment, points: &[Point]) -> Vec<Vec<f64>> {
     points.iter().map(|point| lobes.iter().map(|lights| of(lights, point.normal)).collect()).collect()
 }
 
-/// Sums the lobes one at a time; `of` returns what a fibre scatters of each. The environment's even part is a uniform
-/// light.
+/// Sums the light scattered from each lobe. `of` returns what a fibre scatters from one lobe. The uniform part of the
+/// environment is a light as well.
 fn by_lobes(
     environment: &Environment,
     points: &[Point],
@@ -472,8 +473,8 @@ fn by_lobes(
     })
 }
 
-/// Measures a method under single lights of that width: two absorptions, two smooth fibres, three view directions,
-/// twenty light directions, 240 in all.
+/// Measures a method under single lights of the given width. There are 240 cases: two absorptions, two smooth fibres,
+/// three view directions and twenty light directions.
 pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccuracy {
     let sharpness = width_deg.to_radians().powi(-2);
     let fibres: Vec<Fibre> = [5.0, 15.0].map(|width| smooth(width, &FIBRES[0])).into();
@@ -525,10 +526,11 @@ pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccura
     accuracy(&pairs, seconds)
 }
 
-/// Integrates numerically over all directions. `half`: only over the part that the tables cover.
+/// Integrates the scattered light numerically over all directions. If `half`, covers only the part of the light that
+/// the tables cover.
 fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, half: bool) -> f64 {
     const STEPS: (usize, usize) = (72, 120);
-    // Five standard deviations about the light's centre, clamped to valid angles.
+    // Integrates over five standard deviations about the light's centre, clamped to valid angles.
     let reach = 5.0 / light.sharpness.sqrt();
     let middle = libm::asin(light.towards.y.clamp(-1.0, 1.0));
     let [from, to] = [-reach, reach].map(|far| (middle + far).clamp(-PI / 2.0, PI / 2.0));
@@ -562,7 +564,7 @@ fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, ha
     sum
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]. `sky`: name of the environment map.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `sky` is the name of the environment map.
 pub fn cells(configuration: &EnvironmentConfiguration, sky: &str, off: &EnvironmentAccuracy) -> Vec<Cell> {
     let name = match configuration {
         EnvironmentConfiguration::Sky(..) => sky.into(),

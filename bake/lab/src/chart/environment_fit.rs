@@ -1,4 +1,4 @@
-//! Topic `environment-fit`: accuracy and cost of fitting an environment map with few lights, by their number.
+//! Topic `environment-fit`: accuracy and cost of fitting a few lights to an environment map, by the number of lights.
 
 use super::skies::NamedSky;
 use super::{Cell, Panel};
@@ -12,12 +12,11 @@ pub const LOBES: [usize; 9] = [0, 1, 2, 4, 8, 12, 16, 24, 32];
 /// Columns of the chart.
 ///
 /// * `sky`: name of the environment map. `lobes`: number requested.
-/// * `error_percent`: root mean square of the difference in radiance, without the sun, over that of the map's radiance;
-///   by cells of 5.6 degrees.
-/// * `irradiance_percent`: the same for the irradiance of a surface, sun included, over its normals. The other errors
-///   describe the fit; this one is what fur shows.
-/// * `energy_percent`: total light without the sun over the map's, less 1, for the colour with the largest error.
-///   `sun_percent`: share of all light in the sun.
+/// * `error_percent`: relative RMS error of the radiance without the sun, over cells of 5.6 degrees.
+/// * `irradiance_percent`: relative RMS error of a surface's irradiance, sun included, over its normals. The other
+///   errors describe the fit; this one is what fur shows.
+/// * `energy_percent`: total light without the sun divided by the map's, minus 1, for the colour with the largest
+///   error. `sun_percent`: fraction of all light that comes from the sun.
 /// * `seconds`: duration of the fit. `bytes`: size of the lights as 32-bit numbers.
 pub const COLUMNS: [&str; 8] =
     ["sky", "lobes", "error_percent", "irradiance_percent", "energy_percent", "sun_percent", "seconds", "bytes"];
@@ -36,7 +35,7 @@ const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str
 /// Number of surface normals.
 const NORMALS: u32 = 256;
 
-/// Returns the irradiance of a surface over π for each normal, from the environment map itself.
+/// Returns irradiance / π of a surface for each normal, integrated over the environment map itself.
 pub fn true_irradiance(panorama: &Panorama) -> Vec<DVec3> {
     let cells = panorama.reduced((256, 128));
     let (width, height) = cells.size();
@@ -61,7 +60,7 @@ fn irradiance_by_lights(lights: &[(DVec3, DVec3)], environment: Option<&Environm
     normals.map(of).collect()
 }
 
-/// Returns one of `count` directions, spread as evenly as possible over the sphere.
+/// Returns direction `i` of `count` directions spread evenly over the sphere.
 pub(super) fn even_direction(i: u32, count: u32) -> DVec3 {
     let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
     let turn = 2.399_963_229_728_653 * f64::from(i);
@@ -69,7 +68,7 @@ pub(super) fn even_direction(i: u32, count: u32) -> DVec3 {
     DVec3::new(out * libm::cos(turn), y, out * libm::sin(turn))
 }
 
-/// Fits an environment map with that number of lobes.
+/// Fits the given number of lobes to an environment map.
 pub fn fit(sky: &NamedSky, lobes: usize) -> FitResult {
     sky.panorama.fit(FitParams { lobes, ..FitParams::default() })
 }
@@ -90,7 +89,7 @@ pub fn cells(sky: &NamedSky, lobes: usize, fitted: &FitResult, truth: &[DVec3], 
     let whole: f64 = truth.iter().map(|of| brightness(*of).powi(2)).sum();
     let irradiance = (wrong / whole.max(1e-300)).sqrt();
     let percent = |x: f64| Cell::Number(100.0 * x);
-    // The even part, each lobe, and a sun.
+    // Number of floats: uniform light, lobes, and the sun if there is one.
     let numbers = 3 + 7 * environment.lobes.len() + environment.sun.map_or(0, |_| 6);
     vec![
         Cell::Text(sky.name.clone()),

@@ -1,4 +1,4 @@
-//! Error statistics of values against their truth.
+//! Error statistics of values compared with their truth.
 
 /// Sums over pairs of a value and its truth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub struct Errors {
     off: u64,
 }
 
-/// Threshold above which errors are counted separately: roughly a visibly different shade.
+/// Error from which values are counted separately: roughly a visibly different shade.
 pub const OFF: f64 = 0.1;
 
 impl Errors {
@@ -21,13 +21,13 @@ impl Errors {
             errors.count += 1;
             errors.sum += error;
             errors.squares += error * error;
-            // NaN counts as off, too.
+            // NaN counts as an error above the threshold.
             errors.off += u64::from(error.abs().partial_cmp(&OFF) != Some(std::cmp::Ordering::Less));
         }
         errors
     }
 
-    /// Returns the sums over the pairs of both.
+    /// Returns the sums over the pairs of `self` and `other`.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -48,7 +48,7 @@ impl Errors {
         self.mean_of(self.sum)
     }
 
-    /// Returns the share of pairs that differ by [`OFF`] or more, 0..=1.
+    /// Returns the fraction of pairs that differ by [`OFF`] or more, 0..=1.
     pub fn off_share(&self) -> Option<f64> {
         self.mean_of(self.off as f64)
     }

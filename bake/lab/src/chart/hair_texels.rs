@@ -4,7 +4,7 @@ use glam::DVec3;
 use pelage_bake::stages::simulate::Strands;
 use std::collections::BTreeMap;
 
-/// Number of points along a strand per texel width, or per layer distance.
+/// Number of points along a strand per texel width and per layer spacing, whichever are more.
 const PLACES: f64 = 8.0;
 
 /// Point on the axis of a strand.
@@ -14,7 +14,7 @@ pub(super) struct StrandPoint {
     pub(super) at: DVec3,
     /// Index of the strand.
     pub(super) strand: u32,
-    /// Hair surface around the point, up to a common factor.
+    /// Surface area of the hair that the point represents, up to a common factor.
     pub(super) area: f64,
 }
 
@@ -28,18 +28,17 @@ pub(super) struct HairTexel {
 }
 
 impl HairTexel {
-    /// Returns the share of the hair, by surface, for which `lit` holds.
+    /// Returns the fraction of the hair's surface area for which `lit` holds.
     pub(super) fn lit(&self, lit: impl Fn(&StrandPoint) -> bool) -> f64 {
         let area = |places: &mut dyn Iterator<Item = &StrandPoint>| places.map(|p| p.area).sum::<f64>();
         area(&mut self.places.iter().filter(|p| lit(p))) / area(&mut self.places.iter()).max(f64::MIN_POSITIVE)
     }
 }
 
-/// Samples `count` texels evenly by hair surface, so that texels with more hair are chosen more often. The key is layer
-/// · texels² + row · texels + column.
+/// Samples `count` texels in proportion to their hair surface. The key is layer · texels² + row · texels + column.
 ///
-/// A layer represents the slab of height around it, as in slicing. The lowest layer above the mesh surface reaches down
-/// to it; layer 0 has no hair.
+/// A layer represents half a layer spacing above and below it, as in slicing. The lowest layer above the mesh surface
+/// extends down to the surface; layer 0 has no hair.
 ///
 /// * `texels`: along a side of the tile
 /// * `layers`: number of layers of the volume, layer 0 included; two or more
@@ -57,14 +56,14 @@ pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u3
     let mut out = BTreeMap::<usize, HairTexel>::new();
     walk(strands, n, spacing, |place| {
         sum += place.area;
-        // Offset by half a step, so that neither end decides.
+        // The offset of half a sample keeps both ends of the sum equally likely.
         let due = (sum / area * f64::from(count) + 0.5).min(f64::from(count)) as u32;
         if due > drawn {
             out.entry(texel_at(place.at)).or_default().times += due - drawn;
             drawn = due;
         }
     });
-    // Only for the sampled texels: all points of a fine tile do not fit into memory.
+    // Collects points only for the sampled texels, because all points of a fine tile do not fit into memory.
     walk(strands, n, spacing, |place| {
         if let Some(texel) = out.get_mut(&texel_at(place.at)) {
             texel.places.push(place);
@@ -73,7 +72,7 @@ pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u3
     out
 }
 
-/// Visits points all along the strands, from each root to its tip.
+/// Visits points along all strands, from each root to its tip.
 fn walk(strands: &Strands, texels: f64, spacing: f64, mut visit: impl FnMut(StrandPoint)) {
     for strand in 0..strands.len() {
         let range = strands.range(strand);
@@ -96,8 +95,8 @@ mod tests {
     use super::*;
     use glam::{Vec3, vec3};
 
-    /// An upright strand, and a horizontal one twice as thick that crosses the tile's border: points are on the
-    /// strands, in proportion to the hair.
+    /// An upright strand, and a horizontal one twice as thick that crosses the tile's border. Samples are on the
+    /// strands and are distributed in proportion to the hair.
     #[test]
     fn texels_are_sampled_in_proportion_to_their_hair() {
         let strands = Strands {
@@ -115,13 +114,13 @@ mod tests {
             let place = |i: usize| (i % 10, i / 10 % 10, i / 100);
             found.iter().filter(|(i, _)| of(place(**i).0, place(**i).1, place(**i).2)).map(|(_, t)| t.times).sum()
         };
-        // A third belongs to the upright strand: half a slab of it in the outermost layer, one and a half in the
-        // lowest.
+        // The upright strand has a third of the samples. The outermost layer represents half a layer spacing of it, the
+        // lowest one and a half.
         assert!(times(&|x, y, _| (x, y) == (3, 6)).abs_diff(1000) <= 1);
         for (layer, slabs) in [(0, 0), (1, 3), (2, 2), (3, 2), (4, 2), (5, 1)] {
             assert!(times(&|x, y, k| (x, y, k) == (3, 6, layer)).abs_diff(100 * slabs) <= 1, "layer {layer}");
         }
-        // The other strand is in layer 3 alone, from the last texel of the tile across its border.
+        // The other strand is only in layer 3, from the last texel of the tile across the border.
         assert!(times(&|x, y, k| y == 1 && k == 3 && (x == 9 || x < 4)).abs_diff(2000) <= 1);
         for texel in found.values() {
             assert!(!texel.places.is_empty());

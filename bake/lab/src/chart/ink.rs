@@ -1,10 +1,10 @@
-//! Topic `ink`: lines found in a picture of normals against the lines of the mesh, by threshold, width, size and rule;
-//! and their cost.
+//! Topic `ink`: lines found in a picture of normals, compared with the lines of the mesh, and their cost. Threshold,
+//! width, picture size and rule are varied.
 //!
 //! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean measure whether lines are where
-//! they should be. The widest stroke measures whether they stay lines (Fang 2006, Fig. 3: the sphere map alone blackens
-//! surfaces seen edge on). Flicker measures whether wash and lines keep their position on the model while the camera
-//! slowly circles it. Width and flicker are those on blank paper ([`on_blank_paper`]).
+//! they should be. The widest stroke measures whether lines stay thin; the sphere map alone blackens surfaces seen edge
+//! on (Fang 2006, Fig. 3). Flicker measures whether wash and lines keep their position on the model while the camera
+//! slowly circles it. Width and flicker are measured on blank paper ([`on_blank_paper`]).
 
 use super::{Cell, Panel};
 use crate::compare_lines::LineMeasures;
@@ -17,20 +17,20 @@ pub struct InkConfiguration {
     pub series: &'static str,
     /// Value of the varied setting, shown beside the mark.
     pub label: String,
-    /// Drawing parameters.
+    /// Ink settings of the drawing.
     pub look: InkSettings,
     /// Whether this is the default configuration.
     pub default: bool,
 }
 
-/// Ink style, its form, and the size of the picture.
+/// Ink parameters, algorithm variants and picture size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InkSettings {
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// Ink parameters.
     pub ink: InkParams,
-    /// Forms of the algorithms.
+    /// Variants of the algorithms.
     pub study: Study,
 }
 
@@ -96,15 +96,15 @@ pub const PANELS: [Panel; 2] = [
 pub const SIZE: (u32, u32) = (834, 424);
 /// Thresholds T1.
 const THRESHOLDS: [f32; 8] = [0.2, 0.4, 0.5, 0.64, 0.7, 0.8, 0.9, 0.97];
-/// Relative steps of depth; 0 uses normals alone.
+/// Relative depth steps that count as an edge; with 0, only normals do.
 const DEPTH_STEPS: [f32; 5] = [0.0, 0.005, 0.01, 0.02, 0.05];
 /// Maximum line widths, pixels.
 const WIDTHS: [f32; 5] = [3.0, 5.0, 7.0, 12.0, 16.0];
 /// Picture sizes, pixels.
 const SIZES: [(u32, u32); 4] = [(417, 212), SIZE, (1251, 636), (1668, 848)];
 
-/// Lists what to measure, the default first; each other configuration differs from it only in the setting named by its
-/// series.
+/// Lists what to measure, the default first. Each other configuration differs from the default only in the setting that
+/// its series names.
 pub fn configurations() -> Vec<InkConfiguration> {
     let default = InkSettings::default();
     let mut out: Vec<InkConfiguration> = Vec::new();
@@ -148,7 +148,7 @@ pub fn configurations() -> Vec<InkConfiguration> {
     out
 }
 
-/// Returns the maximum line width in a picture of `height` rows, pixels; all configurations specify pixels.
+/// Returns the maximum line width in a picture of `height` rows, pixels. All configurations specify it in pixels.
 pub fn line_px(ink: &InkParams, height: u32) -> f64 {
     match ink.width {
         LineWidth::Auto => InkParams::default_width_px(height).into(),
@@ -157,16 +157,16 @@ pub fn line_px(ink: &InkParams, height: u32) -> f64 {
     }
 }
 
-/// Returns the width of the template, pixels: the maximum line width plus one, because an edge is a feature on both of
-/// its sides. (Three dilations of Fang 2006, §2, turn one pixel into seven and two into eight.) Lines closer than that
-/// merge.
+/// Returns the width of the template, pixels. It is the maximum line width plus one, because an edge gives features on
+/// both of its sides. (Three dilations of Fang 2006, §2, turn one pixel into seven and two into eight.) Lines closer
+/// than that merge.
 pub fn template_px(ink: &InkParams, height: u32) -> f64 {
     line_px(ink, height) + 1.0
 }
 
-/// Returns the same ink on paper without relief and with a full brush. Paper stays fixed while the model moves: where
-/// it shows through, or stops a dry brush, the picture rightly changes on the model. A black patch with holes in it
-/// also counts as a black patch.
+/// Returns the same ink on paper without relief and with a full brush. Paper stays fixed while the model moves. Where
+/// it shows through or a dry brush skips, the picture on the model changes although nothing is wrong. A black patch
+/// with holes must also count as a black patch.
 #[must_use]
 pub fn on_blank_paper(ink: &InkParams) -> InkParams {
     ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))
@@ -177,8 +177,8 @@ pub fn on_blank_paper(ink: &InkParams) -> InkParams {
 pub struct InkMeasures {
     /// Line measures of each view.
     pub views: Vec<LineMeasures>,
-    /// Mean difference between consecutive frames: over the mesh surface, over pixels without lines in both, and over
-    /// lines in both; grey levels 0..=1.
+    /// Mean difference between consecutive frames, grey levels 0..=1: over the mesh surface, over pixels that are lines
+    /// in neither frame, and over pixels that are lines in both.
     pub flicker: [Option<f64>; 3],
     /// Fastest frame of the slowest view, milliseconds.
     pub frame_ms: f64,

@@ -1,5 +1,4 @@
-//! Labels beside marks, where there is room: a label that would overlap another or a mark is left out; the table has
-//! it.
+//! Labels beside marks. A label that would overlap another label or a mark is omitted; its value is still in the table.
 
 /// Box in pixels: left, top, right, bottom.
 type Rect = [i32; 4];
@@ -8,7 +7,7 @@ fn overlap(a: &Rect, b: &Rect) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-/// Largest distance of marks that count as one spot, pixels.
+/// Largest distance between marks that count as one group, pixels.
 const SAME_SPOT: i32 = 3;
 
 /// Label with a position.
@@ -22,8 +21,8 @@ pub struct PlacedLabel {
 
 /// Places labels.
 ///
-/// * `marks`: position of each mark, pixels, its radius, and its label, most important first; of marks on one spot, one
-///   is labelled
+/// * `marks`: position of each mark in pixels, radius and label, most important first; of marks at about the same
+///   position, only one is labelled
 /// * `obstacles`: other points that no label may cover, such as those of a line
 /// * `frame`: left, top, right and bottom bounds for labels
 /// * `font`: height of a letter; its mean width is 0.54 times that
@@ -79,7 +78,7 @@ mod tests {
 
     #[test]
     fn labels_overlap_neither_marks_nor_labels() {
-        // Close together on a line: not all labels fit.
+        // The marks are so close together on a line that not all labels fit.
         let marks: Vec<_> = (0..30).map(|i| ((20 + 5 * i, 50), 5, "256²")).collect();
         let placed = place_labels(&marks, &[], FRAME, 11);
         assert!(placed.len() >= 4 && placed.len() < marks.len(), "{placed:?}");
@@ -95,10 +94,10 @@ mod tests {
         let right = place_labels(&[((195, 50), 5, "a long word")], &[], FRAME, 11);
         assert!(right[0].at.0 < 160 && right[0].at.0 > 0);
         assert_eq!(place_labels(&[((100, 50), 5, &"x".repeat(60))], &[], FRAME, 11), []);
-        // One label per spot, of the first mark that has one.
+        // Marks at one position get one label: that of the first mark that has one.
         let spot = [((50, 50), 10, ""), ((50, 51), 5, "a"), ((51, 50), 5, "b")];
         assert_eq!(place_labels(&spot, &[], FRAME, 11).iter().map(|p| p.mark).collect::<Vec<_>>(), [1]);
-        // To the right of a mark, unless that is occupied.
+        // A label is to the right of its mark, unless that position is occupied.
         assert_eq!(place_labels(&[((50, 50), 5, "a")], &[], FRAME, 11)[0].at, (62, 50));
         assert_ne!(place_labels(&[((50, 50), 5, "a")], &[(60, 50)], FRAME, 11)[0].at, (62, 50));
     }

@@ -1,5 +1,5 @@
-//! Shadow maps of the key light, read back, and the lookup of a fragment: the same steps in the same order as in the
-//! runtime's `light/visibility.wgsl`, through the Rust twins of its functions.
+//! Shadow maps of the key light, read back, and their lookup for a fragment. The lookup takes the same steps in the
+//! same order as the runtime's `light/visibility.wgsl`, by Rust copies of its functions.
 
 use glam::{Vec3, Vec4};
 use pelage_runtime::LightView;
@@ -9,30 +9,30 @@ use pelage_runtime::shared::soft_shadow::{SoftShadow, soft_shadow};
 /// Shadow maps in memory.
 #[derive(Clone, Debug)]
 pub struct LightMaps {
-    /// View from the light in which the maps were drawn.
+    /// View from the light from which the maps were rendered.
     pub view: LightView,
     /// Encoding of the shadow-width map.
     pub soft: SoftShadow,
     /// Width and height of each map, texels.
     pub size: u32,
-    /// Maps, one per layer, from the mesh surface outwards: `size * size` transmittances, row-major. Empty without
+    /// Layer-wise maps, from the mesh surface outwards: `size * size` transmittances each, row-major. Empty without
     /// self-shadow.
     pub layers: Vec<Vec<f32>>,
     /// Shadow-width map of `size * size` texels, row-major; the runtime's `soft_shadow.wgsl` describes the channels.
     /// Empty without soft shadow.
     pub width: Vec<[f32; 4]>,
-    /// Depths of the nearest surface and of the farthest one facing the light, as drawn: `size * size` values each, or
-    /// empty.
+    /// Depths of the nearest surface, and of the farthest surface that faces the light, as rendered. Each has `size *
+    /// size` values, or is empty.
     pub depths: [Vec<f32>; 2],
 }
 
 impl LightMaps {
-    /// Returns (u w, v w, depth, w) of a point in world space.
+    /// Returns the homogeneous map coordinates (u w, v w, depth, w) of a point in world space.
     pub fn project(&self, position_ws: Vec3) -> Vec4 {
         self.view.map_from_world * position_ws.extend(1.0)
     }
 
-    /// Returns t of Yang 2006, eq. (2): the share of light that passes the hair above a point.
+    /// Returns t of Yang 2006, eq. (2): the fraction of light that passes the hair above a point.
     ///
     /// * `map_layer`: layer of the maps, 0 on the mesh surface; fractional if `between`, else whole
     pub fn light_through_hair(&self, place: Vec4, map_layer: f32, between: bool) -> f32 {
@@ -46,7 +46,7 @@ impl LightMaps {
         a + (b - a) * (map_layer - below)
     }
 
-    /// Returns Attenu_Shadow of Yang 2006, eq. (3): the share of light that passes other objects.
+    /// Returns Attenu_Shadow of Yang 2006, eq. (3): the fraction of light that passes other objects.
     pub fn light_past_objects(&self, place: Vec4, n_dot_l: f32, centred: bool) -> f32 {
         soft_shadow(self.width_texel(place), place.z, place.w, slanted_path(n_dot_l), &self.soft, centred)
     }
@@ -57,12 +57,12 @@ impl LightMaps {
         self.filtered(place, texel, Vec4::ZERO)
     }
 
-    /// Returns the bytes of the layer-wise maps on the GPU, two per texel.
+    /// Returns the size of the layer-wise maps on the GPU, bytes; a texel has two.
     pub fn layer_bytes(&self) -> u64 {
         2 * self.layers.len() as u64 * u64::from(self.size).pow(2)
     }
 
-    /// Samples a map of `size * size`, at (u w, v w, .., w).
+    /// Samples a map of `size * size` texels bilinearly, at homogeneous coordinates (u w, v w, .., w).
     pub fn bilinear(&self, map: &[f32], place: Vec4) -> f32 {
         self.filtered(place, |i| map[i], 0.0)
     }
@@ -121,7 +121,7 @@ mod tests {
             assert!((t(0.3, u, 2.0, false) - expected).abs() < 1e-6, "{u}");
             assert!((maps.width_texel(Vec4::new(u, 0.9, 0.0, 1.0)).x - expected).abs() < 1e-6, "{u}");
         }
-        // Between layers 0 and 1, and beyond the last layer.
+        // The transmittance is interpolated between layers 0 and 1, and clamped beyond the last layer.
         assert!((t(0.25, 0.25, 0.25, true) - 0.25).abs() < 1e-6 && (t(0.25, 0.25, 1.5, true) - 0.5).abs() < 1e-6);
         assert_eq!(t(0.25, 0.75, 2.0, true), 1.0);
         assert_eq!(LightMaps { layers: Vec::new(), ..maps.clone() }.light_through_hair(Vec4::ONE, 1.0, true), 1.0);

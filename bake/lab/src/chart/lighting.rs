@@ -1,9 +1,10 @@
-//! Topic `lighting`: accuracy of the direction that light is computed with against the strand's own, and the cost.
+//! Topic `lighting`: error of the hair direction used for shading, compared with the strand's own, and the cost of
+//! shading.
 //!
-//! Where a strand crosses a layer, its tangent is known, and with it eq. (1) of Yang 2006. Light per pixel uses the
-//! filtered direction of the direction texture there; light per vertex (Lengyel 2001) uses the mean direction of the
-//! layer. Both are read from the file that the runtime would read, block compression included. Milliseconds are the
-//! adapter's.
+//! Where a strand crosses a layer, its tangent and therefore eq. (1) of Yang 2006 are known exactly. Light per pixel
+//! uses the filtered direction from the direction texture at that point. Light per vertex (Lengyel 2001) uses the
+//! layer's mean direction. Both are read from the file that the runtime would read, block compression included.
+//! Milliseconds are measured on the adapter.
 
 use super::errors::Errors;
 use super::{Cell, Panel};
@@ -18,7 +19,8 @@ use pelage_runtime::LightingStage;
 use pelage_runtime::shared::kajiya_kay::{sin_power, sin_squared};
 use rayon::prelude::*;
 
-/// Directions towards lights and eyes, as degrees above the surface and about its normal: each light with each eye.
+/// Directions towards lights and eyes: elevation above the surface and azimuth about its normal, degrees. Each light is
+/// combined with each eye.
 const LIGHTS_DEG: [(f64, f64); 6] =
     [(80.0, 10.0), (60.0, 130.0), (60.0, 250.0), (35.0, 40.0), (35.0, 160.0), (35.0, 280.0)];
 const EYES_DEG: [(f64, f64); 3] = [(75.0, 90.0), (45.0, 200.0), (45.0, 320.0)];
@@ -28,13 +30,13 @@ const EYES_DEG: [(f64, f64); 3] = [(75.0, 90.0), (45.0, 200.0), (45.0, 320.0)];
 pub struct LightingConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, short.
+    /// Short value of the varied setting.
     pub label: String,
     /// Frequency at which light is computed.
     pub lighting: LightingStage,
-    /// Changes to the base recipe, in the form of `--set`.
+    /// Changes to the base recipe, as arguments of `--set`.
     pub sets: Vec<String>,
-    /// Recipe with the changes; its colours are uncompressed, so that only the cost of directions varies.
+    /// Recipe with the changes. Its colours are uncompressed, so that only the cost of directions varies.
     pub recipe: Recipe,
 }
 
@@ -92,7 +94,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<LightingConfiguration>, BakeE
             add(series, format.word().into(), lighting, &[format!("pack.direction_format={}", format.word())])?;
         }
     }
-    // Uncompressed, so that the adapter's handling of blocks does not hide the varied setting.
+    // Uncompressed colours, so that the adapter's handling of blocks does not hide the effect of the varied setting.
     let plain = || "pack.direction_format=rg8".to_owned();
     for texels in [16, 32, 64, 128, 256] {
         add(
@@ -116,7 +118,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<LightingConfiguration>, BakeE
 /// Errors of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightingErrors {
-    /// Mean angle between the shading direction and the strand, degrees; both are lines without orientation.
+    /// Mean angle between the shading direction and the strand, degrees. Both are lines without orientation.
     pub direction_error_deg: f64,
     /// Errors of eq. (1) without its ambient term, for white hair under a white light of strength 1.
     pub light: Errors,
@@ -156,8 +158,8 @@ pub fn measure(configuration: &LightingConfiguration, lengths: Lengths) -> Resul
     })
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]. `milliseconds`: time of the shells, by the clock named
-/// `timing`.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `milliseconds` is the time of the shells, measured by the
+/// clock named `timing`.
 pub fn cells(
     configuration: &LightingConfiguration,
     measured: &LightingErrors,
@@ -204,7 +206,7 @@ fn crossings(strands: &Strands, layers: u32) -> Vec<Crossing> {
             let Some(tangent) = (b - a).try_normalize() else { continue };
             let (low, high) = (a.z.min(b.z), a.z.max(b.z));
             let first = (low / step).ceil().max(1.0) as u32;
-            // A height where two segments meet belongs to the segment that begins there.
+            // A height at which two segments meet belongs to the segment that begins there.
             for layer in (first..layers).take_while(|k| f64::from(*k) * step < high) {
                 let p = a.lerp(b, (f64::from(layer) * step - a.z) / (b.z - a.z));
                 out.push(Crossing { layer, u: p.x as f32, v: p.y as f32, tangent });
@@ -214,7 +216,7 @@ fn crossings(strands: &Strands, layers: u32) -> Vec<Crossing> {
     out
 }
 
-/// Returns pairs of unit vectors in the tile's frame: towards the light, and the half vector to the eye.
+/// Returns pairs of unit vectors in the tile's frame: direction to the light, and half vector between light and eye.
 fn pairs() -> Vec<[DVec3; 2]> {
     let unit = |(up, about): (f64, f64)| {
         let (up, about) = (up.to_radians(), about.to_radians());
@@ -232,7 +234,7 @@ fn light_at(direction: Vec3, light: DVec3, half: DVec3, shading: &Shading) -> f6
     terms.iter().map(|(k, to, exponent)| f64::from(k.iter().sum::<f32>() / 3.0 * power(*to, *exponent))).sum()
 }
 
-/// Evaluates eq. (1) in double precision, from the sine itself.
+/// Evaluates eq. (1) in double precision, with the sine computed directly.
 fn true_light(tangent: DVec3, light: DVec3, half: DVec3, shading: &Shading) -> f64 {
     let power = |to: DVec3, exponent: f32| tangent.cross(to).length().min(1.0).powf(exponent.into());
     let mean = |k: [f32; 3]| k.iter().map(|x| f64::from(*x)).sum::<f64>() / 3.0;
@@ -240,7 +242,7 @@ fn true_light(tangent: DVec3, light: DVec3, half: DVec3, shading: &Shading) -> f
         + mean(shading.specular) * power(half, shading.specular_exponent)
 }
 
-/// Mip level of the direction texture as an adapter reads it.
+/// Single mip level of the direction texture, as an adapter reads it.
 struct Directions {
     size: usize,
     format: TextureFormat,
@@ -249,7 +251,7 @@ struct Directions {
 }
 
 impl Directions {
-    /// Reads the finest level for light per pixel, the last for light per vertex.
+    /// Reads the finest level for light per pixel, and the coarsest for light per vertex.
     fn new(view: &TextureView<'_>, lighting: LightingStage) -> Self {
         let level = if lighting == LightingStage::Vertex { view.levels - 1 } else { 0 };
         let size = view.level_size(level).0 as usize;

@@ -3,7 +3,7 @@
 use super::*;
 use pelage_bake::recipe::{Style, natural};
 
-/// Returns a recipe with a small tile; `frizz` sets how much its hairs differ.
+/// Returns a recipe with a small tile; `frizz` sets how much its hairs differ in direction.
 fn recipe(format: &str, frizz: f32) -> Recipe {
     let mut recipe = natural();
     for set in ["hair.density=60", "slice.layers=6", "slice.tile_texels=32"] {
@@ -51,7 +51,7 @@ fn direction_error_is_lower_per_pixel_than_per_vertex() {
             (measured(format, 0.5, LightingStage::Pixel), measured(format, 0.5, LightingStage::Vertex));
         assert!(pixel.direction_error_deg < 0.8 * vertex.direction_error_deg, "{format}: {pixel:?}, {vertex:?}");
         assert!(pixel.light.rmse() < vertex.light.rmse(), "{format}: {pixel:?}, {vertex:?}");
-        // Uniform hair is also known at vertices, up to rounding.
+        // If all hairs have one direction, it is also exact at vertices, up to rounding.
         let alike = measured(format, 0.0, LightingStage::Vertex);
         assert!(alike.direction_error_deg < 0.5 * vertex.direction_error_deg, "{format}: {alike:?}");
     }
@@ -66,7 +66,7 @@ fn bc5_decoding_agrees_with_another_decoder() {
     })
     .take(2 * 4 * 16)
     .collect();
-    // Two layers of 8 * 8 texels.
+    // The data contain two layers of 8 * 8 texels.
     let ours = bc5(&data, 8);
     for (layer, blocks) in data.chunks_exact(64).enumerate() {
         let mut bgra = vec![0; 64];

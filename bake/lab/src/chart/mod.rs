@@ -1,9 +1,9 @@
 //! Speed against accuracy: tables of configurations, their Pareto front, and plots of both.
 //!
 //! A topic is a module that lists configurations ([`environment`], [`environment_fit`], [`multiple`], [`scattering`],
-//! [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`)
-//! and a command that measures them. Table, front, CSV and SVG are the same for all. Each figure comes with the command
-//! that reproduces it.
+//! [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`),
+//! and a command that measures them. All topics share the code for table, Pareto front, CSV and SVG. Each row of
+//! figures includes the command that reproduces it.
 
 mod axis;
 pub mod detail;
@@ -52,7 +52,7 @@ impl Cell {
         }
     }
 
-    /// Formats the cell for CSV and JSON: numbers with six significant digits, more than any measurement here is
+    /// Formats the cell for CSV and JSON. Numbers have six significant digits, more than any measurement here is
     /// accurate to.
     pub fn text(&self) -> String {
         match self {
@@ -68,7 +68,7 @@ impl Cell {
 pub struct Row {
     /// Name of the varied setting; rows of one series share a colour.
     pub series: String,
-    /// Value of the varied setting, short, shown beside the mark; empty for none.
+    /// Short value of the varied setting, shown beside the mark; empty for none.
     pub label: String,
     /// Cells, one per [`Chart::columns`].
     pub cells: Vec<Cell>,
@@ -89,7 +89,8 @@ pub struct Panel {
     pub error: &'static str,
     /// Label of the error axis, with unit.
     pub error_label: &'static str,
-    /// Column and value of the rows to draw, where a chart's panels divide its rows between them; `None` draws all.
+    /// Column and value that select the rows to draw, if each panel shows only some of the chart's rows. `None` draws
+    /// all rows.
     pub only: Option<(&'static str, &'static str)>,
 }
 
@@ -98,7 +99,7 @@ pub struct Panel {
 pub struct Chart {
     /// Word after `pelage chart`.
     pub topic: &'static str,
-    /// Subject of the chart, and its model.
+    /// Title of the chart: what was measured, and on which glTF model.
     pub title: String,
     /// Adapter or device of the measurements.
     pub adapter: String,
@@ -106,7 +107,7 @@ pub struct Chart {
     pub columns: Vec<&'static str>,
     /// Configurations, in the order of measurement.
     pub rows: Vec<Row>,
-    /// Panels to draw, two per row; the first determines `on_front`.
+    /// Panels to draw, two per row of the picture; the first determines `on_front`.
     pub panels: Vec<Panel>,
 }
 
@@ -151,8 +152,8 @@ impl Chart {
         csv(table)
     }
 
-    /// Returns the columns that mark rows on a Pareto front, each with its name: one per panel, and one for all panels
-    /// that divide the rows between them.
+    /// Returns the columns that mark rows on a Pareto front, each with its name. There is one per panel, and one for
+    /// all panels that share a cost and an error and divide the rows among them.
     pub fn fronts(&self) -> Vec<(String, Vec<bool>)> {
         let mut found: Vec<(&Panel, String, Vec<bool>)> = Vec::new();
         for panel in &self.panels {
@@ -168,8 +169,8 @@ impl Chart {
     }
 }
 
-/// Returns which rows are on the Pareto front: no other row is at most as costly and at most as wrong, and better in
-/// one of the two. Rows without figures are never on it.
+/// Returns which rows are on the Pareto front. A row is on it unless another row is at least as good in cost and error,
+/// and better in one of them. Rows without figures are never on it.
 pub fn front(points: &[Option<(f64, f64)>]) -> Vec<bool> {
     let beats = |(c, e): (f64, f64), (cost, error): (f64, f64)| c <= cost && e <= error && (c < cost || e < error);
     let unbeaten = |p: &Option<(f64, f64)>| p.is_some_and(|p| !points.iter().flatten().any(|q| beats(*q, p)));
@@ -211,7 +212,7 @@ mod tests {
             title: String::new(),
             adapter: String::new(),
             columns: vec!["size", "c", "e"],
-            // The small row is cheaper and more accurate than all large ones, but not an alternative for large
+            // The small row is cheaper and more accurate than all large ones, but cannot replace them for large
             // pictures.
             rows: vec![row("large", 3.0, 3.0), row("large", 4.0, 4.0), row("small", 1.0, 1.0)],
             panels: vec![panel("large"), panel("small"), Panel { only: None, ..panel("") }],

@@ -1,7 +1,7 @@
-//! Topic `multiple`: fur whose fibres scatter light to each other, against path tracing. Models of that light: none, a
-//! constant, Kajiya-Kay's lobes, or multiple scattering between such fibres.
+//! Topic `multiple`: fur whose fibres scatter light to each other, compared with path tracing. This light is modelled
+//! as zero, as a constant, by Kajiya-Kay's lobes, or by multiple scattering between the fibres.
 //!
-//! Squares of pixels are compared, not pixels: the speckle of single hairs is not an error of light.
+//! Means over squares of pixels are compared, because the speckle of single hairs is not a lighting error.
 
 use super::{Cell, Panel};
 use glam::DVec3;
@@ -10,7 +10,7 @@ use pelage_stage::LookScattering;
 
 /// Fur colours: name and amount of eumelanin.
 pub const COATS: [(&str, f32); 4] = [("black", 8.0), ("brown", 1.3), ("blond", 0.2), ("white", 0.0)];
-/// Suns: name and direction towards it. The camera is to the right of the model's front.
+/// Suns: name, and direction towards the sun. The camera is to the right of the model's front.
 pub const LIGHTS: [(&str, [f32; 3]); 3] =
     [("front", [0.3, 0.5, 1.0]), ("side", [-1.0, 0.4, 0.2]), ("behind", [-0.5, 0.35, -0.9])];
 /// Width and height of the pictures, pixels.
@@ -24,10 +24,10 @@ pub const AMBIENT: f32 = 0.35;
 
 /// Columns of the chart.
 ///
-/// * `coat`: colour of the fur. `hair`: geometry that it is drawn as.
-/// * `mean_percent`: luminance of the mostly covered squares over that of the truth, less 1, of all three lights;
-///   `mean_front` etc.: of one light. `rmse_percent`: root mean square of the squares' differences, over their mean;
-///   `rmse_front` etc.: of one light.
+/// * `coat`: colour of the fur. `hair`: geometry as which the hair is drawn.
+/// * `mean_percent`: luminance of the mostly covered squares divided by the truth's, minus 1, under all three lights
+///   together; `mean_front` etc.: under one light. `rmse_percent`: RMS difference of the squares divided by their mean;
+///   `rmse_front` etc.: under one light.
 /// * `frame_ms`: milliseconds of a frame under the first light.
 pub const COLUMNS: [&str; 11] = [
     "coat",
@@ -67,7 +67,7 @@ pub struct LightingModel {
     pub ambient: bool,
 }
 
-/// All lighting models; the first is what packages have.
+/// All lighting models; packages use the first.
 pub const FORMS: [LightingModel; 4] = [
     LightingModel { name: "fibres, light of other fibres", scattering: LookScattering::Multiple, ambient: false },
     LightingModel { name: "fibres, single scattering", scattering: LookScattering::Single, ambient: false },
@@ -95,13 +95,13 @@ pub fn configurations() -> Vec<MultipleConfiguration> {
 /// Luminance of a picture's squares that hair mostly covers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Squares {
-    /// Pairs of luminance: truth, drawn.
+    /// Pairs of luminance: of the truth, and as drawn.
     pairs: Vec<(f64, f64)>,
 }
 
 impl Squares {
-    /// Compares a path-traced picture (linear, premultiplied) with a drawn one (sRGB bytes, straight alpha), both
-    /// [`SIZE`] squared.
+    /// Compares a path-traced picture (linear, premultiplied) with a drawn one (sRGB bytes, straight alpha). Both are
+    /// [`SIZE`] by [`SIZE`] pixels.
     pub fn new(truth: &[[f32; 4]], drawn: &[u8]) -> Self {
         let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
         let per_side = SIZE / BLOCK;
@@ -130,20 +130,20 @@ impl Squares {
         self.pairs.iter().map(|(truth, _)| truth).sum::<f64>() / self.pairs.len().max(1) as f64
     }
 
-    /// Returns the mean luminance over the truth's, less 1.
+    /// Returns the mean luminance divided by the truth's, minus 1.
     pub fn mean(&self) -> f64 {
         let sum: f64 = self.pairs.iter().map(|(_, drawn)| drawn).sum();
         sum / self.pairs.len().max(1) as f64 / self.mean_true() - 1.0
     }
 
-    /// Returns the root mean square difference over the mean of the truth.
+    /// Returns the root mean square difference divided by the mean of the truth.
     pub fn rmse(&self) -> f64 {
         let squares: f64 = self.pairs.iter().map(|(truth, drawn)| (drawn - truth).powi(2)).sum();
         (squares / self.pairs.len().max(1) as f64).sqrt() / self.mean_true()
     }
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]. `squares`: under each of [`LIGHTS`].
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `squares` has one entry for each of [`LIGHTS`].
 pub fn cells(configuration: &MultipleConfiguration, squares: &[Squares; 3], frame_ms: f64) -> Vec<Cell> {
     let all = Squares { pairs: squares.iter().flat_map(|of| of.pairs.iter().copied()).collect() };
     let percent = |x: f64| Cell::Number(100.0 * x);
@@ -168,7 +168,7 @@ mod tests {
         let count = (SIZE * SIZE) as usize;
         let mut truth = vec![[0.0f32; 4]; count];
         let mut drawn = vec![0u8; 4 * count];
-        // The upper half is covered, by 0.2 in the truth and by byte 128 as drawn.
+        // Covers the upper half, with a value of 0.2 in the truth and byte 128 as drawn.
         for at in 0..count / 2 {
             truth[at] = [0.2, 0.2, 0.2, 1.0];
             drawn[4 * at..4 * at + 4].copy_from_slice(&[128, 128, 128, 255]);

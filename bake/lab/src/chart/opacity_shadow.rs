@@ -1,9 +1,9 @@
-//! Topic `opacity-shadow`: accuracy and cost of slab maps (deep and opacity shadow maps) for the light between single
-//! strands.
+//! Topic `opacity-shadow`: accuracy and cost of deep and opacity shadow maps for shadows between single strands. Both
+//! kinds divide the depth along the light into slabs.
 //!
-//! The maps are the runtime's own, drawn by the adapter and read back. The truth is that of the traced scene
-//! ([`TrueScene::light_on_strand`]), at strand points visible to the eye, and its picture. The error of slabs alone is
-//! measured in a homogeneous ball of hair ([`Ball`]).
+//! The maps are the runtime's own, rendered by the adapter and read back. The truth is the light of the traced scene
+//! ([`TrueScene::light_on_strand`]) at strand points visible to the eye, and the traced picture. The error of slabs
+//! alone is measured in a homogeneous ball of hair ([`Ball`]).
 
 use super::errors::Errors;
 use super::{Cell, Panel};
@@ -13,9 +13,9 @@ use pelage_runtime::{LightView, OpacityForm, ShadowParams, Study};
 use pelage_truth::{TrueLight, TrueScene, VisibleStrand};
 use rayon::prelude::*;
 
-/// Rays to a light from a strand point.
+/// Number of rays from a strand point to a light.
 pub const RAYS: u32 = 16;
-/// Spacing of the pixels at which strand points are sampled.
+/// Spacing of the pixels at which strand points are sampled, pixels.
 pub const STEP_PX: u32 = 3;
 /// Samples per pixel with which strands are drawn.
 pub const SAMPLES: u32 = 4;
@@ -25,16 +25,17 @@ pub const PLANES: u32 = 16;
 /// Columns of the chart.
 ///
 /// * `form`: `deep`, slabs behind the first hair of each texel; `whole`, planes over the whole depth of the hair;
-///   `printed`, those with the printed spacing. `axis`: 1 if the light is looked up on the axis of strands, 0 if on the
-///   side towards the eye.
-/// * `slabs`, `map_size`: as requested. `texel_widths`: width of a texel over the mean width of strands.
-/// * `rmse`, `mean_error`, `off_by_0.1`: t against the truth, at strand points visible to the eye that the mesh surface
-///   does not hide from the light; `places` is their number under three lights together.
-/// * `flip`, `flip_covered`, `image_rmse`: of the picture at four samples per pixel, under the first light, against the
-///   reference picture of `samples` rays per pixel.
-/// * `largest_step`: of t between the ends of neighbouring slabs, along rays of light through a homogeneous ball of
-///   hair; `largest_error`: of t there; see [`Ball`].
-/// * `milliseconds`: drawing the map; `timing`: clock used. `bytes`: of the map.
+///   `printed`, such planes with the published spacing. `axis`: 1 if the light is looked up on the axis of strands, 0
+///   if on the side towards the eye.
+/// * `slabs`, `map_size`: as requested. `texel_widths`: width of a texel divided by the mean width of strands.
+/// * `rmse`, `mean_error`, `off_by_0.1`: errors of the transmittance t, at strand points that are visible to the eye
+///   and that the mesh surface does not hide from the light. `places`: number of these points under three lights
+///   together.
+/// * `flip`, `flip_covered`, `image_rmse`: errors of the picture with four samples per pixel, under the first light,
+///   compared with the reference picture of `samples` rays per pixel.
+/// * `largest_step`: largest step of t between the ends of neighbouring slabs, along rays of light through a
+///   homogeneous ball of hair. `largest_error`: largest error of t there; see [`Ball`].
+/// * `milliseconds`: time to render the map; `timing`: clock used. `bytes`: size of the map.
 pub const COLUMNS: [&str; 18] = [
     "form",
     "axis",
@@ -82,19 +83,22 @@ pub struct OpacityShadowConfiguration {
     pub label: String,
     /// Number of slabs and map size.
     pub shadows: ShadowParams,
-    /// Form of the slabs, and position of the light lookup.
+    /// Layout of the slabs, and position of the light lookup.
     pub study: Study,
     /// Whether this is the default configuration.
     pub default: bool,
 }
 
-/// Lists what to measure: first the runtime's default; then deep maps of 4, 8 and 16 slabs and opacity shadow maps of
-/// [`PLANES`], safe and as printed, each of 256², 512² and 1024²; and the runtime's default with the light looked up on
-/// the axis.
+/// Lists what to measure:
+///
+/// * the runtime's default
+/// * deep maps of 4, 8 and 16 slabs, and opacity shadow maps of [`PLANES`] in safe and published form, each with sizes
+///   of 256², 512² and 1024²
+/// * the runtime's default with the light looked up on the axis
 pub fn configurations() -> Vec<OpacityShadowConfiguration> {
     let base = ShadowParams::default();
     let sized = |slabs, map_size| base.with(|s| (s.slabs, s.map_size) = (slabs, map_size));
-    // Sizes are those named, whatever the width of strands.
+    // Maps have exactly the listed sizes, whatever the width of strands.
     let of = |form| Study::default().with(|s| (s.opacity, s.thin_texels) = (form, true));
     let mut out = vec![OpacityShadowConfiguration {
         series: "as the runtime does",
@@ -127,18 +131,19 @@ pub fn configurations() -> Vec<OpacityShadowConfiguration> {
 /// Slab map in memory.
 #[derive(Clone, Debug)]
 pub struct DeepMap {
-    /// View from the light in which the map was drawn.
+    /// View from the light from which the map was rendered.
     pub view: LightView,
     /// Encoding of the map.
     pub opacity: DeepOpacity,
-    /// Form of its slabs.
+    /// Layout of its slabs.
     pub form: OpacityForm,
-    /// Nearness of the first hair of each texel, then the opacities of the slabs.
+    /// For each texel, the nearness of its first hair, followed by the opacities of the slabs.
     pub texels: Vec<u32>,
 }
 
 impl DeepMap {
-    /// Returns t at a point in world space: the same steps in the same order as in the runtime's `strand_light.wgsl`.
+    /// Returns the transmittance t at a point in world space. Takes the same steps in the same order as the runtime's
+    /// `strand_light.wgsl`.
     pub fn light_at(&self, position_ws: Vec3) -> f32 {
         let place = self.view.map_from_world * position_ws.extend(1.0);
         let at = place.truncate().truncate() / place.w * self.opacity.size as f32 - 0.5;
@@ -159,7 +164,8 @@ impl DeepMap {
         light_in_column(self.form, &self.opacity, first, &of_slabs, depth)
     }
 
-    /// Returns the width of a texel over a strand width in metres; for a point light, at the middle of its range.
+    /// Returns the width of a texel divided by a strand width in metres. For a point light, this is measured at the
+    /// middle of its range.
     pub fn texel_widths(&self, width_m: f32) -> f64 {
         let view = &self.view;
         let distance = view.near_m.map_or(1.0, |near| near + 0.5 * view.range_m);
@@ -167,14 +173,14 @@ impl DeepMap {
     }
 }
 
-/// Returns the number of slabs by which a depth is behind the beginning of its column; `first`: depth of the column's
-/// first hair.
+/// Returns the distance from the beginning of a column of slabs to a depth, in slabs. `first` is the depth of the
+/// column's first hair.
 fn behind(form: OpacityForm, opacity: &DeepOpacity, first: f32, depth: f32) -> f32 {
     let begin = if form == OpacityForm::Deep { first } else { opacity.whole_from };
     (depth - begin) * opacity.slabs_per_depth
 }
 
-/// Returns t at a depth in a column of slabs with these optical depths.
+/// Returns the transmittance t at a depth in a column of slabs with the given optical depths.
 ///
 /// * `first`: depth of the column's first hair
 pub fn light_in_column(form: OpacityForm, opacity: &DeepOpacity, first: f32, slabs: &[f32], depth: f32) -> f32 {
@@ -184,8 +190,8 @@ pub fn light_in_column(form: OpacityForm, opacity: &DeepOpacity, first: f32, sla
     (-opacity.density * sum * if form == OpacityForm::Printed { past_last } else { 1.0 }).exp()
 }
 
-/// Returns the depth of a column's first hair and the optical depths of its slabs. `hair`: depth and coverage of each
-/// hair, in any order.
+/// Returns the depth of a column's first hair, and the optical depths of its slabs. `hair` lists depth and coverage of
+/// each hair, in any order.
 pub fn column(
     form: OpacityForm,
     opacity: &DeepOpacity,
@@ -202,7 +208,8 @@ pub fn column(
     (first, slabs)
 }
 
-/// Returns the slab parameters of a map with such settings, over a depth of `depth_m` in which hair is `fur_m` high.
+/// Returns the slab parameters of a map with the given settings. The scene is `depth_m` metres deep along the light,
+/// and the fur is `fur_m` metres high.
 pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m: f32) -> DeepOpacity {
     let between = shadows.slabs.saturating_sub(1).max(1);
     let (slabs, slabs_per_depth) = match form {
@@ -213,8 +220,8 @@ pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m
     DeepOpacity { slabs, slabs_per_depth, density: 1.0, ..DeepOpacity::default() }
 }
 
-/// Ball of hair as deep as the scene is along its light. Its density leaves 1/e of the light half the fur's height
-/// below its surface.
+/// Homogeneous ball of hair, as deep as the scene is along its light. Half the fur's height below its surface, 1/e of
+/// the light is left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// Diameter, metres.
@@ -223,12 +230,12 @@ pub struct Ball {
     pub fur_m: f32,
 }
 
-/// Number of pieces of hair along a ray through the ball: many per slab.
+/// Number of pieces of hair along a ray through the ball, so large that each slab has many.
 const PIECES: u32 = 4096;
 
 impl Ball {
-    /// Returns the largest step of t between the ends of neighbouring slabs and the largest error of t, along rays from
-    /// the ball's middle to near its edge.
+    /// Returns the largest step of t between the ends of neighbouring slabs, and the largest error of t. Rays pass the
+    /// ball at distances from its middle to near its edge.
     pub fn measure(&self, form: OpacityForm, shadows: &ShadowParams) -> (f64, f64) {
         let opacity = columns_of(form, shadows, self.depth_m, self.fur_m);
         let per_depth = 2.0 * self.depth_m / self.fur_m;
@@ -259,7 +266,7 @@ impl Ball {
 pub struct StrandLightTruth(Vec<(VisibleStrand, f64)>);
 
 impl StrandLightTruth {
-    /// Computes the truth for those points that the mesh surface does not hide from the light.
+    /// Computes the truth at those points that the mesh surface does not hide from the light.
     pub fn new(scene: &TrueScene, places: &[VisibleStrand], light: &TrueLight) -> Self {
         let lit = |at: &VisibleStrand| Some((*at, scene.light_on_strand(at, light, RAYS)?));
         Self(places.par_iter().filter_map(lit).collect())
@@ -270,7 +277,7 @@ impl StrandLightTruth {
         self.0.len()
     }
 
-    /// Returns the errors of a map; `on_axis`: looked up on the axis of strands.
+    /// Returns the errors of a map. If `on_axis`, light is looked up on the axis of strands.
     pub fn errors(&self, map: &DeepMap, on_axis: bool) -> Errors {
         let found = |(at, truth): &(VisibleStrand, f64)| {
             let aside = if on_axis { 0.0 } else { at.radius_m };
@@ -283,17 +290,17 @@ impl StrandLightTruth {
 /// Results of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OpacityShadowMeasures {
-    /// Errors of t.
+    /// Errors of the transmittance t.
     pub errors: Errors,
     /// Number of points at which t was compared, under all lights.
     pub places: usize,
     /// Mean FLIP of the picture.
     pub flip: f64,
-    /// Mean FLIP where either picture covers a pixel.
+    /// Mean FLIP of the pixels that either picture covers.
     pub flip_covered: f64,
     /// RMSE of premultiplied linear colour.
     pub image_rmse: f64,
-    /// Largest step and largest error in the ball.
+    /// Largest step and largest error of t in the ball.
     pub ball: (f64, f64),
     /// Result of [`DeepMap::texel_widths`].
     pub texel_widths: f64,
@@ -305,7 +312,7 @@ pub struct OpacityShadowMeasures {
     pub samples: u32,
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `timing` is the source of the milliseconds.
 pub fn cells(configuration: &OpacityShadowConfiguration, m: &OpacityShadowMeasures, timing: &str) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let study = &configuration.study;

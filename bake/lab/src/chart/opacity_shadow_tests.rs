@@ -14,7 +14,7 @@ fn view() -> LightView {
     }
 }
 
-/// Two adjacent texels of two slabs each, 0.1 deep.
+/// Two adjacent texels with two slabs each, of optical depth 0.1.
 #[test]
 fn opacity_map_lookups_return_the_drawn_values() {
     let step = (1.0 / OPACITY_STEP) as u32;
@@ -29,7 +29,7 @@ fn opacity_map_lookups_return_the_drawn_values() {
     {
         let expected = (-optical as f32).exp();
         assert!((light(u, 0.25, depth) - expected).abs() < 1e-5, "{u}, {depth}: {}", light(u, 0.25, depth));
-        // Half of the texel below, which has no hair; and beyond the edge.
+        // Half of the lookup is in the texel below, which has no hair; the next lookup is beyond the map's edge.
         assert!((light(u, 0.5, depth) - 0.5 * (1.0 + expected)).abs() < 1e-5);
         assert!((light(u, -3.0, depth) - expected).abs() < 1e-5);
     }
@@ -55,8 +55,8 @@ fn printed_planes_ignore_hair_behind_the_last_plane() {
     assert!(light(OpacityForm::Deep, 0.1) > 0.999);
 }
 
-/// Thinner slabs make smaller steps. Planes over all of a deep ball make large ones; as printed, light reappears at its
-/// far end.
+/// Thinner slabs make smaller steps. Planes over the whole depth of a ball make large ones. In the published form,
+/// light reappears at the far end of the ball.
 #[test]
 fn map_forms_differ_on_a_ball() {
     let ball = Ball { depth_m: 1.0, fur_m: 0.02 };

@@ -1,8 +1,8 @@
-//! Topic `scattering`: accuracy and cost of what a frame looks up for a fibre, against the fibre's equations. Compared:
-//! tables of several sizes and axes, tables with cubic interpolation, the printed tables, and a fit without tables.
+//! Topic `scattering`: accuracy and cost of the scattering that a frame looks up for a fibre, compared with the fibre's
+//! equations. The compared methods are tables of several sizes and axes, tables with cubic interpolation, the published
+//! tables, and a fit without tables.
 //!
-//! The truth is S cos θi in f64 for pairs of directions, uniform over the sphere, for five fibres and three
-//! absorptions.
+//! The truth is S cos θi in f64, for pairs of directions uniform over the sphere, five fibres and three absorptions.
 
 use super::{Cell, Panel};
 use glam::DVec3;
@@ -20,7 +20,7 @@ pub const PAIRS: usize = 1_000_000;
 /// Absorption of the fibres per radius: a blond, a brown and a black channel.
 pub const SIGMAS: [f64; 3] = [0.1, 0.5, 2.0];
 
-/// Fibres: human hair, glossy and tilted, soft, clear with glints, and matt wool.
+/// Fibres: human hair, glossy tilted hair, soft hair, clear hair with glints, and matt wool.
 pub const FIBRES: [FibreOptics; 5] = [
     FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.117 },
     FibreOptics { eta: 1.55, along: 0.09, tilt: 0.12, around: 0.08 },
@@ -31,10 +31,10 @@ pub const FIBRES: [FibreOptics; 5] = [
 
 /// Columns of the chart.
 ///
-/// * `error_percent`: root mean square of the difference over that of the truth, over all pairs, fibres and
-///   absorptions; `worst_fibre_percent`: of the fibre with the largest error.
-/// * `energy_percent`: mean of the scattered light over that of the truth, less 1.
-/// * `nanoseconds`: one evaluation of three colours on the adapter, with all reads; `fetches`: texture samples.
+/// * `error_percent`: relative RMS error over all pairs, fibres and absorptions; `worst_fibre_percent`: that of the
+///   fibre with the largest error.
+/// * `energy_percent`: mean scattered light divided by the truth's, minus 1.
+/// * `nanoseconds`: one evaluation of three colours on the adapter, memory reads included; `fetches`: texture samples.
 /// * `bytes`: size of a fibre's tables, as half floats.
 pub const COLUMNS: [&str; 6] =
     ["error_percent", "worst_fibre_percent", "energy_percent", "nanoseconds", "fetches", "bytes"];
@@ -53,20 +53,20 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
 /// Method of evaluating a fibre's scattering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScatteringForm {
-    /// Tables as in packages, with that number of texels per side.
+    /// Tables as in packages, with the given number of texels per side.
     Tables(usize),
     /// Like `Tables`, with cubic interpolation over four texels per axis (Catmull and Rom 1974).
     Cubic(usize),
-    /// Like `Tables`, with cos φ as the azimuth's axis, as printed.
+    /// Like `Tables`, with cos φ as the azimuthal axis, as published.
     CosPhi(usize),
-    /// Like `Tables`, with one length per path for all azimuths.
+    /// Like `Tables`, with one path length per path, for all azimuths.
     EvenLengths(usize),
-    /// Like `Tables`, with lengths of all paths by azimuth, from a third table.
+    /// Like `Tables`, with a third table that gives the lengths of all paths by azimuth.
     AllLengths(usize),
-    /// Printed tables (Nguyen and Donnelly 2005): longitudinal part by sin θi and sin θo, azimuthal part by cos θd and
-    /// cos φ, TT and TRT swapped.
+    /// Published tables (Nguyen and Donnelly 2005): longitudinal part by sin θi and sin θo, azimuthal part by cos θd
+    /// and cos φ, with TT and TRT swapped.
     Printed(usize),
-    /// Without tables, by a fit (Karis 2016).
+    /// Fit without tables (Karis 2016).
     Fit,
 }
 
@@ -104,15 +104,15 @@ impl ScatteringForm {
         }
     }
 
-    /// Returns whether packages have this form.
+    /// Returns whether packages use this form.
     pub fn is_default(self) -> bool {
         self == Self::Tables(64)
     }
 
-    /// Returns the number of texture samples, each of which reads one texel or interpolates between four.
+    /// Returns the number of texture samples. Each sample reads one texel or interpolates between four.
     pub fn fetches(self) -> u32 {
         match self {
-            // Sixteen texels by five interpolated samples, in each of two tables.
+            // Five interpolated samples cover sixteen texels, in each of two tables.
             Self::Cubic(_) => 10,
             Self::Tables(_) | Self::CosPhi(_) | Self::EvenLengths(_) => 2,
             Self::AllLengths(_) | Self::Printed(_) => 3,
@@ -120,9 +120,9 @@ impl ScatteringForm {
         }
     }
 
-    /// Returns the bytes of a fibre's tables.
+    /// Returns the size of a fibre's tables, bytes.
     pub fn bytes(self) -> usize {
-        // Printed tables: longitudinal part, azimuthal part, and two lengths.
+        // The published tables have three layers of data: longitudinal part, azimuthal part, and two lengths.
         let layers = if matches!(self, Self::AllLengths(_) | Self::Printed(_)) { 3 } else { 2 };
         self.size().map_or(0, |n| 8 * layers * n * n)
     }
@@ -139,20 +139,20 @@ pub enum FibreEvaluator {
         /// Whether the azimuth's axis is its cosine.
         by_cosine: bool,
     },
-    /// Tables as in packages, plus one with the lengths of TRT and of all other paths.
+    /// Tables as in packages, with another table for the lengths of TRT and of all other paths.
     AllLengths {
         /// Tables of the fibre.
         tables: Box<ScatteringTables>,
         /// Lengths at the texels of the azimuthal table.
         lengths: Vec<[f64; 2]>,
     },
-    /// Printed tables.
+    /// Published tables.
     Printed {
         /// Texels along an edge.
         size: usize,
-        /// Longitudinal part of R, TT, TRT: columns by sin θi, rows by sin θo.
+        /// Longitudinal part of R, TT and TRT: columns by sin θi, rows by sin θo.
         along: Vec<[f64; 3]>,
-        /// Azimuthal light of R, TT, TRT, and lengths of TT and TRT: columns by cos φ, rows by cos θd.
+        /// Azimuthal part of R, TT and TRT, and lengths of TT and TRT: columns by cos φ, rows by cos θd.
         around: Vec<[f64; 5]>,
     },
     /// Fit without tables.
@@ -160,7 +160,7 @@ pub enum FibreEvaluator {
 }
 
 impl FibreEvaluator {
-    /// Prepares a fibre for a form.
+    /// Prepares a fibre for evaluation in the given form.
     pub fn new(form: ScatteringForm, optics: &FibreOptics) -> Self {
         let fibre = optics.fibre();
         match form {
@@ -180,7 +180,7 @@ impl FibreEvaluator {
         Self::Ours { tables: Box::new(tables), cubic, by_cosine }
     }
 
-    /// Returns the scattered light times cos θi, for each of [`SIGMAS`].
+    /// Returns the scattered light times cos θi, for each absorption of [`SIGMAS`].
     pub fn scatter(&self, angles: &Angles) -> [f64; 3] {
         match self {
             Self::Ours { tables, cubic, by_cosine } => {
@@ -258,7 +258,7 @@ fn by_cosine(fibre: &Fibre, size: usize) -> ScatteringTables {
     tables
 }
 
-/// Replaces the lengths of TT in each row by their mean, weighted by light.
+/// Replaces the lengths of TT in each row by their mean, weighted by the light.
 fn even_lengths(mut tables: ScatteringTables) -> ScatteringTables {
     for row in tables.around.chunks_mut(tables.size) {
         let light: f32 = row.iter().map(|of| of[1]).sum();
@@ -300,8 +300,8 @@ fn printed(fibre: &Fibre, size: usize) -> FibreEvaluator {
     FibreEvaluator::Printed { size, along, around }
 }
 
-/// Evaluates the lobes of a game engine, which need no table (Karis 2016): Gaussians of sin θi + sin θo along the
-/// fibre, and fits of the azimuth around it.
+/// Evaluates the lobes used by a game engine, which need no table (Karis 2016): Gaussians of sin θi + sin θo along the
+/// fibre, and fits of the azimuthal part.
 fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
     let (eta, width, tilt) = (f64::from(optics.eta), 2.0 * f64::from(optics.along), 2.0 * f64::from(optics.tilt));
     let cos_d = angles.cos_d().max(LEAST_COS_D);
@@ -327,24 +327,24 @@ fn fit(optics: &FibreOptics, angles: &Angles) -> [f64; 3] {
     let within =
         along(2.0 * width, 1.5 * tilt) * (1.0 - within_f).powi(2) * within_f * libm::exp(17.0 * cos_phi - 16.78);
     SIGMAS.map(|sigma| {
-        // The fit's lobes refer to the eye's cosine, S to the light's.
+        // The fit's lobes are relative to the cosine towards the eye, S to the one towards the light.
         let light = angles.from.1;
         (reflected + through * libm::exp(-sigma * chord) + within * libm::exp(-sigma * 3.2 / cos_d)) * light / cos_d
     })
 }
 
-/// Error of a form against the equations.
+/// Error of a form, compared with the fibre's equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScatteringAccuracy {
     /// Relative L2 error over all fibres.
     pub error: f64,
     /// Relative L2 error of the worst fibre.
     pub worst: f64,
-    /// Mean of the scattered light over the truth's, less 1.
+    /// Mean scattered light divided by the truth's, minus 1.
     pub energy: f64,
 }
 
-/// Pairs of directions with the results of the equations, for one fibre.
+/// Pairs of directions with the light scattered according to the equations, for one fibre.
 pub struct ScatteringTruth {
     pairs: Vec<(Angles, [f64; 3])>,
 }
@@ -355,7 +355,7 @@ impl ScatteringTruth {
         use rayon::prelude::*;
         let fibre = optics.fibre();
         let pairs = (0..count).into_par_iter().map(|pair| {
-            // A fibre is the same all around, so one axis is enough.
+            // Scattering depends only on the angles to the fibre, so one fibre axis is enough.
             let angles = Angles::between(DVec3::X, direction(2 * pair as u64), direction(2 * pair as u64 + 1));
             (angles, fibre.scatter(SIGMAS, &angles))
         });
@@ -371,7 +371,7 @@ fn direction(number: u64) -> DVec3 {
     DVec3::new(across * libm::cos(2.0 * PI * turn), across * libm::sin(2.0 * PI * turn), z)
 }
 
-/// Returns the error of a form against the truths of [`FIBRES`].
+/// Returns the error of a form, compared with the truths of all [`FIBRES`].
 pub fn measure(form: ScatteringForm, truths: &[ScatteringTruth]) -> ScatteringAccuracy {
     use rayon::prelude::*;
     let of_fibres = FIBRES.iter().zip(truths).map(|(optics, truth)| {

@@ -1,10 +1,10 @@
-//! Topic `self-shadow`: accuracy and cost of baked visibility and layer-wise shadow maps for the light that passes
+//! Topic `self-shadow`: accuracy and cost of baked visibility and of layer-wise shadow maps, for light that passes
 //! through hair.
 //!
 //! The recipe's hair grows on a flat sheet, so that the frame of every tile is known and only hair occludes. The middle
-//! tile is evaluated. The sheet around it is as large as the slanted rays ending on that tile need. The maps are the
-//! runtime's own, drawn by the adapter and read back; visibility is decoded from a package of the sheet. The truths are
-//! [`SampledVolume`] and [`StrandField`].
+//! tile is evaluated. The sheet around it is large enough for the slanted rays that end on that tile. The maps are the
+//! runtime's own, rendered by the adapter and read back. Visibility is decoded from a package of the sheet. The truths
+//! are [`SampledVolume`] and [`StrandField`].
 
 use super::errors::Errors;
 use super::hair_texels::{HairTexel, hair_texels};
@@ -33,40 +33,42 @@ use std::collections::BTreeMap;
 
 /// Angles between the light and the surface normal, degrees.
 pub const ANGLES_DEG: [u32; 5] = [0, 30, 45, 60, 75];
-/// Azimuths towards which the light is slanted, degrees from +u. Hair leans, so light along the lean and against it
-/// differ.
+/// Azimuths of the light, degrees from +u. Hair leans, so the light's azimuth relative to the lean matters.
 const AZIMUTHS_DEG: [f64; 3] = [20.0, 140.0, 260.0];
-/// Texels evaluated under each light, and those of them with the strand truth; the rest is skipped evenly.
+/// Number of texels evaluated under each light, and number of those compared with the strand truth. Both are chosen
+/// evenly.
 const POINTS: usize = 1 << 18;
 const STRAND_POINTS: usize = 6000;
-/// Number of samples of texels with hair.
+/// Number of samples of texels that contain hair.
 const HAIR_DRAWS: u32 = 6000;
 /// Rays of the strand truth per texel.
 const RAYS: u32 = 25;
-/// Limit for the texels of all layers, which are held in memory.
+/// Maximum number of texels of all layers, which are held in memory.
 const MOST_TEXELS: u64 = 1 << 26;
 
 /// Columns of the chart.
 ///
-/// * `form`: `baked`; or for maps `corrected` or `printed`, by the share of light that a layer absorbs. Then the
-///   settings of either.
-/// * `rmse`, `mean_error`, `off_by_0.1`: t against [`SampledVolume`] in texels of all layers, with hair and without.
-///   Maps approximate it; baked visibility does not, because it is computed from strands.
-/// * `strands_`: the same against [`StrandField::transmittance`] in the same texels: the light in the space between
-///   hairs. A ray that starts within a hair is blocked by it, as by any other hair.
-/// * `hair_`: against [`StrandField::lights_strand`] in texels with hair alone, weighted by the hair in them, visible
-///   from outside or not. This is the light that reaches the hair itself past all other strands. Hair is shaded with
-///   it; baked visibility and the traced picture contain it.
-/// * `milliseconds`: drawing all maps; 0 if baked. `timing`: clock used.
-/// * `bytes`: of all maps, or of the visibility texture of dry hair on a GPU that samples its format, including mip
-///   levels and the layer for the far coat.
-/// * `visibility_seconds`: the stage `visibility` of the bake of one tile, without encoding; the faster of two runs.
+/// * `form`: `baked`; or, for maps, `corrected` or `printed` (as published), by the fraction of light that a layer
+///   absorbs. The settings of the form follow.
+/// * `rmse`, `mean_error`, `off_by_0.1`: errors of the transmittance t against [`SampledVolume`], in texels of all
+///   layers, with hair and without. Maps approximate this volume; baked visibility does not, because it is computed
+///   from strands.
+/// * `strands_`: the same errors against [`StrandField::transmittance`] in the same texels: the light in the space
+///   between hairs. A ray that starts within a hair is blocked by it, as by any other hair.
+/// * `hair_`: errors against [`StrandField::lights_strand`] in texels with hair only, weighted by the hair in them,
+///   visible from outside or not. This is the light that reaches a hair past all other strands. It is the light used
+///   for shading hair; baked visibility and the traced picture contain it.
+/// * `milliseconds`: time to render all maps; 0 if baked. `timing`: clock used.
+/// * `bytes`: size of all maps; or of the visibility texture of dry hair on a GPU that samples its format, including
+///   mip levels and the far layer.
+/// * `visibility_seconds`: duration of the bake stage `visibility` for one tile, without encoding; the faster of two
+///   runs.
 /// * `map_texels_per_hair_texel`, `map_size_on_model`: [`Sheet::map_texels_per_hair_texel`] and [`Sheet::map_size_on`]
 ///   the model.
-/// * `_0` to `_75`: under light at that angle to the normal alone, degrees.
+/// * `_0` to `_75`: errors under lights at that angle to the normal only, degrees.
 /// * `volume_over_strands_rmse`, `volume_over_hair_rmse`: error that remains with perfect maps.
-/// * `bc7_over_rgba8_rmse`: t from BC7 blocks against t from uncompressed texels of the same visibility, in the texels
-///   of `hair_`.
+/// * `bc7_over_rgba8_rmse`: difference between t from BC7 blocks and t from uncompressed texels of the same visibility,
+///   in the texels of `hair_`.
 pub const COLUMNS: [&str; 40] = [
     "form",
     "pack.shell_format",
@@ -172,17 +174,17 @@ pub struct Sheet {
     volume: SampledVolume,
     field: StrandField,
     hair: BTreeMap<usize, HairTexel>,
-    /// World position of the evaluated tile's corner; vectors along its u and v; vector from the mesh surface to the
-    /// outermost layer.
+    /// World position of the evaluated tile's corner, the vectors along its u and v, and the vector from the mesh
+    /// surface to the outermost layer.
     corner: Vec3,
     along: [Vec3; 2],
     up: Vec3,
 }
 
 impl Sheet {
-    /// Grows the hair of `recipe` on a sheet, with the lengths of some model, and bakes the sheet.
+    /// Grows the hair of `recipe` on a sheet with the given lengths, and bakes the sheet.
     ///
-    /// The recipe's settings for where hair grows on its model, and how long, do not apply.
+    /// The recipe's settings for where hair grows on its model, and how long it is there, do not apply.
     ///
     /// # Errors
     ///
@@ -210,7 +212,7 @@ impl Sheet {
         Ok(Self { package, layers, recipe, lengths, set, volume, field, hair, corner, along, up })
     }
 
-    /// Bakes the sheet with visibility, and reads from the package what a runtime reads.
+    /// Bakes the sheet with visibility, and reads the visibility from the package as a runtime does.
     ///
     /// * `blocks`, `directions`: as in [`SelfShadowForm::Baked`]
     /// * `on_stage`: called with the name of each of [`pipeline::STAGES`] as it begins
@@ -244,12 +246,12 @@ impl Sheet {
         f64::from(hair * maps.size as f32 / maps.view.extent)
     }
 
-    /// Returns the map size with the same resolution that covers a sphere of that radius, metres.
+    /// Returns the size of a map with the same resolution that covers a sphere of radius `radius_m`, texels.
     pub fn map_size_on(&self, maps: &LightMaps, radius_m: f32) -> f64 {
         f64::from(maps.size as f32 * 2.0 * radius_m / maps.view.extent).round()
     }
 
-    /// Computes the truths at the texels of all layers.
+    /// Computes all truths under a light.
     pub fn truth(&self, slant: &Slant) -> TransmittanceTruth {
         let texel = 1.0 / f64::from(self.set.texels);
         let place = |i: usize| {
@@ -279,8 +281,8 @@ impl Sheet {
         TransmittanceTruth { points, even, volume, strands, hair }
     }
 
-    /// Returns t at the points of a truth as the runtime computes it from maps: the map's value, in the corrected form
-    /// times the transmittance of half the point's own layer.
+    /// Returns the transmittance t at the points of a truth as the runtime computes it from maps. In the corrected
+    /// form, the map's value is multiplied by the transmittance of half the point's own layer.
     pub fn transmittance_by_maps(
         &self,
         maps: &LightMaps,
@@ -308,8 +310,9 @@ impl Sheet {
         truth.points.par_iter().map(t).collect()
     }
 
-    /// Returns t at the points of a truth as the runtime computes it from baked visibility. The sheet's hair is the
-    /// tile's, neither flattened nor sheared, so the light's direction in the tile is that above the mesh surface.
+    /// Returns the transmittance t at the points of a truth as the runtime computes it from baked visibility. The
+    /// sheet's hair is the tile's, neither flattened nor sheared, so the light has the same direction in the tile as
+    /// above the mesh surface.
     pub fn transmittance_by_visibility(
         &self,
         visibility: &TileVisibility,
@@ -332,7 +335,8 @@ impl Sheet {
     }
 }
 
-/// Returns the step that selects about `wanted` of `count`; odd, so that the selection does not fall into columns.
+/// Returns the step that selects about `wanted` of `count` texels. It is odd, so that the selection does not align with
+/// columns.
 fn stride(count: usize, wanted: usize) -> usize {
     if count <= wanted { 1 } else { count.div_ceil(wanted) | 1 }
 }
@@ -343,7 +347,7 @@ pub struct TileVisibility {
     /// Texels of the finest level, layer by layer from the mesh surface outwards, four bytes each.
     texels: Vec<u8>,
     horizon: f32,
-    /// Bytes of the texture with all its levels and layers, in its own format.
+    /// Size of the texture with all its levels and layers, in its own format, bytes.
     pub bytes: u64,
 }
 
@@ -357,7 +361,8 @@ impl TileVisibility {
         Ok(Self { texels: layers.collect::<Result<Vec<_>, _>>()?.concat(), horizon, bytes: view.gpu_bytes() })
     }
 
-    /// Returns t for a light in that unit direction, at a texel given by its index over all layers.
+    /// Returns the transmittance t towards a light in the unit direction `light_ts`, at a texel given by its index over
+    /// all layers.
     fn transmittance_towards(&self, texel: usize, light_ts: Vec3) -> f32 {
         let bytes = [0, 1, 2, 3].map(|i| f32::from(self.texels[4 * texel + i]));
         visibility_towards(Vec4::from(bytes) / 255.0, light_ts, self.horizon)
@@ -367,26 +372,26 @@ impl TileVisibility {
 /// Transmittances of all truths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransmittanceTruth {
-    /// Indices of the evaluated texels: first those of all layers from the mesh surface outwards, or an even selection
-    /// of them; then the sampled texels with hair.
+    /// Indices of the evaluated texels: first texels of all layers from the mesh surface outwards (all or an even
+    /// selection), then the sampled texels with hair.
     points: Vec<usize>,
-    /// Number of points in the first, even group.
+    /// Number of points in the first group.
     even: usize,
     /// Transmittance through the volume at each point.
     volume: Vec<f64>,
-    /// Transmittance past the strands at some of the even points: index into the points, and value.
+    /// Transmittance past the strands at some points of the first group: index into the points, and value.
     strands: Vec<(usize, f64)>,
-    /// Light on the hair past other strands: index into the points, value, and number of times that it counts.
+    /// Light on the hair past other strands: index into the points, value, and weight (number of samples).
     hair: Vec<(usize, f64, u32)>,
 }
 
 impl TransmittanceTruth {
-    /// Returns pairs of the found value and the truth between the strands.
+    /// Returns pairs of a measured value and the truth between the strands.
     fn between_strands<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.strands.iter().map(|(i, t)| (found[*i], *t))
     }
 
-    /// Returns pairs of the found value and the truth on the hair.
+    /// Returns pairs of a measured value and the truth on the hair.
     fn on_hair<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.hair.iter().flat_map(|(i, t, times)| Self::repeated((found[*i], *t), *times))
     }
@@ -399,17 +404,17 @@ impl TransmittanceTruth {
 /// Errors of a configuration, summed light by light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SelfShadowErrors {
-    /// Errors against the volume, the strands, and the light on the hair, by angle.
+    /// Errors by angle, compared with the volume, with the strands, and with the light on the hair.
     by_angle: [[Errors; 3]; ANGLES_DEG.len()],
-    /// Errors of the volume against the strands, and the light on the hair.
+    /// Errors of the volume, compared with the strands and with the light on the hair.
     volume: [Errors; 2],
-    /// Errors on the hair of block-compressed texels against the same texels uncompressed.
+    /// Errors on the hair of block-compressed texels, compared with the same texels uncompressed.
     blocks: Errors,
 }
 
 impl SelfShadowErrors {
-    /// Adds the values found at the points of a truth under a light. The volume has the same `density` as the maps, so
-    /// that only the error of the maps remains. Whether that density is right is shown by the strands.
+    /// Adds the values measured at the points of a truth under a light. The volume has the same `density` as the maps,
+    /// so only the error of the maps remains. The comparison with strands shows whether that density is right.
     pub fn add(&mut self, slant: &Slant, found: &[f64], density: f32, truth: &TransmittanceTruth) {
         let through: Vec<f64> = truth.volume.iter().map(|t| t.powf(density.into())).collect();
         let even = found.iter().copied().zip(through.iter().copied()).take(truth.even);
@@ -422,7 +427,8 @@ impl SelfShadowErrors {
         *hair = hair.and(Errors::of(truth.on_hair(&through)));
     }
 
-    /// Adds the error of encoding: values found at the points of a truth in blocks, and in uncompressed texels.
+    /// Adds the error of encoding: values measured at the points of a truth from blocks, compared with uncompressed
+    /// texels.
     pub fn add_blocks(&mut self, found: &[f64], plain: &[f64], truth: &TransmittanceTruth) {
         let pairs =
             truth.hair.iter().flat_map(|(i, _, times)| TransmittanceTruth::repeated((found[*i], plain[*i]), *times));
@@ -437,9 +443,9 @@ impl SelfShadowErrors {
 /// Cost of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
-    /// Milliseconds to draw all maps once; 0 without maps.
+    /// Milliseconds to render all maps once; 0 without maps.
     pub milliseconds: f64,
-    /// Bytes of the maps, or of the visibility texture.
+    /// Size of the maps or of the visibility texture, bytes.
     pub bytes: u64,
     /// Values that only maps have.
     pub maps: Option<MapCost>,
@@ -447,7 +453,7 @@ pub struct Cost {
     pub visibility_seconds: Option<f64>,
 }
 
-/// Costs of maps alone.
+/// Costs that only maps have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MapCost {
     /// Source of the milliseconds.
@@ -458,7 +464,7 @@ pub struct MapCost {
     pub map_size_on_model: f64,
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]; `layers`: of the hair, layer 0 included.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `layers` counts the hair's layers, layer 0 included.
 pub fn cells(form: &SelfShadowForm, layers: u32, measured: &SelfShadowErrors, cost: &Cost) -> Vec<Cell> {
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let mut cells = form.cells(layers).to_vec();
@@ -479,7 +485,7 @@ pub fn cells(form: &SelfShadowForm, layers: u32, measured: &SelfShadowErrors, co
     cells
 }
 
-/// Returns a recipe with the hair of `recipe` alone, in formats that every adapter reads unchanged.
+/// Returns a recipe with only the hair of `recipe`, in formats that every adapter reads unchanged.
 fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     let mut sheet = Recipe {
         hair: recipe.hair.clone(),
@@ -506,17 +512,19 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     sheet
 }
 
-/// Bakes a sheet with that hair; `on_stage` as in [`pipeline::bake`].
+/// Bakes a sheet with the hair of `recipe`; `on_stage` is as in [`pipeline::bake`].
 fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_stage: &mut dyn FnMut(&'static str)) -> Result<Vec<u8>, BakeError> {
     let height = f64::from(lengths.length_m / lengths.tile_size_m);
     let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
-    // The middle tile, plus on each side the reach of the rays that end on it. More would only make the maps coarser.
+    // The sheet has the middle tile, and on each side the reach of the rays that end on it. A larger sheet would only
+    // make the maps coarser.
     let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
     let model = sheet_model(tiles * lengths.tile_size_m, tiles);
     Ok(pipeline::bake(&BakeInput::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)
 }
 
-/// Returns an upward-facing square in the plane y = 0, with texture coordinates in tiles; one tile is in its middle.
+/// Returns an upward-facing square in the plane y = 0. Its texture coordinates are in units of tiles, and one tile is
+/// in the middle.
 fn sheet_model(width_m: f32, tiles: f32) -> Model {
     let corners = [vec2(0.0, 0.0), vec2(1.0, 0.0), vec2(1.0, 1.0), vec2(0.0, 1.0)];
     let mesh = Mesh {
@@ -538,13 +546,13 @@ fn sheet_model(width_m: f32, tiles: f32) -> Model {
     Model { mesh, materials: vec![Material { name: "Sheet".into(), ..Material::default() }], ..Model::default() }
 }
 
-/// Returns the strands that a bake of the sheet grows.
+/// Returns the strands that the bake of the sheet grows.
 fn strands_of(recipe: &Recipe, lengths: Lengths) -> Result<Strands, BakeError> {
     let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
     simulate_recipe(recipe, &volume)
 }
 
-/// Wraps an error in the sheet's package.
+/// Wraps an error in the sheet's package as a bake error.
 fn fault(source: FormatError) -> BakeError {
     BakeError::Package { file: "sheet".into(), source }
 }
@@ -561,7 +569,7 @@ fn middle_tile(bytes: &[u8]) -> Result<(Vec3, [Vec3; 2], Vec3), BakeError> {
         (Vec3::from(geometry.position), Vec2::from(attributes.tile_uv), geometry)
     };
     let [(a, ta, geometry), (b, tb, _), (c, tc, _)] = [0, 1, 2].map(vertex);
-    // Position is linear in the tile's coordinates: solve for its two slopes.
+    // Position is linear in the tile coordinates; solves for its derivatives along u and v.
     let (db, dc) = (tb - ta, tc - ta);
     let det = db.perp_dot(dc);
     if det == 0.0 {

@@ -1,4 +1,4 @@
-//! Methods of the topic `self-shadow` for the light that passes through hair, and their settings.
+//! Methods of the topic `self-shadow` for light that passes through hair, and their settings.
 
 use super::Cell;
 use pelage_bake::recipe::{BcQuality, Recipe, ShellFormat};
@@ -7,18 +7,18 @@ use pelage_runtime::{ShadowParams, SlantForm};
 /// Method of determining the light that passes through hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SelfShadowForm {
-    /// Computed by rays in the bake, and read from a texture.
+    /// Visibility computed by rays in the bake and read from a texture.
     Baked {
-        /// Effort of the BC7 encoder; `None` stores uncompressed texels.
+        /// Effort of the BC7 encoder; `None` for uncompressed texels.
         blocks: Option<BcQuality>,
         /// `visibility.directions` of the recipe.
         directions: u32,
     },
-    /// Layer-wise maps, drawn from the light.
+    /// Layer-wise maps, rendered from the light.
     Maps {
         /// Shadow settings of the runtime.
         shadows: ShadowParams,
-        /// Share of the light that a layer absorbs at a slant.
+        /// Fraction of slanted light that a layer absorbs: corrected or published form.
         slant: SlantForm,
     },
 }
@@ -28,17 +28,18 @@ pub enum SelfShadowForm {
 pub struct SelfShadowConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, short.
+    /// Short value of the varied setting.
     pub label: String,
     /// Method to measure.
     pub form: SelfShadowForm,
 }
 
-/// Numbers of directions to try beside the recipe's.
+/// Numbers of directions to measure besides the recipe's.
 const DIRECTIONS: [u32; 6] = [8, 12, 24, 48, 96, 192];
 
 impl SelfShadowForm {
-    /// Returns the name and settings, the first columns of the chart; `layers`: of the hair, layer 0 included.
+    /// Returns the name and settings, which are the first columns of the chart. `layers` counts the hair's layers,
+    /// layer 0 included.
     pub(super) fn cells(&self, layers: u32) -> [Cell; 7] {
         let word = |word: &str| Cell::Text(word.into());
         match self {
@@ -57,7 +58,7 @@ impl SelfShadowForm {
         }
     }
 
-    /// Returns the share of the layers' optical depth that attenuates the light in this form.
+    /// Returns the fraction of the layers' optical depth that attenuates the light in this form.
     pub fn density(&self) -> f32 {
         match self {
             Self::Baked { .. } => 1.0,
@@ -66,8 +67,8 @@ impl SelfShadowForm {
     }
 }
 
-/// Lists what to measure for the hair of a recipe. The first is the recipe's own: baked visibility, or maps if the
-/// recipe bakes none.
+/// Lists what to measure for the hair of a recipe. The first configuration is the recipe's own: baked visibility, or
+/// maps if the recipe bakes none.
 pub fn configurations(recipe: &Recipe) -> Vec<SelfShadowConfiguration> {
     let layers = recipe.slice.layers;
     let base = ShadowParams::default();

@@ -33,7 +33,7 @@ fn middle_tile_is_centred_and_has_the_frame_of_the_shader() {
         }
         assert!((v.fur_height - sheet.up.length()).abs() < 1e-7);
     }
-    // On each side of the tile: the reach of light at 75 degrees through the fur.
+    // The sheet must extend, on each side of the tile, by the reach of light at 75 degrees through the fur.
     let need = sheet.up.length() / 0.08 * 75f32.to_radians().tan();
     for axis in 0..2 {
         let uvs: Vec<f32> = mesh.attributes.iter().map(|a| a.tile_uv[axis]).collect();
@@ -47,12 +47,12 @@ fn middle_tile_is_centred_and_has_the_frame_of_the_shader() {
     }
 }
 
-/// Maps that hold the truth return it after all steps of the lookup; altered maps do not.
+/// Maps that contain the truth must return it after all steps of the lookup; altered maps must not.
 #[test]
 fn exact_shadow_maps_have_zero_error() {
     let sheet = sheet();
     let slant = Slant { angle: 0, light_ts: DVec3::Z };
-    // Straight down, a map aligned with the tile's texels is the product of the layers above.
+    // Under light from straight above, a map aligned with the tile's texels is the product of the layers above.
     let n = sheet.set.texels;
     let alpha = |k: usize, i: usize| f32::from(sheet.set.layers[k].color[0][4 * i + 3]) / 255.0;
     let layers: Vec<Vec<f32>> = (0..6)
@@ -81,7 +81,7 @@ fn exact_shadow_maps_have_zero_error() {
     let fast = sheet.transmittance_by_maps(&maps, &slant, as_drawn, &truth);
     let mut measured = SelfShadowErrors::default();
     measured.add(&slant, &fast, 1.0, &truth);
-    // The volume caps opaque texels, the maps do not.
+    // The volume caps the opacity of opaque texels; the maps do not.
     let rmse = measured.total(0).rmse().unwrap_or(1.0);
     assert!(rmse < 0.01, "{rmse}");
     assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));
@@ -91,7 +91,7 @@ fn exact_shadow_maps_have_zero_error() {
     assert!(worse.total(0).rmse().is_some_and(|rmse| rmse > 0.05));
 }
 
-/// Returns the errors of `found` under all lights.
+/// Returns the errors of the transmittances that `found` returns, under all lights.
 fn measured(
     truths: &[(Slant, TransmittanceTruth)],
     found: &dyn Fn(&Slant, &TransmittanceTruth) -> Vec<f64>,
@@ -109,14 +109,15 @@ fn baked(sheet: &Sheet, blocks: Option<BcQuality>, directions: u32) -> TileVisib
     sheet.visibility(blocks, directions, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Returns the root mean square and the mean error of the light on the hair.
+/// Returns the RMS error and the mean error of the light on the hair.
 fn on_hair(measured: &SelfShadowErrors) -> (f64, f64) {
     let errors = measured.total(2);
     (errors.rmse().unwrap_or(f64::NAN), errors.mean().unwrap_or(f64::NAN))
 }
 
-/// Baked visibility is nearer to the light on the hair than maps can be, and not by chance: with a wrong texel, layer
-/// or light direction it is farther off. Maps are as good here as possible: they are the volume itself.
+/// Baked visibility is nearer to the light on the hair than any map can be. This is not by chance: with a wrong texel,
+/// layer or light direction, it is farther off. The maps compared here are the best possible ones, because they contain
+/// the volume itself.
 #[test]
 fn baked_visibility_matches_strands_better_than_exact_maps() {
     let sheet = sheet();
@@ -127,18 +128,18 @@ fn baked_visibility_matches_strands_better_than_exact_maps() {
     let visibility = baked(&sheet, None, 96);
     let (error, mean) =
         on_hair(&measured(&truths, &|slant, truth| sheet.transmittance_by_visibility(&visibility, slant, truth)));
-    // Texels this coarse mix lit hair with shadowed hair.
+    // Texels as coarse as these mix lit hair with shadowed hair.
     assert!(mean.abs() < 0.05, "{mean}");
     for density in [0.4, 0.7, 1.0] {
         let volume = |_: &Slant, truth: &TransmittanceTruth| truth.volume.iter().map(|t| t.powf(density)).collect();
         let (of_maps, _) = on_hair(&measured(&truths, &volume));
         assert!(error < 0.9 * of_maps, "{error}, of maps of density {density} {of_maps}");
     }
-    // Another layer, another row of texels, and light from the opposite side.
+    // Altered visibility: from another layer, from another row of texels, and for light from the opposite side.
     let (n, layers) = (16usize, sheet.layers as usize);
     let moved = |by: usize| {
         let mut other = visibility.clone();
-        // Texels shifted out re-enter at the other end; the layer of the far coat stays.
+        // Texels rotated out of the range re-enter at its other end; the far layer is not rotated.
         other.texels[4 * n * n..4 * n * n * layers].rotate_left(4 * by);
         on_hair(&measured(&truths, &|slant, truth| sheet.transmittance_by_visibility(&other, slant, truth))).0
     };
@@ -152,7 +153,7 @@ fn baked_visibility_matches_strands_better_than_exact_maps() {
     assert!(wrong.iter().all(|wrong| *wrong > 1.1 * error), "{error}, wrongly {wrong:?}");
 }
 
-/// Blocks differ little from uncompressed texels, but they do, and are a quarter as large.
+/// Block-compressed texels differ from uncompressed ones, but little, and need a quarter of the bytes.
 #[test]
 fn block_compression_keeps_visibility() {
     let sheet = sheet();
@@ -171,7 +172,8 @@ fn block_compression_keeps_visibility() {
         let mean = measured.blocks.mean().unwrap_or(f64::NAN);
         assert!(mean.abs() < 0.01, "{quality:?}: {mean}");
         assert_eq!(blocks.horizon, plain.horizon);
-        // Levels of 16, 8, 4, 2 and 1 texels, the last two a block each; layers and the far coat.
+        // Levels have 16, 8, 4, 2 and 1 texels per side; each of the last two is one block. The sum covers the layers
+        // and the far layer.
         let texels: u64 = [16u64, 8, 4, 4, 4].map(|n| n * n).iter().sum();
         assert_eq!(blocks.bytes, 7 * texels);
     }

@@ -1,9 +1,9 @@
-//! Topic `shells`: error of pictures of shells and fins against the true strands, by layers, tile, filter and formats,
-//! and their cost.
+//! Topic `shells`: error of pictures of shells and fins, compared with the true strands, and their cost. Layers, tile,
+//! filter and formats are varied.
 //!
-//! The truth is the same strands traced as curves (`pelage_truth`). It is rendered once, because it does not depend on
-//! slicing. The charts draw mean FLIP, with RMSE and coverage beside it, because each ignores something. FLIP ignores
-//! errors that the eye tolerates, RMSE the position of an error, coverage the colour.
+//! The truth is the same strands, traced as curves (`pelage_truth`). It is rendered once, because it does not depend on
+//! slicing. The charts plot mean FLIP. The tables also contain RMSE and coverage, because each measure ignores
+//! something: FLIP ignores errors that the eye tolerates, RMSE the position of an error, coverage the colour.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
@@ -65,8 +65,11 @@ pub const PANELS: [Panel; 2] = [
 /// The layers, tile and fins of Yang 2006.
 const YANG_2006: Setting = Setting { layers: 16, tile_texels: 64, fins: false };
 
-/// Lists what to measure, the unchanged recipe first: [`LAYERS`] × [`TILES`]; around the recipe's own setting filter
-/// widths and formats; and the layers without fins, or with them if the recipe has none.
+/// Lists what to measure, the unchanged recipe first:
+///
+/// * all combinations of [`LAYERS`] and [`TILES`]
+/// * filter widths and formats, with the recipe's other settings
+/// * the layers without fins, or with fins if the recipe has none
 ///
 /// # Errors
 ///
@@ -105,7 +108,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<ShellsConfiguration>, BakeErr
     Ok(out)
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]; `timing`: source of the milliseconds.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `timing` is the source of the milliseconds.
 pub fn cells(recipe: &Recipe, m: &SettingMeasurements, timing: &str) -> Vec<Cell> {
     let number = |x: f64| Cell::Number(x);
     vec![
@@ -142,7 +145,7 @@ mod tests {
             assert!(all[i + 1..].iter().all(|other| other.recipe != c.recipe), "{}", c.series);
             c.recipe.validate().expect("a valid recipe");
         }
-        // The grid is complete: each of its settings occurs, in any series.
+        // The grid must be complete: each combination occurs in some series.
         for tile_texels in TILES {
             for layers in LAYERS {
                 let setting = Setting { layers, tile_texels, ..Setting::of(&base) };

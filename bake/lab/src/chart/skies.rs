@@ -1,4 +1,4 @@
-//! Default environment maps, painted by formula and the same on every machine.
+//! Default environment maps, computed by formulas and identical on every machine.
 
 use glam::DVec3;
 use pelage_import::BakeError;
@@ -35,8 +35,8 @@ fn clear_sky(way: DVec3) -> DVec3 {
     if way.y < 0.0 {
         return DVec3::new(0.12, 0.16, 0.06);
     }
-    // Paler towards the horizon, with a glow around the sun. The disc is three pixels wide and sends the light of a
-    // disc of half a degree.
+    // The sky is paler towards the horizon and glows around the sun. The disc is three pixels wide and sends as much
+    // light as a disc of half a degree.
     let high = way.y.sqrt();
     let blue = DVec3::new(0.9, 1.0, 1.1) * (1.0 - high) + DVec3::new(0.25, 0.5, 1.1) * high;
     let glow = DVec3::new(2.0, 1.6, 1.0) * libm::exp(12.0 * (cosine - 1.0));

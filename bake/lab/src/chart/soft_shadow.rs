@@ -1,8 +1,8 @@
-//! Topic `soft-shadow`: accuracy and cost of the shadow-width map against the soft shadow of a disc light.
+//! Topic `soft-shadow`: accuracy and cost of the shadow-width map, compared with the soft shadow of a disc light.
 //!
-//! Points are spread evenly over the model's own surface at rest, where it faces the light, under lights from several
-//! sides. The maps are the runtime's own, drawn by the adapter and read back. The truth is the share of a disc light
-//! visible from each point, by [`Occluder`].
+//! Points are distributed uniformly over the parts of the model's surface at rest that face the light, under lights
+//! from several sides. The maps are the runtime's own, rendered by the adapter and read back. The truth is the fraction
+//! of a disc light visible from each point, computed by [`Occluder`].
 
 use super::errors::Errors;
 use super::light_maps::LightMaps;
@@ -18,17 +18,18 @@ use pelage_runtime::shared::soft_shadow::{depth_bias, inner_attenuation};
 use pelage_runtime::{PenumbraForm, ShadowParams, Study};
 use rayon::prelude::*;
 
-/// Number of points on the mesh surface; those that face away from a light are left out under it.
+/// Number of points on the mesh surface. Under each light, points that face away from it are excluded.
 const POINTS: u32 = 4000;
-/// Rays to the disc from each point.
+/// Number of rays from each point to the disc.
 const RAYS: u32 = 256;
-/// Cosine between light and normal below which a point is left out. There the light hardly counts, and facets of the
-/// mesh dominate.
+/// Cosine between light and normal below which a point is excluded. There, light contributes little, and facets of the
+/// mesh dominate the error.
 const LEAST_N_DOT_L: f32 = 0.1;
-/// Lights: degrees above the horizon, and degrees around the vertical.
+/// Directions towards lights: elevation above the horizon and azimuth around the vertical, degrees.
 const LIGHTS_DEG: [(f32, f32); 6] =
     [(35.0, 20.0), (60.0, 80.0), (35.0, 140.0), (60.0, 200.0), (35.0, 260.0), (60.0, 320.0)];
-/// Range of light shares that count as penumbra, and the limits of umbra and full light.
+/// Visible fractions of the light between which a point is in the penumbra. Below them it is in the umbra, above them
+/// fully lit.
 const PENUMBRA: [f64; 2] = [0.05, 0.95];
 const UMBRA: f64 = 0.02;
 const LIT: f64 = 0.999;
@@ -36,18 +37,18 @@ const LIT: f64 = 0.999;
 /// Method of computing an attenuation from the maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Printed form of Yang 2006, §4 and §5, with the paper's map.
+    /// Published form of Yang 2006, §4 and §5, with the paper's map.
     Printed,
-    /// Like `Printed`, made safe, with the penumbra inside the hard edge ([`PenumbraForm::Inner`]).
+    /// Numerically safe variant of `Printed`, with the penumbra inside the hard edge ([`PenumbraForm::Inner`]).
     Inner,
-    /// With the penumbra on both sides of the hard edge ([`PenumbraForm::Centred`]).
+    /// Form with the penumbra on both sides of the hard edge ([`PenumbraForm::Centred`]).
     Centred,
-    /// Kirsch and Döllner 2003: distance to the edge step by step, in that number of passes over the map.
+    /// Distance to the edge, propagated over the map in the given number of passes (Kirsch and Döllner 2003).
     Iterated(u32),
 }
 
 impl Method {
-    /// Returns the word in the table.
+    /// Returns the name of the method in the table.
     pub fn word(self) -> &'static str {
         match self {
             Self::Printed => "printed",
@@ -63,9 +64,9 @@ impl Method {
 pub struct SoftShadowConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, short.
+    /// Short value of the varied setting.
     pub label: String,
-    /// Method of using the maps.
+    /// Method of computing the attenuation from the maps.
     pub method: Method,
     /// Shadow settings of the runtime.
     pub shadows: ShadowParams,
@@ -151,7 +152,7 @@ pub fn configurations() -> Vec<SoftShadowConfiguration> {
     out
 }
 
-/// Returns the settings with which the runtime draws the maps of a configuration.
+/// Returns the settings with which the runtime renders the maps of a configuration.
 pub fn runtime_settings(configuration: &SoftShadowConfiguration) -> (ShadowParams, Study) {
     let inner = configuration.method != Method::Centred;
     let penumbra = if inner { PenumbraForm::Inner } else { PenumbraForm::Centred };
@@ -167,7 +168,7 @@ pub fn lights() -> Vec<Vec3> {
     LIGHTS_DEG.into_iter().map(towards).collect()
 }
 
-/// Mesh surface of a model at rest, and points on it.
+/// Mesh surface of a model at rest, with points on it.
 pub struct SampledSurface {
     occluder: Occluder,
     points: Vec<Point>,
@@ -177,7 +178,7 @@ pub struct SampledSurface {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     position_ws: Vec3,
-    /// Normal interpolated between the vertices, as in the runtime's shading; and normal of the triangle.
+    /// Normal interpolated between the vertices, as in the runtime's shading; then the normal of the triangle.
     normal_ws: Vec3,
     face_ws: Vec3,
 }
@@ -202,7 +203,7 @@ impl SampledSurface {
         self.points.iter().filter(move |p| faces(p.normal_ws) && faces(p.face_ws))
     }
 
-    /// Returns the share of the light's disc visible from each point that faces the light, 0..=1. `penumbra` as in
+    /// Returns the visible fraction of the light's disc at each point that faces the light, 0..=1. `penumbra` is as in
     /// [`ShadowParams::penumbra`].
     pub fn truth(&self, towards_light: Vec3, penumbra: f32) -> Vec<f64> {
         let light =
@@ -213,9 +214,11 @@ impl SampledSurface {
         points.par_iter().map(share).collect()
     }
 
-    /// Returns the same shares by a method, from the runtime's maps, which were shrunk by `shrink`.
+    /// Returns the visible fractions at the same points as computed by a method from the runtime's maps. `shrink` is
+    /// the factor by which these maps were reduced.
     pub fn by_method(&self, maps: &LightMaps, towards_light: Vec3, method: Method, shrink: u32) -> Vec<f64> {
-        // Maps of the sources that the runtime no longer makes are made from its depth maps here.
+        // The runtime no longer makes the maps that the other methods need, so they are computed here from its depth
+        // maps.
         let size = maps.size as usize;
         let blurred = if method == Method::Printed { paper_width(&occlusion(maps), size, shrink) } else { Vec::new() };
         let distances = if let Method::Iterated(passes) = method {
@@ -240,16 +243,17 @@ impl SampledSurface {
     }
 }
 
-/// Returns whether nothing is visible from a point: a surface inside another, such as the back of an eye, is not
-/// visible either.
+/// Returns true if nothing is visible from a point, because it is on a surface inside another one, such as the back of
+/// an eye.
 fn is_buried(occluder: &Occluder, p: &Point) -> bool {
-    // A disc that fills the sky from the zenith down to 14 degrees above the horizon.
+    // The light is a disc about the normal that fills the sky down to 14 degrees above the tangent plane.
     let (position, normal) = (p.position_ws.as_dvec3(), p.face_ws.as_dvec3());
     let sky = DiscLight::Directional { towards_light_ws: normal, penumbra: 8.0 };
     occluder.visible_share(position, normal, &sky, 256) == 0.0
 }
 
-/// Spreads `count` points over triangles, one in each of `count` consecutive pieces of equal area.
+/// Distributes `count` points over triangles: the surface is divided into `count` consecutive pieces of equal area,
+/// with one point in each.
 fn spread(rest: &RestPose, triangles: &[[u32; 3]], count: u32) -> Vec<Point> {
     let corners = |t: &[u32; 3]| t.map(|i| rest.positions[i as usize]);
     let area = |t: &[u32; 3]| {
@@ -264,7 +268,7 @@ fn spread(rest: &RestPose, triangles: &[[u32; 3]], count: u32) -> Vec<Point> {
         let [a, b, c] = corners(t);
         while next < count && (f64::from(next) + 0.5) * total <= before * f64::from(count) {
             let [x, y] = [0, 1].map(|n| uniform(u64::from(next), n));
-            // Fold the unit square into a triangle.
+            // Folds the unit square into a triangle.
             let (x, y) = if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) };
             let normal = |i: usize| rest.normals[t[i] as usize];
             points.push(Point {
@@ -278,14 +282,15 @@ fn spread(rest: &RestPose, triangles: &[[u32; 3]], count: u32) -> Vec<Point> {
     points
 }
 
-/// Returns the paper's occlusion map: whether the farthest surface facing the light is behind the nearest one.
+/// Returns the paper's occlusion map: true where the farthest surface facing the light is behind the nearest one.
 fn occlusion(maps: &LightMaps) -> Vec<bool> {
-    // Smallest gap of the runtime's filter, in depths as drawn; those are linear for distant lights.
+    // The threshold is the smallest gap of the runtime's filter, in rendered depths, which are linear for distant
+    // lights.
     maps.depths[0].iter().zip(&maps.depths[1]).map(|(near, far)| far - near > 1e-3).collect()
 }
 
-/// Returns the distance from the edge into the shadow, in texels and at most `passes`. Each pass takes the minimum over
-/// neighbours of their distance plus the step to them, as Kirsch and Döllner do.
+/// Returns the distance from the edge into the shadow, in texels and at most `passes`. Each pass computes the minimum
+/// over the neighbours of their distance plus the step to them, as Kirsch and Döllner do.
 fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     let mut distances: Vec<f32> = occluded.iter().map(|o| if *o { passes as f32 } else { 0.0 }).collect();
     for _ in 0..passes {
@@ -304,7 +309,7 @@ fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     distances
 }
 
-/// Returns Kirsch's attenuation at a point `sd` metres behind the first surface, with pelage's bias.
+/// Returns Kirsch's attenuation at a point `sd` metres behind the first surface, with pelage's depth bias.
 fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f32, n_dot_l: f32) -> f32 {
     let texel = maps.soft.texel * place.w;
     let bias = depth_bias(place.w, slanted_path(n_dot_l), &maps.soft);
@@ -312,7 +317,7 @@ fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f
     inner_attenuation(sd - bias, sw, maps.soft.penumbra, passes as f32 * texel)
 }
 
-/// Returns the paper's shadow-width map: occlusion drawn `shrink` times smaller, then enlarged to its former size.
+/// Returns the paper's shadow-width map: occlusion rendered `shrink` times smaller, then enlarged to its former size.
 fn paper_width(occluded: &[bool], size: usize, shrink: u32) -> Vec<f32> {
     let shrink = shrink as usize;
     let small = size.div_ceil(shrink);
@@ -342,12 +347,12 @@ pub struct SoftShadowErrors {
     all: Errors,
     shadow: Errors,
     umbra: Errors,
-    /// Number of points in the penumbra: by the fast method, by the truth.
+    /// Number of points in the penumbra, first according to the fast method, then according to the truth.
     penumbra: [u64; 2],
 }
 
 impl SoftShadowErrors {
-    /// Adds the values found under a light.
+    /// Adds the attenuations computed under a light.
     pub fn add(&mut self, fast: &[f64], truth: &[f64]) {
         let pairs = || fast.iter().copied().zip(truth.iter().copied());
         self.all = self.all.and(Errors::of(pairs()));
@@ -360,7 +365,7 @@ impl SoftShadowErrors {
     }
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]. `timing`: source of the milliseconds.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `timing` is the source of the milliseconds.
 pub fn cells(
     configuration: &SoftShadowConfiguration,
     measured: &SoftShadowErrors,

@@ -8,7 +8,7 @@ fn points_are_spread_by_area() {
     let rest = RestPose::of(&model.mesh, None);
     let points = spread(&rest, &model.mesh.triangles, 4000);
     assert_eq!(points.len(), 4000);
-    // Archimedes: equal slices of a sphere have equal areas.
+    // Archimedes: slices of a sphere of equal height have equal areas.
     for slice in 0..8 {
         let range = -1.0 + 0.25 * slice as f32..-0.75 + 0.25 * slice as f32;
         let share = points.iter().filter(|p| range.contains(&p.position_ws.y)).count() as f32 / 4000.0;
@@ -30,7 +30,7 @@ fn iterated_distances_end_after_the_given_passes() {
     let at = |x: usize, y: usize| distances[y * size + x];
     assert_eq!([at(9, 16), at(10, 16), at(12, 16), at(15, 16), at(20, 16), at(31, 16)], [0.0, 1.0, 3.0, 6.0, 6.0, 6.0]);
     assert_eq!([at(20, 3), at(20, 4), at(20, 6)], [0.0, 1.0, 3.0]);
-    // From a convex corner of the lit area, the path is diagonal.
+    // From a convex corner of the lit area, the shortest path is diagonal.
     let hole: Vec<bool> = (0..size * size).map(|i| i % size > 4 || i / size > 4).collect();
     let distances = iterated_distances(&hole, size, passes);
     assert!((distances[7 * size + 7] - 3.0 * std::f32::consts::SQRT_2).abs() < 1e-5);
@@ -41,7 +41,7 @@ fn points_inside_the_model_are_left_out() {
     let mut model = sphere(24, 48);
     let outside = SampledSurface::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
     assert_eq!(outside as u32, POINTS);
-    // A smaller ball inside, with a quarter of the area.
+    // The smaller ball inside has a quarter of the area.
     let inner = model.mesh.clone();
     let first = model.mesh.positions.len() as u32;
     model.mesh.positions.extend(inner.positions.iter().map(|p| *p * 0.5));
@@ -54,7 +54,7 @@ fn points_inside_the_model_are_left_out() {
 
 #[test]
 fn width_map_of_the_paper_is_half_at_a_straight_edge() {
-    // An edge between two blocks, and a size that is not a multiple of the block.
+    // The edge is between two blocks, and the size is not a multiple of the block.
     let (size, shrink) = (30, 4);
     let occluded: Vec<bool> = (0..size * size).map(|i| i % size >= 16).collect();
     let map = paper_width(&occluded, size, shrink);
@@ -65,7 +65,7 @@ fn width_map_of_the_paper_is_half_at_a_straight_edge() {
     assert!(row(3)[14] > 0.0 && row(3)[17] < 1.0);
 }
 
-/// A shape that casts no shadow on itself is fully lit; a ring has umbra, penumbra and light.
+/// A shape that casts no shadow on itself must be fully lit. A ring must have umbra, penumbra and full light.
 #[test]
 fn reference_shadows_of_a_ball_and_a_ring_are_correct() {
     let light = vec3(0.2, 0.9, 0.1).normalize();
@@ -84,7 +84,7 @@ fn reference_shadows_of_a_ball_and_a_ring_are_correct() {
     let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
     assert_eq!((number(measured.all.rmse()), number(measured.shadow.rmse())), (0.0, 0.0));
     assert!(number(measured.umbra.mean()) < UMBRA && measured.penumbra[0] == measured.penumbra[1]);
-    // No shadow at all: everything leaks.
+    // Without any shadow, all light leaks.
     let mut lit = SoftShadowErrors::default();
     lit.add(&vec![1.0; truth.len()], &truth);
     assert_eq!((number(lit.umbra.mean()), lit.penumbra[0]), (1.0, 0));

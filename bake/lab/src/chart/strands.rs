@@ -1,27 +1,27 @@
-//! Topic `strands`: single strands against layers, at sizes from a close-up to a few pixels, beside the reference
+//! Topic `strands`: single strands compared with layers, at sizes from a close-up to a few pixels, beside the reference
 //! picture.
 //!
-//! Each size is drawn by several methods with one sample per pixel and with four: the runtime's choice, layers, and
-//! strands of several numbers of pieces. Methods of the same size and number of samples are timed in turns, so that
-//! other load on the machine affects all of them.
+//! Each size is drawn with one sample per pixel and with four: by the runtime's choice, as layers, and as strands of
+//! several numbers of pieces. Methods of the same size and number of samples are timed in turns, so that other load on
+//! the machine affects all of them.
 
 use super::{Cell, Panel};
 use pelage_stage::{LookDetail, LookHair, LookStrandEdges, Viewpoint};
 use pelage_tool::shell_judge::SettingMeasurements;
 
-/// Picture to draw: size relative to the recipe's `[judge]`, and zoom.
+/// Picture to draw: size relative to the recipe's `[judge]` size, and zoom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     /// Name of the size in the table.
     pub word: &'static str,
     /// Factor and divisor applied to the recipe's width and height.
     ratio: (u32, u32),
-    /// Divisor of the view angle.
+    /// Divisor of the field of view.
     nearer: f32,
 }
 
 impl Size {
-    /// All sizes: the close-up, then largest to smallest, each half of the previous one.
+    /// All sizes: first the close-up, then from large to small, each half of the previous one.
     pub const ALL: [Self; 6] = [
         Self { word: "close", ratio: (1, 1), nearer: 3.0 },
         Self { word: "double", ratio: (2, 1), nearer: 1.0 },
@@ -31,7 +31,7 @@ impl Size {
         Self { word: "eighth", ratio: (1, 8), nearer: 1.0 },
     ];
 
-    /// Returns width and height of the picture, pixels, at least 1, from the recipe's width and height.
+    /// Returns width and height of the picture in pixels, at least 1. The argument is the recipe's width and height.
     pub fn pixels(self, (width, height): (u32, u32)) -> (u32, u32) {
         let (times, over) = self.ratio;
         let of = |pixels: u32| (pixels * times / over).max(1);
@@ -54,7 +54,7 @@ pub struct DrawMethod {
     pub series: String,
     /// Strands, layers, or the runtime's choice.
     pub hair: LookHair,
-    /// Edge treatment of strands.
+    /// Antialiasing of strand edges.
     pub edges: LookStrandEdges,
     /// Level of detail of the layers.
     pub detail: LookDetail,
@@ -63,9 +63,12 @@ pub struct DrawMethod {
 }
 
 impl DrawMethod {
-    /// Returns all methods for strands of `pieces` pieces, the runtime's choice first. Layers follow if there is a
-    /// `coat`, then strands of all pieces, half as many and so on. Last come those with blended edges: the runtime's
-    /// choice, all pieces and half as many.
+    /// Returns all methods for strands of `pieces` pieces:
+    ///
+    /// * the runtime's choice
+    /// * layers, if there is a `coat`
+    /// * strands of all pieces, half as many and so on
+    /// * with blended edges: the runtime's choice, all pieces, and half as many
     pub fn all(pieces: u32, coat: bool) -> Vec<Self> {
         let way = |series: &str, hair, detail| Self {
             series: series.to_owned(),
@@ -114,13 +117,13 @@ pub struct StrandsConfiguration {
 }
 
 impl StrandsConfiguration {
-    /// Returns whether this is the default configuration.
+    /// Returns whether this is the default: the runtime's choice with the first number of samples.
     pub fn is_default(&self) -> bool {
         self.way == 0 && self.samples == SAMPLES[0]
     }
 }
 
-/// Lists each of `ways` methods in every size, at each number of samples.
+/// Lists every combination of size, number of samples and one of `ways` methods.
 pub fn configurations(ways: usize) -> Vec<StrandsConfiguration> {
     let groups = (0..Size::ALL.len()).flat_map(|size| SAMPLES.map(|samples| (size, samples)));
     groups.flat_map(|(size, samples)| (0..ways).map(move |way| StrandsConfiguration { size, samples, way })).collect()
@@ -128,23 +131,24 @@ pub fn configurations(ways: usize) -> Vec<StrandsConfiguration> {
 
 /// Columns of the chart.
 ///
-/// * `size` of the picture, `whole` as in the recipe's `[judge]`, its `width` and `height`, pixels; `close` is `whole`
-///   with a third of the angle.
-/// * `samples` per pixel; `true_samples`: rays per pixel of the reference picture; `strand_px`: mean width of the
-///   strands at the median distance of the mesh surface.
-/// * `layers`, `strands`, `pieces`: number of drawn layers, share of the strands, and pieces per strand.
-///   `strand_triangles`: of all drawn strands, visible or not. `triangles`: of the mesh.
-/// * `flip`, `flip_covered`, `rmse`, `coverage_error` against the reference picture; `fragments` if the adapter counts
-///   them.
+/// * `size`: name of the size; `whole` is as in the recipe's `[judge]`, `close` has a third of its angle. `width`,
+///   `height`: pixels.
+/// * `samples`: per pixel; `true_samples`: rays per pixel of the reference picture; `strand_px`: mean width of the
+///   strands at the median distance of the mesh surface, pixels.
+/// * `layers`: number of drawn layers; `strands`: fraction of the strands that is drawn; `pieces`: per strand.
+///   `strand_triangles`: triangles of all drawn strands, visible or not; `triangles`: of the mesh.
+/// * `flip`, `flip_covered`, `rmse`, `coverage_error`: errors against the reference picture; `fragments`: if the
+///   adapter counts them.
 /// * `flicker`: mean change of grey, 0..=1, at points of the mesh surface and the hair on them, while only the camera
-///   turns by a quarter of a degree; `true_flicker`: that of the reference pictures, whose hair also moves relative to
+///   turns by a quarter of a degree. `true_flicker`: that of the reference pictures, whose hair also moves relative to
 ///   the surface.
 /// * `frame_milliseconds`: a frame with unchanged light and pose. `anew_milliseconds`: the passes of a frame with a new
 ///   pose and new maps.
-/// * `over_cheapest`: for the runtime's choice without blended edges, its frame time over that of the cheapest method
-///   of the same size and samples whose FLIP is at most [`AS_TRUE`] times as large.
-/// * `package_bytes`: of a package with strands, or without if none are drawn; `gpu_bytes`: model, copy, maps and
-///   lists.
+/// * `over_cheapest`: for the runtime's choice without blended edges, its frame time divided by that of the cheapest
+///   equally accurate method of the same size and samples. Equally accurate means a FLIP at most [`AS_TRUE`] times as
+///   large.
+/// * `package_bytes`: size of a package with strands, or without if none are drawn; `gpu_bytes`: size of model, copy,
+///   maps and lists on the GPU.
 pub const COLUMNS: [&str; 24] = [
     "size",
     "width",
@@ -197,11 +201,12 @@ pub fn panels() -> Vec<Panel> {
 pub struct StrandsMeasures {
     /// Errors and costs.
     pub measured: SettingMeasurements,
-    /// Milliseconds of a frame with a new pose and new maps.
+    /// Milliseconds of the passes of a frame with a new pose and new maps.
     pub anew_ms: f64,
-    /// Mean change of grey while the camera turns a little; `None` if no mesh surface is visible.
+    /// Mean change of grey, 0..=1, while the camera turns by a quarter of a degree. `None` if no mesh surface is
+    /// visible.
     pub flicker: Option<f64>,
-    /// Share of the strands that are drawn.
+    /// Fraction of the strands that is drawn, 0..=1.
     pub strands: f32,
     /// Pieces per strand.
     pub pieces: u32,
@@ -209,15 +214,15 @@ pub struct StrandsMeasures {
     pub blended: bool,
 }
 
-/// Values that all methods of a size share.
+/// Values shared by all methods of a size.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StrandsSizeFacts {
-    /// Width and height of the picture.
+    /// Width and height of the picture, pixels.
     pub pixels: (u32, u32),
     /// Rays per pixel of the reference picture.
     pub true_samples: u32,
-    /// Mean change of grey of the reference picture while the camera turns a little; `None` if no mesh surface is
-    /// visible.
+    /// Mean change of grey in the reference picture, 0..=1, while the camera turns by a quarter of a degree. `None` if
+    /// no mesh surface is visible.
     pub true_flicker: Option<f64>,
     /// Mean width of the strands, pixels.
     pub strand_px: f64,
@@ -225,11 +230,12 @@ pub struct StrandsSizeFacts {
     pub strands: usize,
 }
 
-/// Largest ratio of FLIP at which a method counts as equally accurate; smaller differences are within the noise of the
-/// reference picture.
+/// Largest ratio of FLIP at which two methods count as equally accurate. Smaller differences are within the noise of
+/// the reference picture.
 pub const AS_TRUE: f64 = 1.02;
 
-/// Returns the cost of the first method over that of the cheapest equally accurate one, ignoring blended edges.
+/// Returns the cost of the first method divided by that of the cheapest equally accurate one. Methods with blended
+/// edges are ignored.
 pub fn over_cheapest(ways: &[StrandsMeasures]) -> Option<f64> {
     let own = ways.first()?.measured;
     let as_true = ways.iter().filter(|way| !way.blended && way.measured.flip <= AS_TRUE * own.flip);
@@ -237,8 +243,8 @@ pub fn over_cheapest(ways: &[StrandsMeasures]) -> Option<f64> {
     Some(own.frame_ms / cheapest).filter(|ratio| ratio.is_finite())
 }
 
-/// Returns the cells of a row, in the order of [`COLUMNS`]. `ways`: results of all methods of its size and samples;
-/// `timing`: source of the milliseconds.
+/// Returns the cells of a row, in the order of [`COLUMNS`]. `ways` are the results of all methods of the row's size and
+/// samples; `timing` is the source of the milliseconds.
 pub fn cells(
     configuration: &StrandsConfiguration,
     seen: &StrandsSizeFacts,
@@ -313,7 +319,8 @@ mod tests {
             measured: SettingMeasurements { frame_ms, flip, ..SettingMeasurements::default() },
             ..StrandsMeasures::default()
         };
-        // The cheapest is less accurate, the next nearly as accurate, and the last more accurate and more expensive.
+        // The cheapest method is less accurate, the next one nearly as accurate, and the last one more accurate and
+        // more expensive.
         let blended = StrandsMeasures { blended: true, ..way(2.0, 0.0050) };
         let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050), blended];
         assert_eq!(over_cheapest(&ways), Some(1.5));

@@ -1,4 +1,4 @@
-//! Topic `surface`: cost of fewer seams in distortion, and of both in seconds.
+//! Topic `surface`: trade-off between seams and distortion, and the seconds that both cost.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;
@@ -10,9 +10,9 @@ use pelage_import::mesh::Model;
 pub struct SurfaceConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, short.
+    /// Short value of the varied setting.
     pub label: String,
-    /// Changes to the base recipe, in the form of `--set`.
+    /// Changes to the base recipe, as arguments of `--set`.
     pub sets: Vec<String>,
     /// Recipe with the changes.
     pub recipe: Recipe,
@@ -55,7 +55,7 @@ pub const PANELS: [Panel; 2] = [
 ];
 
 /// Lists what to measure, the base recipe first. The model's own texture coordinates are included if all parts have
-/// some.
+/// them.
 ///
 /// # Errors
 ///
@@ -72,7 +72,8 @@ pub fn configurations(base: &Recipe, model: &Model) -> Result<Vec<SurfaceConfigu
     for value in [0.25, 0.5, 0.75, 1.0, 1.5, 3.0, 4.0, 8.0] {
         out.push(with("patch size", value.to_string(), &[patches.clone(), size(value)])?);
     }
-    // Beyond some size the other two limits stop patches. Only with those wide open does the size alone decide.
+    // From some size on, the limits on turn and stretch stop the growth of patches. They are relaxed here, so that only
+    // the size decides.
     for value in [0.5, 1.0, 2.0, 4.0, 8.0, 16.0] {
         let wide = ["surface.patch_turn_deg=60.0".to_owned(), "surface.patch_stretch=4.0".to_owned()];
         out.push(with(

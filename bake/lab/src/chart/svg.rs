@@ -1,4 +1,5 @@
-//! Drawing of a chart: cost on the horizontal axis, error on the vertical, the Pareto front joined, the default ringed.
+//! Drawing of a chart: cost on the horizontal axis, error on the vertical. Points of the Pareto front are joined, and
+//! the default is ringed.
 
 use super::axis::{self, Scale};
 use super::{Chart, Panel, Row, labels};
@@ -82,7 +83,7 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Distances from the panel's edges to the frame: left, right, top, bottom.
 const MARGIN: [i32; 4] = [78, 18, 8, 60];
 
-/// Radius of a mark and of the ring around the default, pixels, and height of a letter beside them.
+/// Radius of a mark, radius of the ring around the default, and height of a letter beside a mark, pixels.
 const MARK: i32 = 5;
 const RING: i32 = 10;
 const LABEL: i32 = 11;
@@ -155,8 +156,9 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
     Ok(())
 }
 
-/// Returns the Pareto front as steps, from its least cost to its least error: the least error available for at most
-/// that cost. The line begins at the top of the frame and ends at its right, whose corner is `end`.
+/// Returns the Pareto front as steps from least cost to least error. At each cost, a step shows the least error
+/// available for at most that cost. The line begins at the top of the frame and ends at its right edge; `end` is the
+/// corner between them.
 fn stairs(
     points: &[Option<(f64, f64)>],
     on_front: &[bool],
@@ -175,7 +177,7 @@ fn stairs(
     line
 }
 
-/// Returns points on a line of horizontal and vertical pieces, so close that no label fits between them.
+/// Returns points on a line of horizontal and vertical pieces, spaced so densely that no label fits between them.
 fn along(line: &[(i32, i32)]) -> Vec<(i32, i32)> {
     let piece = |ends: &[(i32, i32)]| {
         let (a, b) = (ends[0], ends[1]);
@@ -185,8 +187,8 @@ fn along(line: &[(i32, i32)]) -> Vec<(i32, i32)> {
     line.windows(2).flat_map(piece).collect()
 }
 
-/// Corners of the marks. Each series has a colour and a shape, for readers and printers without colour. The first is
-/// round.
+/// Corners of the marks; the first shape is a circle. Each series has a colour and a shape, so that the chart is
+/// readable without colour.
 const SHAPES: [&[(i32, i32)]; 7] = [
     &[],
     &[(-5, -5), (5, -5), (5, 5), (-5, 5)],
@@ -260,7 +262,8 @@ mod tests {
         };
         let text = svg(&chart).unwrap_or_default();
         assert!(text.starts_with("<svg ") && text.trim_end().ends_with("</svg>"));
-        // Two circles per mark: two rows and one in the legend; a ring for the default, and one in the legend.
+        // Each mark consists of two circles; two rows and the legend have a mark each. The ring of the default and its
+        // legend entry add two circles.
         assert_eq!(text.matches("<circle").count(), 2 * 3 + 2);
         assert!(text.contains("at 2") && text.contains("a quick one") && !text.contains("at NaN"), "{text}");
         assert!(text.contains("seconds") && text.contains("error, degrees") && text.contains("&lt;a &amp; b&gt;"));

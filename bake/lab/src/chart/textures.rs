@@ -1,8 +1,8 @@
-//! Topic `textures`: effect of texel formats, encoder effort and mip filter on a tile of hair, and their cost.
+//! Topic `textures`: error and cost of texel formats, encoder effort and mip filter, on a tile of hair.
 //!
-//! The truth is the tile as sliced, with eight bits per channel before any encoding (directions with all three
-//! components and their length). Only the loss of the format is measured; the topics `lighting` and `shells` measure
-//! that of slicing. The encoded file is read back and decoded.
+//! The truth is the sliced tile with eight bits per channel before any encoding; directions have all three components
+//! and their length. Only the loss of the format is measured; the topics `lighting` and `shells` measure that of
+//! slicing. The encoded file is read back and decoded.
 
 use super::{Cell, Panel};
 use crate::stability::{mean, opacity, texels, transmittances};
@@ -19,12 +19,12 @@ use pelage_import::BakeError;
 pub enum MipFilter {
     /// Filter of the bake: preserves the mean transmittance through all layers.
     Product,
-    /// Average of each layer by itself.
+    /// Averages each layer separately.
     Mean,
 }
 
 impl MipFilter {
-    /// Returns the word in the table.
+    /// Returns the name of the filter in the table.
     pub fn word(self) -> &'static str {
         match self {
             Self::Product => "product of layers",
@@ -33,7 +33,8 @@ impl MipFilter {
     }
 }
 
-/// Textures to measure. If only one texture is varied, the other would give the same point repeatedly.
+/// Textures to measure. If a setting affects only one texture, the other is omitted, because it would give the same
+/// point repeatedly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     Both,
@@ -46,9 +47,9 @@ enum Part {
 pub struct TexturesConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, short.
+    /// Short value of the varied setting.
     pub label: String,
-    /// Changes to the base recipe, in the form of `--set`.
+    /// Changes to the base recipe, as arguments of `--set`.
     pub sets: Vec<String>,
     /// Mip filter, which is not part of a recipe.
     pub mips: MipFilter,
@@ -57,7 +58,7 @@ pub struct TexturesConfiguration {
     part: Part,
 }
 
-/// Number of levels whose drift has its own column.
+/// Number of mip levels whose coverage drift has its own column.
 const LEVELS: usize = 6;
 
 /// Columns of the chart.
@@ -148,7 +149,7 @@ pub fn configurations(base: &Recipe) -> Result<Vec<TexturesConfiguration>, BakeE
     Ok(out)
 }
 
-/// Tile of the strands before encoding, the truth of the measurement.
+/// Sliced tile before encoding, the truth of the measurement.
 pub struct SlicedTile {
     set: ShellSet,
     strands: Strands,
@@ -171,11 +172,12 @@ impl SlicedTile {
 /// Errors and costs of the shell texture.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Shells {
-    /// RMSE of premultiplied, encoded red, green and blue in the finest level above layer 0, bytes.
+    /// RMSE of premultiplied, encoded red, green and blue in the finest level of the layers above layer 0, in steps of
+    /// 1/255.
     color_rmse: f64,
-    /// RMSE of alpha in the finest level above layer 0, 0..=1.
+    /// RMSE of alpha in the finest level of the layers above layer 0, 0..=1.
     opacity_rmse: f64,
-    /// Mean coverage of all layers above layer 0 at each level, less the truth's at level 0.
+    /// Mean coverage of all layers above layer 0 at each mip level, minus the truth's at level 0.
     drift: Vec<f64>,
     bytes: u64,
     seconds: f64,
@@ -192,7 +194,7 @@ struct Directions {
 /// Encodes a tile with a configuration, and compares the decoded result with the truth. Returns the cells of a row, in
 /// the order of [`COLUMNS`].
 ///
-/// * `now`: seconds since some moment, to time the encoding
+/// * `now`: returns the seconds since a fixed time, for timing the encoder
 ///
 /// # Errors
 ///
@@ -217,7 +219,7 @@ pub fn measure(
         word(blocks, pack.bc_quality.word()),
         word(shells.is_some(), configuration.mips.word()),
         of_shells(&|s| s.color_rmse),
-        // Identical textures have no noise, and JSON has no number for infinity.
+        // Identical textures have an infinite signal-to-noise ratio, which JSON cannot represent.
         if shells.as_ref().is_some_and(|s| s.color_rmse > 0.0) {
             of_shells(&|s| 20.0 * libm::log10(255.0 / s.color_rmse))
         } else {
@@ -296,7 +298,7 @@ fn directions(
         for (i, (a, b)) in decoded.chunks_exact(4).zip(layer.direction[0].chunks_exact(4)).enumerate() {
             let direction = |t: &[u8], format| decode_direction([0, 1, 2, 3].map(|i| f32::from(t[i]) / 255.0), format);
             let (a, b) = (direction(a, format), direction(b, TextureFormat::Rgba8Unorm));
-            // A mean that has cancelled out has no direction.
+            // A zero mean, where opposing directions cancel, has no direction.
             let (Some(a), Some(b)) = (a.try_normalize(), b.try_normalize()) else { continue };
             let weight = opacity(&truth.set, k, 0, i);
             sum += weight * angle_deg(a, b);
@@ -309,11 +311,11 @@ fn directions(
 /// Returns the angle between two lines, degrees.
 fn angle_deg(a: Vec3, b: Vec3) -> f64 {
     let (a, b) = (a.as_dvec3(), b.as_dvec3());
-    // From the sine as well: the cosine of small angles rounds to 1.
+    // Uses the sine as well, because the cosine of small angles rounds to 1.
     a.cross(b).length().atan2(a.dot(b).abs()).to_degrees()
 }
 
-/// Maximum runs of an encoder, of which the fastest counts; none begins after `LONG_S` seconds in total.
+/// Maximum number of encoder runs, of which the fastest counts. No run begins after `LONG_S` seconds in total.
 const RUNS: usize = 3;
 const LONG_S: f64 = 1.0;
 
@@ -338,7 +340,7 @@ fn parse(file: &[u8]) -> Result<TextureView<'_>, BakeError> {
     view.map_err(|e| BakeError::Internal(format!("cannot read back the texture: {e}")))
 }
 
-/// Decodes the colours of a file to a set of layers.
+/// Decodes the colours of a file into a set of layers.
 fn decoded(view: &TextureView<'_>) -> Result<ShellSet, BakeError> {
     let layer = |index: u32| {
         let color = (0..view.levels).map(|level| decode_texture(view, level, index)).collect::<Result<_, _>>()?;
@@ -347,7 +349,8 @@ fn decoded(view: &TextureView<'_>) -> Result<ShellSet, BakeError> {
     Ok(ShellSet { texels: view.width, layers: (0..view.layers).map(layer).collect::<Result<_, BakeError>>()? })
 }
 
-/// Returns the same finest level, with coarser ones in which each layer's opacity and light are averaged by themselves.
+/// Returns a set with the same finest level, in whose coarser levels the opacity and light of each layer are averaged
+/// separately.
 fn averaged(set: &ShellSet) -> ShellSet {
     let mut out = set.clone();
     for layer in &mut out.layers {

@@ -1,12 +1,13 @@
-//! Topic `verlet`: accuracy of simulated hair on guides against its equations ([`TrueGuide`]), and its cost, by the
-//! method of enforcing lengths.
+//! Topic `verlet`: error of simulated hair on guides, compared with its equations ([`TrueGuide`]), and its cost.
+//! Methods differ in how they enforce the lengths of the pieces.
 //!
-//! Each form moves the same guides through the same frames of a sixtieth of a second: the runtime's solver with other
-//! steps and solves, and methods of others. Those use the runtime's forces, whose springs yield at long steps, so that
-//! they differ only in how they enforce lengths. The printed form has its own forces.
+//! Each method moves the same guides through the same frames of a sixtieth of a second: the runtime's solver with
+//! several numbers of steps and solves, and methods from the literature. The latter use the runtime's forces, whose
+//! springs are implicit, so that methods differ only in how they enforce lengths. The published form has its own
+//! forces.
 //!
-//! The scenes keep hair taut. Slack hair whips, and two motions that differ by a rounding error diverge, so that the
-//! truth would be arbitrary.
+//! The scenes keep hair taut. Slack hair whips: two motions that differ by a rounding error diverge, so the truth would
+//! be arbitrary.
 
 use super::{Cell, Panel};
 use crate::stability::hair_motion::{PrintedStep, PrintedString, sweep};
@@ -26,27 +27,28 @@ const LENGTH_M: f32 = 0.3;
 const FPS: u32 = 60;
 /// Duration of each scene, seconds.
 pub const SECONDS: u32 = 3;
-/// Largest difference of the truth from that with steps twice as long, in lengths of the guide.
+/// Accepted change of the truth when its steps are halved, in lengths of the guide.
 const WITHIN: f64 = 1e-5;
-/// Damping ratio of the springs to the groomed position; 1 is critical damping.
+/// Damping ratio of the springs that pull towards the groomed position; 1 is critical damping.
 const DAMPED: f32 = 0.3;
-/// Share of the speed lost by following that is given back, as in Müller 2012.
+/// Fraction of the speed lost by following that is restored, as in Müller 2012.
 const GIVEN_BACK: f32 = 0.9;
-/// Compliance of a piece, metres per metre per second squared: a guide hanging from it stretches it by 1e-4 of its
-/// length.
+/// Compliance of a piece, metres per metre per second squared. The weight of a guide that hangs from a piece stretches
+/// it by 1e-4 of its length.
 const COMPLIANCE: f32 = 1e-8;
 
 /// Columns of the chart.
 ///
-/// * `points`: per guide. `steps_per_s`: steps per second; `rounds`: mean number of passes over the lengths per step,
-///   for the runtime's solver including the pass from root to tip.
-/// * `rms_percent`: root mean square distance of points from their true positions, over all points but the root and all
-///   frames of three scenes, in % of the guide's length; `largest_percent`: the largest distance. `rms_turn` etc.: of
-///   one scene.
-/// * `stretch_percent`: largest deviation of any piece from its length.
-/// * `nanoseconds`: of a guide and a simulated second, on one core; `corrections_per_s`: corrections of each piece's
+/// * `points`: points per guide. `steps_per_s`: steps per second. `rounds`: mean number of passes over the lengths per
+///   step; for the runtime's solver, the pass from root to tip is included.
+/// * `rms_percent`: RMS distance of points from their true positions, in % of the guide's length. It covers all points
+///   but the root, and all frames of three scenes. `largest_percent`: largest distance. `rms_turn` etc.: RMS distance
+///   in one scene.
+/// * `stretch_percent`: largest relative deviation of any piece from its length.
+/// * `nanoseconds`: time per guide and simulated second, on one core. `corrections_per_s`: corrections of each piece's
 ///   length in that second.
-/// * `true_steps_per_s`: of the truth; `true_change_percent`: difference from the truth with half as many.
+/// * `true_steps_per_s`: steps per second of the truth. `true_change_percent`: difference from the truth with half as
+///   many.
 pub const COLUMNS: [&str; 13] = [
     "points",
     "steps_per_s",
@@ -63,7 +65,7 @@ pub const COLUMNS: [&str; 13] = [
     "true_change_percent",
 ];
 
-/// Panels of the chart: one for each number of points, and one by number of corrections.
+/// Panels of the chart: one for each number of points, and one over the number of corrections.
 pub const PANELS: [Panel; 4] = [
     panel(NANOSECONDS, "7 points: ns per guide and second, one core", "7"),
     panel(NANOSECONDS, "16 points: ns per guide and second, one core", "16"),
@@ -81,15 +83,16 @@ const fn panel(cost: &'static str, cost_label: &'static str, points: &'static st
 /// Motion that drives a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scene {
-    /// Head that turns aside within 0.4 s, and back.
+    /// Head that turns to the side within 0.4 s and back.
     Turn,
     /// Root that moves up and down, as in a gallop.
     Gallop,
-    /// Wind that swells and falls.
+    /// Wind that rises and falls.
     Gust,
 }
 
-/// Returns a smooth step from 0 to 1 that begins at `from` and takes `takes` seconds, without a jerk at either end.
+/// Returns a smooth step from 0 to 1 that begins at `from` and lasts `takes` seconds. Velocity and acceleration are 0
+/// at both ends.
 fn eased(time_s: f64, from: f64, takes: f64) -> f64 {
     let t = ((time_s - from) / takes).clamp(0.0, 1.0);
     t * t * t * (10.0 + t * (6.0 * t - 15.0))
@@ -99,7 +102,7 @@ impl Scene {
     /// All scenes.
     pub const ALL: [Self; 3] = [Self::Turn, Self::Gallop, Self::Gust];
 
-    /// Returns the root and its frame at a time, seconds.
+    /// Returns the root's position and frame at a time in seconds.
     pub fn root_at(self, time_s: f64) -> (DVec3, DMat3) {
         match self {
             Self::Turn => {
@@ -116,7 +119,7 @@ impl Scene {
         }
     }
 
-    /// Returns the same in the renderer's type and precision.
+    /// Returns the root's position and frame in the renderer's type and precision.
     fn rooted(self, time_s: f64) -> RootFrame {
         let (root, frame) = self.root_at(time_s);
         RootFrame { root: root.as_vec3(), frame: frame.as_mat3() }
@@ -140,33 +143,33 @@ impl Scene {
 /// Method of moving a guide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionForm {
-    /// Runtime's [`Solver`].
+    /// The runtime's [`Solver`].
     Ours(Solver),
-    /// Correction of each piece by itself, root to tip, a number of times per step (Jakobsen 2001).
+    /// Separate correction of each piece from root to tip, several times per step (Jakobsen 2001).
     Sweeps {
         /// Steps per second.
         steps_per_s: u32,
         /// Sweeps per step.
         sweeps: u32,
     },
-    /// Follow the leader: each point moves to the right distance from the previous one, and the speed lost by that is
-    /// given back (Müller 2012).
+    /// Follow the leader: each point is moved to the correct distance from the previous one, and part of the speed lost
+    /// by that is restored (Müller 2012).
     Leader {
         /// Steps per second.
         steps_per_s: u32,
     },
-    /// Compliant pieces, each corrected once per step (Macklin 2016 and 2019: small steps instead of rounds).
+    /// Compliant pieces, each corrected once per step (Macklin 2016 and 2019: small steps instead of many iterations).
     Yielding {
         /// Steps per second.
         steps_per_s: u32,
     },
-    /// Method of Nalu, one step per frame.
+    /// Published method of Nalu, with one step per frame.
     Printed {
-        /// Rounds over the lengths.
+        /// Passes over the lengths.
         sweeps: u32,
     },
-    /// Truth for a root that moves straight from frame to frame: the least error possible for a form that knows only
-    /// frames.
+    /// Truth for a root that moves in a straight line from frame to frame. This is the least error possible for a
+    /// method that knows only frames.
     Straight,
 }
 
@@ -175,7 +178,7 @@ pub enum MotionForm {
 pub struct VerletConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, short.
+    /// Short value of the varied setting.
     pub label: String,
     /// Points of the guide.
     pub points: usize,
@@ -185,7 +188,7 @@ pub struct VerletConfiguration {
     pub default: bool,
 }
 
-/// Lists what to measure, for each of [`POINTS`], the runtime's default first.
+/// Lists what to measure for each of [`POINTS`], the runtime's default first.
 pub fn configurations() -> Vec<VerletConfiguration> {
     let ours = Solver::default();
     let mut forms = vec![("as the runtime does", String::new(), MotionForm::Ours(ours))];
@@ -194,7 +197,7 @@ pub fn configurations() -> Vec<VerletConfiguration> {
         forms.push(("ours, steps a second", steps.to_string(), MotionForm::Ours(solver)));
     }
     for solved in [1, 2, 3, 6] {
-        // Exactly that many solves.
+        // A tolerance of 0 forces exactly that number of solves.
         let solver = Solver { solved, within: 0.0, ..ours };
         forms.push(("ours, solves a step", solved.to_string(), MotionForm::Ours(solver)));
     }
@@ -222,7 +225,7 @@ pub fn configurations() -> Vec<VerletConfiguration> {
     .collect()
 }
 
-/// Guide that stands out from the root and falls, with its ballast, lengths and springs.
+/// Guide that begins horizontally and curves downwards, with its ballast, lengths and springs.
 #[derive(Clone, Debug)]
 pub struct Guide {
     points: Vec<Vec3>,
@@ -234,7 +237,7 @@ pub struct Guide {
 }
 
 impl Guide {
-    /// Creates a guide of `points` points, two or more, with the springs of a group with default settings.
+    /// Creates a guide of `points` points (two or more), with the springs of a group with default settings.
     pub fn new(points: usize) -> Self {
         let place = |k: usize| {
             let t = k as f32 / (points - 1) as f32;
@@ -256,10 +259,10 @@ impl Guide {
         self.lengths.iter().sum()
     }
 
-    /// Moves the guide through a scene. Returns how often the runtime's solver solved for the tensions, 0 for other
-    /// forms.
+    /// Moves the guide through a scene. Returns how often the runtime's solver solved for the tensions, or 0 for other
+    /// methods.
     ///
-    /// * `at_end`: called with the points at the end of each frame, relative to the root
+    /// * `at_end`: called with the points relative to the root, at the end of each frame
     pub fn run(&self, form: &MotionForm, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) -> u32 {
         match *form {
             MotionForm::Ours(solver) => return self.ours(solver, scene, at_end),
@@ -317,8 +320,8 @@ impl Guide {
         solved
     }
 
-    /// Moves the guide with the runtime's forces. `hold` enforces the lengths at the end of each step, and receives its
-    /// duration in seconds.
+    /// Moves the guide with the runtime's forces. `hold` enforces the lengths at the end of each step, and receives the
+    /// step's duration in seconds.
     fn unconstrained(
         &self,
         steps_per_s: u32,
@@ -343,7 +346,7 @@ impl Guide {
         }
     }
 
-    /// Moves the guide as in Nalu: explicit forces, and one loss of speed for all resistance.
+    /// Moves the guide as in Nalu, with explicit forces and one damping factor for all resistance.
     fn printed(&self, sweeps: u32, scene: Scene, at_end: &mut dyn FnMut(&[Vec3])) {
         let first = scene.rooted(0.0);
         let mut string = PrintedString::new(self.points.iter().map(|p| first.root + first.frame * *p).collect());
@@ -375,8 +378,8 @@ impl Guide {
         }
     }
 
-    /// Returns each point's offset from where it would be if all pieces before it kept their groomed shape, each turned
-    /// like the previous one.
+    /// Returns each point's offset from its position if all pieces before it kept their groomed shape. In that shape,
+    /// each piece is rotated like the previous one.
     fn bending_offsets(&self, frame: Mat3, places: &[Vec3]) -> Vec<Vec3> {
         let mut out = vec![Vec3::ZERO; places.len()];
         let mut turn = Quat::IDENTITY;
@@ -393,7 +396,7 @@ impl Guide {
         out
     }
 
-    /// Returns the true motion through a scene; `straight`: with a root that moves straight from frame to frame.
+    /// Returns the true motion through a scene. If `straight`, the root moves in a straight line from frame to frame.
     pub fn truth(&self, scene: Scene, straight: bool) -> TrueMotion {
         let wide = |points: &[Vec3]| points.iter().map(|p| p.as_dvec3()).collect::<Vec<_>>();
         let (points, ballast) = (wide(&self.points), wide(&self.ballast));
@@ -412,12 +415,12 @@ impl Guide {
     }
 }
 
-/// Returns the end of a frame, seconds.
+/// Returns the time of a frame's end, seconds.
 fn time_s(frame: u32) -> f64 {
     f64::from(frame) / f64::from(FPS)
 }
 
-/// Returns the stiffness of a spring of frequency `hz`: force over distance and mass.
+/// Returns the stiffness of a spring of frequency `hz` per unit of mass, 1/s².
 fn squared_frequency(hz: f32) -> f32 {
     let omega = std::f32::consts::TAU * hz;
     omega * omega
@@ -439,7 +442,7 @@ impl UnconstrainedString {
         Self { velocities: vec![Vec3::ZERO; places.len()], started: places.clone(), places }
     }
 
-    /// Moves the points freely by one step, as the root moves from one frame to the other.
+    /// Moves the points by one step without constraints, while the root moves from one frame to the next.
     fn integrate(&mut self, guide: &Guide, [before, now]: [RootFrame; 2], h: f32, air: impl Fn(Vec3) -> Vec3) {
         let springs = &guide.springs;
         let (shape, bend) = (squared_frequency(springs.shape_hz), squared_frequency(springs.bend_hz));
@@ -464,7 +467,7 @@ impl UnconstrainedString {
         self.places[0] = now.root;
     }
 
-    /// Computes velocities from the points' displacements in the step.
+    /// Computes velocities from the points' displacements during the step.
     fn update_velocities(&mut self, h: f32) {
         for (k, velocity) in self.velocities.iter_mut().enumerate() {
             *velocity = (self.places[k] - self.started[k]) / h;
@@ -499,22 +502,22 @@ impl UnconstrainedString {
     }
 }
 
-/// Error of a form in one scene or several.
+/// Error of a method in one or several scenes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionDeviation {
-    /// Sum of squared distances from the truth, in lengths of the guide, and their number.
+    /// Sum of squared distances from the truth in lengths of the guide, and the number of distances.
     squares: f64,
     count: usize,
     /// Largest distance, in lengths of the guide.
     largest: f64,
-    /// Largest deviation of any piece from its length, over its length.
+    /// Largest relative deviation of any piece from its length.
     stretch: f64,
     /// Number of times that the runtime's solver solved for the tensions.
     solved: u32,
 }
 
 impl MotionDeviation {
-    /// Measures a form against the truth, at the ends of frames.
+    /// Measures a method against the truth at the ends of frames.
     pub fn of(guide: &Guide, form: &MotionForm, scene: Scene, truth: &[Vec<DVec3>]) -> Self {
         let mut off = Self::default();
         let mut frame = 0;
@@ -530,7 +533,7 @@ impl MotionDeviation {
         Self { solved, ..off }
     }
 
-    /// Combines both; NaN is preserved.
+    /// Combines both errors; NaN is preserved.
     pub fn and(self, other: Self) -> Self {
         let greater = |a: f64, b: f64| if b <= a { a } else { b };
         Self {
@@ -549,10 +552,11 @@ impl MotionDeviation {
 }
 
 impl MotionForm {
-    /// Returns the steps per second, and the passes over the lengths per step. `found`: results of all scenes together.
+    /// Returns the steps per second, and the passes over the lengths per step. `found` is the result of all scenes
+    /// together.
     pub fn effort(&self, found: &MotionDeviation) -> Option<(f64, f64)> {
         Some(match *self {
-            // One more pass from root to tip corrects what the tensions leave.
+            // The last pass from root to tip corrects the error that the tensions leave.
             Self::Ours(Solver { steps_per_s, .. }) => {
                 let steps_per_s = f64::from(steps_per_s);
                 let seconds = f64::from(SECONDS * Scene::ALL.len() as u32);
@@ -569,8 +573,8 @@ impl MotionForm {
 /// Returns the cells of a row, in the order of [`COLUMNS`].
 ///
 /// * `off`: errors in each of [`Scene::ALL`]
-/// * `nanoseconds`: per guide and second
-/// * `truths`: of the same scenes
+/// * `nanoseconds`: per guide and simulated second
+/// * `truths`: true motions in the same scenes
 pub fn cells(
     configuration: &VerletConfiguration,
     off: &[MotionDeviation; 3],

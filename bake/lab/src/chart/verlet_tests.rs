@@ -1,6 +1,6 @@
 use super::*;
 
-/// Returns the error of a form in all scenes.
+/// Returns the error of a method in all scenes together.
 fn off(guide: &Guide, form: &MotionForm) -> MotionDeviation {
     let of = |scene: &Scene| MotionDeviation::of(guide, form, *scene, &guide.truth(*scene, false).places);
     Scene::ALL.iter().map(of).fold(MotionDeviation::default(), MotionDeviation::and)
@@ -16,7 +16,7 @@ fn rows_differ_and_each_length_has_one_default() {
             assert!(of[..i].iter().all(|b| (b.series, &b.label) != (a.series, &a.label) && b.form != a.form), "{a:?}");
         }
     }
-    // Three solves in each step of a scene.
+    // The number of solves corresponds to three in each step of a scene.
     let of = MotionDeviation { squares: 1.0, count: 4, solved: 1080, ..MotionDeviation::default() };
     let row = cells(&all[0], &[of; 3], Some(5.0), &[]);
     assert_eq!(row.len(), COLUMNS.len());
@@ -24,7 +24,7 @@ fn rows_differ_and_each_length_has_one_default() {
     assert_eq!(row[10], Cell::Number(480.0));
 }
 
-/// A scene without motion would rate all forms good, and one in which hair whips would rate none good.
+/// Scenes must discriminate: without motion, all methods would seem accurate; with whipping hair, none would.
 #[test]
 fn scenes_move_hair_and_are_resolved_at_60_frames_per_second() {
     for points in POINTS {
@@ -49,7 +49,8 @@ fn scenes_move_hair_and_are_resolved_at_60_frames_per_second() {
     }
 }
 
-/// With short enough steps all forms but the printed one converge to the truth: they have the same equations.
+/// With short enough steps, all methods but the published one converge to the truth, because they solve the same
+/// equations.
 #[test]
 fn solvers_converge_to_the_reference() {
     let guide = Guide::new(7);

@@ -12,27 +12,28 @@ pub struct ChartArgs {
     /// Topic to measure
     #[arg(value_name = "TOPIC", value_enum)]
     pub(super) topic: Topic,
-    /// Model (.glb, .gltf or .obj), or a package, whose own mesh and recipe are used; by default the built-in hare
+    /// Model (.glb, .gltf or .obj), or a package, whose mesh and recipe are used; by default the built-in hare
     #[arg(value_name = "MODEL|PKG")]
     pub(super) model: Option<PathBuf>,
-    /// Folder for TOPIC.csv and TOPIC.svg, created if missing; not needed for stability, which draws no picture
+    /// Folder for TOPIC.csv and TOPIC.svg, created if missing; not needed for stability, which makes no picture
     #[arg(long, short, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
-    /// Measure only these rows: numbers in the whole table, from 1, or the K-th of M shares of all rows; a row's
-    /// command contains this option where it reproduces that row alone
+    /// Measure only these rows: numbers in the whole table, from 1, or the K-th of M equal parts of all rows. A row's
+    /// command contains this option if it reproduces only that row
     #[arg(long, value_name = "N|K/M,..", value_delimiter = ',')]
     pub(super) rows: Vec<Rows>,
-    /// Leave the rows in TOPIC.rows.jsonl and draw no table, for a machine that measures only some of them
+    /// Leave the rows in TOPIC.rows.jsonl without making table and picture, for a machine that measures only some of
+    /// them
     #[arg(long, conflicts_with = "from")]
     pub(super) part: bool,
-    /// Read rows that other machines with the same tool and adapter left with --part; missing rows are measured
+    /// Read rows that other machines with the same tool and adapter measured with --part; missing rows are measured
     #[arg(long, value_name = "JSONL")]
     pub(super) from: Vec<PathBuf>,
     /// Measure all rows again; by default, rows that an interrupted run left in TOPIC.rows.jsonl are reused
     #[arg(long)]
     pub(super) restart: bool,
-    /// Environment map to measure, .hdr or .exr; may be repeated; only for environment and environment-fit; by default
-    /// a painted clear sky and a room
+    /// Environment map to measure, .hdr or .exr; may be repeated; only for environment and environment-fit; default: a
+    /// painted clear sky and a painted room
     #[arg(long, value_name = "SKY")]
     pub(super) sky: Vec<PathBuf>,
     #[command(flatten)]
@@ -56,7 +57,7 @@ impl ChartArgs {
 pub(super) enum Rows {
     /// Single row.
     Number(usize),
-    /// Every `of`-th, beginning with row `share`.
+    /// Every `of`-th row, beginning with row `share`.
     Share { share: usize, of: usize },
 }
 
@@ -99,7 +100,7 @@ mod tests {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, schemars::JsonSchema)]
 #[schemars(rename_all = "kebab-case")]
 pub(super) enum Topic {
-    /// Layers, tile, filter, formats and fins: error of their pictures against the true strands, and cost
+    /// Layers, tile, filter, formats and fins: error of the picture against the true strands, and cost
     Shells,
     /// Layers, triangles and texels that a picture needs at four sizes on screen: error against the true strands, and
     /// cost
@@ -107,35 +108,35 @@ pub(super) enum Topic {
     /// Single strands and layers, in close-up and at five sizes, with one sample per pixel and four: error against the
     /// true strands, and cost
     Strands,
-    /// Lapped patches: cost of fewer seams in distortion and seconds
+    /// Lapped patches: trade-off between seams and distortion, and seconds
     Surface,
     /// Light per pixel and per vertex: error of the direction used against the strand's own, and cost
     Lighting,
     /// Baked visibility and layer-wise shadow maps: error of the light between hairs against traced light, and cost
     SelfShadow,
-    /// Slab maps by which single strands shadow each other, deep and over the whole depth: error of light and picture,
-    /// and cost
+    /// Deep and opacity shadow maps between single strands: error of light and picture, and cost
     OpacityShadow,
-    /// Shadow-width maps: error of their soft shadows against a disc light, and cost
+    /// Shadow-width maps: error of the soft shadow against a disc light, and cost
     SoftShadow,
     /// Ink lines: distance from the contours and creases of the mesh, width, flicker, and cost
     Ink,
     /// Texel formats, encoders and mip filters: error of colour, hair direction and coverage, and cost
     Textures,
-    /// Simulated hair on guides: error against its equations, by how and how often its lengths are enforced, and cost;
+    /// Simulated hair on guides, by method and frequency of enforcing lengths: error against its equations, and cost;
     /// needs no model
     Verlet,
-    /// Scattering of a fibre by tables of several sizes and axes, by the printed tables and by a fit: error against its
-    /// equations, and nanoseconds; needs no model
+    /// Scattering of a fibre by tables of several sizes and axes, by the published tables and by a fit: error against
+    /// its equations, and nanoseconds; needs no model
     Scattering,
-    /// Black, brown, blond and white fur in three lights, by fibres with and without the light of other fibres: error
+    /// Black, brown, blond and white fur in three lights, with several models of the light between fibres: error
     /// against path tracing, and cost
     Multiple,
-    /// Fibres under an environment map, by one broad light, a light at a time, as printed, by samples and by constant
-    /// light: error, and microseconds; needs no model
+    /// Fibres under an environment map, by one broad light, by one lobe at a time, in the published form, by samples
+    /// and by constant light: error, and microseconds; needs no model
     Environment,
-    /// Few lights fitted to an environment map: error by their number, and seconds of the fit; needs no model
+    /// Few lights fitted to an environment map: error by the number of lights, and seconds of the fit; needs no model
     EnvironmentFit,
-    /// Cases where methods fail: error of the naive form beside ours, and its bound; exit code 7 if a bound is exceeded
+    /// Numerical failures of methods: error of the naive form beside pelage's, and its bound; exit code 7 if a bound is
+    /// exceeded
     Stability,
 }

@@ -1,4 +1,4 @@
-//! `pelage chart detail`: layers, triangles and texels at four sizes against the true strands.
+//! `pelage chart detail`: layers, triangles and texels at four sizes, compared with the true strands.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
@@ -17,9 +17,9 @@ pub struct DetailTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<detail::DetailConfiguration>,
     gpu: Gpu,
-    /// Strands, which no size and no recipe of a row changes, and their viewpoint.
+    /// Strands and their viewpoint, which are the same for all sizes and recipes.
     truth: Option<(ReferenceTracer, Viewpoint)>,
-    /// Reference picture of each size, and the values that its rows share.
+    /// Reference picture of each size, and the values shared by its rows.
     sizes: [Option<(ShellJudge<'a>, detail::DetailSizeFacts)>; detail::Size::ALL.len()],
     /// Baked packages by recipe; all sizes draw the same ones.
     packages: Vec<(Recipe, NamedPackage<'static>)>,
@@ -88,7 +88,7 @@ impl Topic for DetailTopic<'_> {
     }
 }
 
-/// Returns the package of a recipe, and bakes it if there is none yet.
+/// Returns the package of a recipe, baking it if it is not cached yet.
 fn baked<'p>(
     packages: &'p mut Vec<(Recipe, NamedPackage<'static>)>,
     source: Source<'_>,

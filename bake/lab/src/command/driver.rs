@@ -1,4 +1,4 @@
-//! Common driver of all charts: rows are measured one by one and saved at once; table and picture are written when all
+//! Common driver of all charts. Rows are measured one by one and saved at once; table and picture are written when all
 //! rows are complete.
 
 use super::args::{self, ChartArgs};
@@ -16,7 +16,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// Measured table, as in the CSV file.
+/// Measured table, with the contents of the CSV file.
 #[derive(Serialize, JsonSchema)]
 pub struct ChartResult<R> {
     #[schemars(with = "args::Topic")]
@@ -27,12 +27,12 @@ pub struct ChartResult<R> {
     pub files: Vec<String>,
     /// Rows of the table.
     pub rows: Vec<R>,
-    /// With `--part`: numbers of the measured rows, which are in the file and not in `rows`.
+    /// With `--part`: numbers of the measured rows, which are in the journal and not in `rows`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<Vec<usize>>,
 }
 
-/// Configuration and its figures.
+/// Configuration with its figures.
 #[derive(Serialize, JsonSchema)]
 pub struct MeasuredRow {
     /// Name of the varied setting.
@@ -41,7 +41,7 @@ pub struct MeasuredRow {
     default: bool,
     /// Command that reproduces the row.
     command: String,
-    /// Parameters, errors and costs of the topic, null if they do not apply. `on_front`: whether the row is on the
+    /// Parameters, errors and costs of the topic; null if they do not apply. `on_front`: whether the row is on the
     /// Pareto front.
     #[serde(flatten)]
     figures: Map<String, Value>,
@@ -49,14 +49,14 @@ pub struct MeasuredRow {
 
 /// Topic of a chart: its configurations, and how to measure a row.
 ///
-/// Expensive results shared by many rows (truths, bakes) are made on first use and kept in the topic. A run that
-/// continues an interrupted one makes only what is still needed.
+/// Expensive results shared by many rows (truths, bakes) are created on first use and kept in the topic. If an
+/// interrupted run is continued, only those still needed are created.
 pub trait Topic {
-    /// Returns the table before measurement.
+    /// Returns the table without its figures.
     fn plan(&self) -> Plan;
 
-    /// Measures row `index` of the plan, from 0, and returns a cell for each column. The errors must not depend on
-    /// anything else, so that a row measured alone has the same ones; costs may vary with the machine's load.
+    /// Measures row `index` of the plan, from 0, and returns a cell for each column. Errors must depend only on the
+    /// row, so that a row measured alone has the same ones. Costs may vary with the machine's load.
     ///
     /// * `doing`: callback with the current activity, for the progress bar
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure>;
@@ -67,7 +67,7 @@ pub trait Topic {
 pub struct Plan {
     /// Word after `pelage chart`.
     pub topic: &'static str,
-    /// Subject of the chart, and its model.
+    /// Title of the chart: what was measured, and on which glTF model.
     pub title: String,
     /// Adapter or device of the measurements.
     pub adapter: String,
@@ -84,15 +84,15 @@ pub struct Plan {
 pub struct PlannedRow {
     /// Name of the varied setting; rows of one series share a colour.
     pub series: String,
-    /// Value of the varied setting, short, shown beside the mark.
+    /// Short value of the varied setting, shown beside the mark.
     pub label: String,
     /// Whether this is the default configuration.
     pub default: bool,
-    /// Command that reproduces the figures, if it is another subcommand; otherwise `chart` with this row alone.
+    /// Command that reproduces the figures, if it is another subcommand; `None` for `chart` restricted to this row.
     pub command: Option<String>,
 }
 
-/// Returns the value of `slot`, made now if it is empty.
+/// Returns the value of `slot`, creating it first if the slot is empty.
 pub fn get_or_make<T>(slot: &mut Option<T>, make: impl FnOnce() -> Result<T, Failure>) -> Result<&mut T, Failure> {
     let value = match slot.take() {
         Some(value) => value,
@@ -101,7 +101,7 @@ pub fn get_or_make<T>(slot: &mut Option<T>, make: impl FnOnce() -> Result<T, Fai
     Ok(slot.insert(value))
 }
 
-/// Measures the requested rows, and writes table and picture.
+/// Measures the requested rows, and writes the table and the picture.
 pub fn run(
     args: &ChartArgs,
     subject: &Subject,
@@ -170,14 +170,15 @@ pub fn run(
     Ok(exit)
 }
 
-/// Returns the command that measures one row again, into its own folder, so that the whole table is preserved.
+/// Returns the command that measures one row again. It writes to a separate folder, so that the whole table is
+/// preserved.
 fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> String {
     let folder = shell_word(&folder.join(format!("row-{number}")).display().to_string());
     format!("pelage chart {topic}{} --rows {number} -o {folder} --json", subject.arguments)
 }
 
-/// Returns a key for everything besides the number that a row's figures depend on: a different tool, model, recipe or
-/// adapter gives a different key.
+/// Returns a key for everything but the row number that a row's figures depend on. It differs for a different tool,
+/// model, recipe or adapter.
 fn key(subject: &Subject, plan: &Plan) -> String {
     let mut key = Key::of_program().with(&plan.adapter).with(&plan.title).with(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {

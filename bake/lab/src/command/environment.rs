@@ -1,5 +1,5 @@
-//! `pelage chart environment`: light that a fibre scatters from environment maps, by the form used in frames and by
-//! others, against the map itself.
+//! `pelage chart environment`: light that a fibre scatters from environment maps, by the method used in frames and by
+//! other methods, compared with integrating the map itself.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use super::environment_fit::{names, skies};
@@ -16,7 +16,7 @@ use std::path::PathBuf;
 pub struct EnvironmentTopic {
     configurations: Vec<EnvironmentConfiguration>,
     skies: Vec<NamedSky>,
-    /// Truth for each environment map, made when a row needs it.
+    /// Truth for each environment map, computed when a row needs it.
     truths: Vec<Option<EnvironmentTruth>>,
 }
 

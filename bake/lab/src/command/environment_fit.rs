@@ -1,4 +1,4 @@
-//! `pelage chart environment-fit`: few lights against the environment maps that they approximate.
+//! `pelage chart environment-fit`: few lights, compared with the environment maps that they approximate.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use crate::chart::Cell;
@@ -13,7 +13,7 @@ use pelage_tool::machine::measured_on;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Loads the environment maps in `files`; without any, returns the painted ones.
+/// Loads the environment maps in `files`, or returns the painted ones if there are none.
 pub(super) fn skies(files: &[PathBuf]) -> Result<Vec<NamedSky>, Failure> {
     if files.is_empty() {
         return Ok(painted()?);
@@ -35,7 +35,7 @@ pub(super) fn skies(files: &[PathBuf]) -> Result<Vec<NamedSky>, Failure> {
 /// Topic `environment-fit`.
 pub struct EnvironmentFitTopic {
     skies: Vec<NamedSky>,
-    /// Irradiance under each environment map, made when a row needs it.
+    /// Irradiance under each environment map, computed when a row needs it.
     truths: Vec<Option<Vec<DVec3>>>,
 }
 
@@ -80,7 +80,7 @@ impl Topic for EnvironmentFitTopic {
     }
 }
 
-/// Returns their names, separated by commas.
+/// Returns the names of `skies`, separated by commas.
 pub(super) fn names(skies: &[NamedSky]) -> String {
     skies.iter().map(|sky| sky.name.as_str()).collect::<Vec<_>>().join(", ")
 }

@@ -1,4 +1,4 @@
-//! `pelage chart ink`: drawn lines against those of the mesh.
+//! `pelage chart ink`: drawn lines, compared with those of the mesh.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::greys::greys;
@@ -20,11 +20,11 @@ use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
 use pelage_tool::view::View;
 
-/// Number of frames of the slow turn for flicker, and the degrees between them.
+/// Number of frames of the slow turn for flicker, and degrees between frames.
 const TURN: (u32, f32) = (4, 1.0);
-/// Threshold below which a pixel is ink: half of the light, sRGB-encoded.
+/// Byte value below which a pixel is ink: half of the light, sRGB-encoded.
 const INK: u8 = 188;
-/// Threshold below which a pixel is at least faint ink.
+/// Byte value below which a pixel is at least faint ink.
 const FAINT: u8 = 253;
 
 /// Topic `ink`.
@@ -41,7 +41,7 @@ struct Shared {
     rest_points: Vec<Vec3>,
     lines: TrueLines,
     meter: Meter,
-    /// Scene of the previous row; rows of one size share it.
+    /// Scene of the previous row, which rows of the same size share.
     scene: Option<(View, Stage)>,
 }
 
@@ -96,7 +96,7 @@ impl Shared {
         Ok(Self { rest_points, lines, meter: Meter::new(gpu), scene: None, file })
     }
 
-    /// Draws with one configuration from both sides, times it, and measures flicker in a slow turn.
+    /// Draws with one configuration from both sides, times it, and measures flicker while the camera slowly turns.
     fn measure(&mut self, wanted: &ink::InkSettings, gpu: &Gpu) -> Result<ink::InkMeasures, Failure> {
         let ink::InkSettings { size, ink, study } = wanted;
         let (size, (width, height)) = (*size, *size);

@@ -1,7 +1,7 @@
-//! Journal of measured rows, kept until the table is complete: an interrupted chart continues where it stopped.
+//! Journal of measured rows, kept until the table is complete, so that an interrupted chart continues where it stopped.
 //!
-//! `TOPIC.rows.jsonl` beside the table holds a line for each, `{"key": …, "row": 3, "cells": […]}`. Lines with another
-//! key belong to another model, recipe, tool or adapter. A truncated line is ignored.
+//! `TOPIC.rows.jsonl` beside the table has a line for each row, `{"key": …, "row": 3, "cells": […]}`. Lines with
+//! another key belong to another model, recipe, tool or adapter. A truncated line is ignored.
 
 use crate::chart::Cell;
 use pelage_tool::exit::Failure;
@@ -27,7 +27,7 @@ impl Entry for Row {
 }
 
 impl Rows {
-    /// Reads what an earlier run left in `folder`; see [`Journal::open`].
+    /// Reads the rows that an earlier run left in `folder`; see [`Journal::open`].
     pub fn open(folder: &Path, topic: &str, key: &str, restart: bool) -> Result<Self, Failure> {
         Journal::open(folder.join(format!("{topic}.rows.jsonl")), key, restart).map(Self)
     }
@@ -53,7 +53,7 @@ impl Rows {
         self.0.others()
     }
 
-    /// Saves a row; once this returns, the row outlives the process.
+    /// Saves a row. Once this returns, the row survives an abort of the process.
     pub fn add(&mut self, number: usize, cells: &[Cell]) -> Result<(), Failure> {
         self.0.add(Row { row: number, cells: cells.iter().map(write).collect() })
     }
@@ -64,7 +64,7 @@ impl Rows {
     }
 }
 
-/// Converts a cell without loss; numbers that are not finite, which JSON lacks, become an object.
+/// Converts a cell without loss. Numbers that are not finite, which JSON cannot represent, become an object.
 fn write(cell: &Cell) -> Value {
     match cell {
         Cell::Number(x) if !x.is_finite() => json!({ "number": x.to_string() }),
@@ -105,7 +105,7 @@ mod tests {
         let values = [0.1 + 0.2, f64::NEG_INFINITY, 1e-300, 3.0];
         let mut journal = open("a", false);
         values.iter().enumerate().for_each(|(i, x)| journal.add(i + 1, &cells(*x)).unwrap());
-        // Interrupted within a line.
+        // Simulates an interruption within a line.
         drop(journal);
         let whole = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, &whole[..whole.len() - 5]).unwrap();
@@ -117,7 +117,7 @@ mod tests {
         let again = open("a", false);
         assert_eq!(numbers(&again).len(), 4);
         assert!(matches!(again.cells(4).unwrap()[0], Cell::Number(x) if x.is_nan()));
-        // A table of two of the rows keeps the others.
+        // Finishing a table of two of the rows must keep the other rows.
         again.finish(&[1, 2]).unwrap();
         assert_eq!(numbers(&open("a", false)).len(), 4);
         open("a", false).finish(&[1, 2, 3, 4]).unwrap();

@@ -1,4 +1,4 @@
-//! Shadow maps as the runtime draws them, read back, with their drawing time.
+//! Shadow maps as the runtime renders them, read back, with the time to render them.
 
 use crate::chart::light_maps::LightMaps;
 use glam::Vec3;
@@ -9,33 +9,34 @@ use pelage_tool::exit::Failure;
 use pelage_tool::stages::stage_of;
 use pelage_tool::view::View;
 
-/// Drawings of the maps per light, of which the fastest counts; the result is the median over all lights.
+/// Number of times that the maps are rendered per light, of which the fastest counts. The result is the median over all
+/// lights.
 const DRAWINGS: usize = 3;
 
-/// Package loaded into the runtime to draw its shadow maps.
+/// Package loaded into the runtime, to render its shadow maps.
 pub struct LightBench {
     scene: Stage,
     meter: Meter,
 }
 
 impl LightBench {
-    /// Loads a package under a name.
+    /// Loads a package under the given name.
     pub fn new(name: &str, package: &[u8], gpu: &Gpu) -> Result<Self, Failure> {
         let file = NamedPackage { name: name.into(), bytes: package.into() };
-        // The picture is small because it is not used; the whole model casts its shadow.
+        // The picture is small because it is not used; the whole model casts its shadow nevertheless.
         let view = View::sized((16, 16)).with(|look| look.fur.detail = LookDetail::Full);
         let scene = stage_of(&file, &view, || Ok(gpu.clone()))?;
         let meter = Meter::new(&scene.gpu);
         Ok(Self { scene, meter })
     }
 
-    /// Returns the source of the milliseconds, in the words of `pelage bench`.
+    /// Returns the source of the milliseconds, as named by `pelage bench`.
     pub fn clock_word(&self) -> &'static str {
         self.meter.clock().word()
     }
 
-    /// Draws the maps of `pass` and reads them back. The milliseconds are those of the fastest drawing, because other
-    /// load only adds time; the first, which compiles pipelines, does not count.
+    /// Renders the maps of `pass` and reads them back. The milliseconds are those of the fastest run, because other
+    /// load only adds time. The first run, which compiles pipelines, does not count.
     pub fn draw(
         &mut self,
         towards_light: Vec3,
@@ -53,7 +54,7 @@ impl LightBench {
         let (frame, _) = self.meter.prepared(&mut self.scene, pass)?;
         let maps = frame.shadows().ok_or_else(|| StageError::Device("no shadow map was drawn".into()))?;
         let maps = read_maps(&self.scene.gpu, maps)?;
-        // Maps that a frame holds are not redrawn but recreated.
+        // Maps that a frame still holds would be recreated instead of redrawn.
         drop(frame);
         let mut milliseconds = f64::INFINITY;
         for _ in 0..DRAWINGS {

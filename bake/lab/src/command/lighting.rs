@@ -1,4 +1,4 @@
-//! `pelage chart lighting`: light per pixel and per vertex, by several direction textures.
+//! `pelage chart lighting`: light per pixel and per vertex, with several direction textures.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use super::subject::Subject;
@@ -13,8 +13,8 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::stages::stage_of;
 use pelage_tool::view::View;
 
-/// Timed frames per configuration, and frames before them in which pipelines and caches settle. The fastest counts,
-/// because other load only adds time.
+/// Number of timed frames per configuration, and of frames before them in which pipelines and caches settle. The
+/// fastest counts, because other load only adds time.
 const FRAMES: usize = 9;
 const WARM_UP: usize = 1;
 
@@ -61,7 +61,7 @@ impl Topic for LightingTopic<'_> {
         doing("baking");
         let baked = pipeline::bake(&BakeInput::new(file, name, &configuration.recipe, images), model, &mut |_| ())?;
         let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
-        // Shadows cost the same for any shading direction.
+        // Shadows are off, because they cost the same for any shading direction.
         let view = View::default().with(|look| {
             look.shadow.self_shadow = LookSelfShadow::Off;
             look.shadow.soft_shadow = false;

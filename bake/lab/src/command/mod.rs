@@ -1,7 +1,7 @@
-//! `pelage chart`: cost of accuracy, as a table and a picture.
+//! `pelage chart`: accuracy against cost, as a table and a picture.
 //!
-//! A topic is a file that lists configurations and measures one of them (`driver::Topic`). Numbers, journal, progress,
-//! Pareto front, table and picture are the same for all (`driver.rs`).
+//! A topic is a file that lists configurations and measures one of them (`driver::Topic`). All topics share row
+//! numbers, journal, progress, Pareto front, table and picture (`driver.rs`).
 
 mod args;
 mod detail;
@@ -85,7 +85,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     driver::run(args, &subject, folder, &mut *topic, output)
 }
 
-/// Returns the built-in input of a topic that needs no model.
+/// Returns the name of the built-in input of a topic that needs no model.
 fn built_in_input(topic: Topic) -> Option<&'static str> {
     match topic {
         Topic::Verlet => Some("guides"),
@@ -96,7 +96,7 @@ fn built_in_input(topic: Topic) -> Option<&'static str> {
     }
 }
 
-/// Creates the topic; covers every topic with a picture.
+/// Creates the topic. Every topic with a picture is covered.
 fn topic<'a>(args: &ChartArgs, subject: &'a Subject) -> Result<Box<dyn driver::Topic + 'a>, Failure> {
     Ok(match args.topic {
         Topic::Environment => Box::new(environment::EnvironmentTopic::new(&args.sky)?),

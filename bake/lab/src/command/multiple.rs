@@ -1,4 +1,4 @@
-//! `pelage chart multiple`: fur whose hairs light each other, against path tracing.
+//! `pelage chart multiple`: fur whose hairs scatter light to each other, compared with path tracing.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
@@ -128,7 +128,7 @@ impl FurWithTruths {
         view.with(|look| look.light.direction = LIGHTS[light].1)
     }
 
-    /// Returns the view with which the runtime draws a configuration.
+    /// Returns the view in which the runtime draws a configuration.
     fn view(&self, configuration: &MultipleConfiguration, light: usize) -> View {
         self.lit(light).with(|look| {
             look.fur.scattering = configuration.form.scattering;

@@ -1,5 +1,5 @@
-//! `pelage chart opacity-shadow`: slab maps by which strands shadow each other, drawn by the adapter, against traced
-//! light and picture.
+//! `pelage chart opacity-shadow`: deep and opacity shadow maps between strands, rendered by the adapter, compared with
+//! traced light and a traced picture.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
@@ -25,10 +25,11 @@ use pelage_tool::view::View;
 use pelage_truth::TrueLight;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 
-/// Drawings of the map per light, of which the fastest counts; the result is the median over all lights.
+/// Number of times that the map is rendered per light, of which the fastest counts. The result is the median over all
+/// lights.
 const DRAWINGS: usize = 5;
 
-/// Directions towards the lights besides that of the look: from above, and from behind and the side.
+/// Directions towards the lights besides the default view's: one from above, one from behind and the side.
 const OTHER_LIGHTS: [Vec3; 2] = [Vec3::new(0.1, 1.0, 0.15), Vec3::new(-0.8, 0.35, -0.5)];
 
 /// Topic `opacity-shadow`.
@@ -48,12 +49,12 @@ struct Shared {
     picture: Picture,
     /// Direction towards each light, and its truth.
     truths: Vec<(Vec3, opacity_shadow::StrandLightTruth)>,
-    /// Mean width of the strands' points, metres.
+    /// Mean width over the strands' points, metres.
     width_m: f32,
 }
 
 impl<'a> OpacityShadowTopic<'a> {
-    /// Lists the configurations and opens the adapter. Strands are always baked, whatever the recipe's setting.
+    /// Lists the configurations and opens the adapter. Strands are always baked, even if the recipe disables them.
     pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
         let mut recipe = subject.recipe.clone();
         recipe.strands.enabled = true;
@@ -117,7 +118,7 @@ impl Shared {
         });
         doing("true light");
         let places = truth.scene.visible_strands(&truth.camera(&view), size, STEP_PX);
-        // No default view has a nearby light.
+        // The default view has a distant light.
         let KeyLight::Distant(key) = view.look.key_light() else {
             return Err(BakeError::Internal("the default look has a point light, expected a distant one".into()).into());
         };

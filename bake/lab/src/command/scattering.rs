@@ -1,4 +1,4 @@
-//! `pelage chart scattering`: scattering of a fibre, as frames evaluate it, against its equations.
+//! `pelage chart scattering`: scattering of a fibre as frames evaluate it, compared with its equations.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use crate::chart::Cell;
@@ -14,11 +14,11 @@ use pelage_tool::machine::measured_on;
 use std::time::Instant;
 use wgpu::util::DeviceExt as _;
 
-/// Threads per dispatch, and evaluations per thread.
+/// Number of threads per dispatch, and of evaluations per thread.
 const THREADS: u32 = 1 << 16;
 const EACH: u32 = 64;
-/// Number of timed runs, of which the fastest counts; and dispatches per run, so many that the cost of submission is
-/// small.
+/// Number of timed runs, of which the fastest counts; and number of dispatches per run, large enough that the cost of
+/// submission is negligible.
 const TURNS: usize = 7;
 const AT_ONCE: u32 = 4;
 
@@ -27,7 +27,7 @@ pub struct ScatteringTopic {
     configurations: Vec<ScatteringConfiguration>,
     gpu: Gpu,
     truths: Option<Vec<ScatteringTruth>>,
-    /// Nanoseconds of the loop without the timed code.
+    /// Nanoseconds of the loop without the code to be timed.
     empty: Option<f64>,
 }
 
@@ -72,7 +72,7 @@ impl Topic for ScatteringTopic {
     }
 }
 
-/// Returns the code that a thread runs per pair of directions; `None` for a form that is not used for drawing.
+/// Returns the code that a thread runs per pair of directions; `None` for a method that is not used for drawing.
 fn expression(form: ScatteringForm) -> Option<&'static str> {
     match form {
         ScatteringForm::Tables(_) => Some(TABLES),
@@ -106,8 +106,8 @@ const FIT: &str = "
     sum += fit(tip, light, eye, absorbed);
 ";
 
-/// WGSL of the forms: tables, cubic interpolation of their texels by five bilinear samples, and the fit of `fit` in the
-/// chart.
+/// WGSL of the methods: tables, cubic interpolation of their texels by five bilinear samples, and the fit of `fit` in
+/// the chart.
 const FORMS: &str = "
 @group(0) @binding(0) var<storage, read_write> sums: array<vec4<f32>>;
 @group(0) @binding(1) var tables: texture_2d_array<f32>;
@@ -259,7 +259,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
             view_formats: &[],
         },
         wgpu::util::TextureDataOrder::LayerMajor,
-        // The half float 0.5 in each component.
+        // Each component is the half float 0.5.
         &[0x00, 0x38].repeat(8 * size * size),
     );
     let view = texture.create_view(&wgpu::TextureViewDescriptor {

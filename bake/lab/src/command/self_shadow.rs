@@ -1,5 +1,5 @@
-//! `pelage chart self-shadow`: baked visibility, and layer-wise shadow maps drawn by the adapter, against the slow
-//! truths.
+//! `pelage chart self-shadow`: baked visibility, and layer-wise shadow maps rendered by the adapter, compared with the
+//! slow truths.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::light_bench::LightBench;
@@ -31,7 +31,7 @@ pub struct SelfShadowTopic<'a> {
 /// Data that all rows need.
 struct Shared {
     sheet: Sheet,
-    /// Bench with the sheet loaded.
+    /// Benchmark with the sheet loaded.
     bench: LightBench,
     truths: Vec<(Slant, TransmittanceTruth)>,
 }
@@ -89,8 +89,8 @@ impl Topic for SelfShadowTopic<'_> {
                     let (mut stage, mut began) = ("", Instant::now());
                     sheet.visibility(blocks, directions, &mut |next| {
                         if stage == "visibility" {
-                            // Blocks are encoded later, so this is the same work in every bake; other load only adds
-                            // time.
+                            // Blocks are encoded later, so every bake does the same work here. The fastest counts,
+                            // because other load only adds time.
                             seconds = seconds.min(began.elapsed().as_secs_f64());
                         }
                         (stage, began) = (next, Instant::now());

@@ -1,4 +1,4 @@
-//! `pelage chart shells`: shells and fins at many settings against the true strands.
+//! `pelage chart shells`: shells and fins with many settings, compared with the true strands.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;

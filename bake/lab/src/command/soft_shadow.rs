@@ -1,4 +1,4 @@
-//! `pelage chart soft-shadow`: shadow-width maps, drawn by the adapter, against a disc light.
+//! `pelage chart soft-shadow`: shadow-width maps, rendered by the adapter, compared with a disc light.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::light_bench::LightBench;
@@ -21,9 +21,9 @@ pub struct SoftShadowTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<SoftShadowConfiguration>,
     gpu: Gpu,
-    /// Mesh surface, and bench with the model loaded.
+    /// Mesh surface, and benchmark with the model loaded.
     shared: Option<(SampledSurface, LightBench)>,
-    /// Shares of each light visible from the surface points, for each penumbra.
+    /// Fraction of each light visible from the surface points, for each penumbra.
     truths: Vec<(f32, Vec<Vec<f64>>)>,
 }
 
@@ -61,7 +61,7 @@ impl Topic for SoftShadowTopic<'_> {
             doing("baking");
             let Subject { file, name, model, images, .. } = self.subject;
             let mut recipe = self.subject.recipe.clone();
-            // Formats that every adapter reads; shadows of the mesh surface do not depend on them.
+            // Every adapter reads these formats; shadows of the mesh surface do not depend on them.
             recipe.pack.shell_format = ShellFormat::Rgba8;
             recipe.pack.direction_format = DirectionFormat::Rg8;
             let baked = pipeline::bake(&BakeInput::new(file, name, &recipe, images), model, &mut |_| ())?;
@@ -83,7 +83,7 @@ impl Topic for SoftShadowTopic<'_> {
             let (maps, ms) = bench.draw(light, (shadows, study), PassId::SHADOW_WIDTH)?;
             let start = Instant::now();
             let fast = skin.by_method(&maps, light, configuration.method, shadows.shrink);
-            // Distances that no pass of the runtime computes are computed here, and their time counts.
+            // The runtime has no pass for iterated distances. They are computed here, and their time is added.
             milliseconds.push(if iterated { ms + start.elapsed().as_secs_f64() * 1e3 } else { ms });
             measured.add(&fast, truth);
         }

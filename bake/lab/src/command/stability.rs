@@ -20,13 +20,13 @@ pub struct StabilityRow {
     series: &'static str,
     /// Description of the failure.
     cliff: &'static str,
-    /// Description of the naive form.
+    /// Description of the naive form of the method.
     naive_form: &'static str,
-    /// Description of pelage's form.
+    /// Description of pelage's form of the method.
     safe_form: &'static str,
     /// Name of the case.
     case: String,
-    /// Name of the error.
+    /// Name of the error measure.
     measure: &'static str,
     /// Adapter or processor that ran the row.
     adapter: String,
@@ -144,7 +144,7 @@ fn report(
     output.result(&lines.join("\n"), &result)
 }
 
-/// Rows that draw pictures.
+/// Rows that require rendered pictures.
 mod drawn {
     use super::Table;
     use crate::stability::{Drawing, DrawnRowTest, Row};
@@ -168,7 +168,7 @@ mod drawn {
         Ok(())
     }
 
-    /// Returns every pixel of a drawing, in 16-bit floats: 8 bits lose what thin layers add.
+    /// Returns every pixel of a drawing as 16-bit floats, because 8 bits would lose the contribution of thin layers.
     fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Result<Vec<[f32; 4]>, Failure> {
         let fault = |error| BakeError::Internal(format!("cannot draw the row's package: {error}"));
         let options = CanvasOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..CanvasOptions::default() };

@@ -1,4 +1,4 @@
-//! `pelage chart strands`: single strands and layers at six sizes, against the traced picture.
+//! `pelage chart strands`: single strands and layers at six sizes, compared with the traced picture.
 
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::greys::greys;
@@ -26,16 +26,16 @@ use pelage_truth::SurfaceVisibility;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 use std::time::Instant;
 
-/// Turns in which the methods of a group are timed, with `FRAMES` frames of each per turn. The fastest counts, because
-/// other load only adds time.
+/// Number of turns in which the methods of a group are timed, each turn with `FRAMES` frames of each method. The
+/// fastest counts, because other load only adds time.
 const TURNS: usize = 5;
-/// Minimum number of turns with slow frames; after `MOST_SECONDS` no further turn begins.
+/// Minimum number of turns if frames are slow. After `MOST_SECONDS`, no further turn begins.
 const FEWEST_TURNS: usize = 2;
 const MOST_SECONDS: f64 = 30.0;
 const FRAMES: usize = 3;
 
-/// Degrees by which the camera turns between two pictures for flicker: the model moves about a pixel at the judge's
-/// size.
+/// Degrees by which the camera turns between two pictures for flicker. The model then moves by about a pixel at the
+/// size of the recipe's `[judge]`.
 const TURN_DEG: f32 = 0.25;
 
 /// Topic `strands`.
@@ -53,20 +53,20 @@ pub struct StrandsTopic<'a> {
     groups: Vec<((usize, u32), Vec<StrandsMeasures>)>,
 }
 
-/// Data that all sizes need.
+/// Data shared by all sizes.
 struct Shared {
     /// Packages without and with strands.
     packages: [NamedPackage<'static>; 2],
     truth: ReferenceTracer,
     sight: SurfaceVisibility,
     camera: Viewpoint,
-    /// Mean width of the strands' points, metres.
+    /// Mean width over the strands' points, metres.
     width_m: f64,
 }
 
 impl<'a> StrandsTopic<'a> {
-    /// Lists the configurations and opens the adapter. Packages with and without strands are baked, whatever the
-    /// recipe's setting.
+    /// Lists the configurations and opens the adapter. Packages with and without strands are baked, regardless of the
+    /// recipe.
     pub fn new(subject: &'a Subject) -> Result<Self, Failure> {
         let with = |enabled| {
             let mut recipe = subject.recipe.clone();
@@ -133,7 +133,7 @@ impl Topic for StrandsTopic<'_> {
     }
 }
 
-/// Returns the methods of drawing the subject's hair: its fur, or hair on guides if no fur grows.
+/// Returns the methods of drawing the subject's hair: its fur, or hair on guides if it has no fur.
 fn draw_methods(subject: &Subject) -> Vec<DrawMethod> {
     let recipe = &subject.recipe;
     let rest = RestPose::of(&subject.model.mesh, subject.model.animation.as_ref());
@@ -163,7 +163,7 @@ impl Shared {
         Ok(Self { packages, truth, sight, camera, width_m })
     }
 
-    /// Returns the reference picture of a size, the values that its methods share, and its view.
+    /// Returns the reference picture of a size, the values shared by its methods, and its view.
     fn reference(
         &self,
         size: Size,
@@ -178,7 +178,7 @@ impl Shared {
             let picture = self.truth.picture(&view, samples, &mut |done, all| {
                 doing(&format!("true picture, {} %", 100 * done / all.max(1)));
             });
-            // Encoded to bytes, like the pictures that it is compared with.
+            // The picture is encoded to bytes, like those compared with it.
             (truth::encode(&picture, view.look.background()), view)
         };
         let ((next, _), (picture, view)) = (traced(camera.turned(TURN_DEG.to_radians())), traced(camera));
@@ -192,8 +192,8 @@ impl Shared {
         Ok((Picture::from(&picture), seen, view))
     }
 
-    /// Returns the mean change of the mesh surface's points, and of the hair on them, between a picture from `camera`
-    /// and one turned slightly.
+    /// Returns the flicker between a picture from `camera` and one from a slightly turned camera. This is the mean
+    /// change of grey at points of the mesh surface and the hair on them.
     fn flicker(&self, camera: Viewpoint, greys: [Vec<f32>; 2], size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let no_lines = Mask::empty(size.0, size.1);
         let cameras = [camera, camera.turned(TURN_DEG.to_radians())].map(true_camera);
@@ -202,7 +202,7 @@ impl Shared {
         Ok(flicker(&moment(0), &moment(1), size)?.surface.mean())
     }
 
-    /// Returns the flicker of a stage's drawing; afterwards the stage looks from `camera`.
+    /// Returns the flicker of a stage's pictures. Afterwards, the stage's camera is `camera`.
     fn drawn_flicker(&self, stage: &mut Stage, camera: Viewpoint, size: (u32, u32)) -> Result<Option<f64>, Failure> {
         let mut seen_from = |camera| -> Result<_, Failure> {
             stage.look_from(camera);
@@ -214,7 +214,7 @@ impl Shared {
     }
 }
 
-/// Draws all methods of a size with that number of samples, compares them with the truth, and times them in turns.
+/// Draws all methods of a size with the given number of samples, compares them with the truth, and times them in turns.
 fn group(
     gpu: &Gpu,
     meter: &Meter,
@@ -245,7 +245,7 @@ fn group(
         }
         for (stage, found) in stages.iter_mut().zip(&mut all) {
             let ms = &mut found.measured.frame_ms;
-            // The caches still hold data of another method's frame.
+            // This frame is not timed, because the caches still hold data of another method.
             meter.frame(stage)?;
             for _ in 0..FRAMES {
                 *ms = ms.min(meter.frame(stage)?);

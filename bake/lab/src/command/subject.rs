@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// Model with its recipe.
 pub struct Subject {
-    /// Model file as named by the user.
+    /// Model file as given by the user.
     pub file: String,
     /// Name of the model; for a file, without folder and extension.
     pub name: String,
@@ -26,20 +26,20 @@ pub struct Subject {
     pub model: Model,
     /// Package, if one was given instead of a model.
     pub package: Option<NamedPackage<'static>>,
-    /// Recipe from which all rows start.
+    /// Recipe on which all rows are based.
     pub recipe: Recipe,
     /// Images named by the recipe.
     pub images: MapImages,
-    /// Command `pelage bake` that reads both, without changes to the recipe.
+    /// Command `pelage bake` that reads model and recipe, without changes to the recipe.
     pub command: String,
-    /// Changes to the recipe, in the form of `--set`.
+    /// Changes to the recipe, as arguments of `--set`.
     pub sets: Vec<String>,
-    /// Arguments of `pelage chart` that name them.
+    /// Arguments of `pelage chart` that name model and recipe.
     pub arguments: String,
 }
 
 impl Subject {
-    /// Reads the model and recipe that the arguments name; by default the built-in hare.
+    /// Reads the model and recipe that the arguments name; the default is the built-in hare.
     pub fn new(args: &ChartArgs) -> Result<Self, Failure> {
         let sets = args.recipe.set.clone();
         let set_words = set_words(&sets);
@@ -82,7 +82,7 @@ impl Subject {
         })
     }
 
-    /// Reads a package with its recorded recipe; its mesh is used as the model.
+    /// Reads a package with its recorded recipe. The package's mesh is used as the model.
     fn of_package(args: &ChartArgs, path: &Path) -> Result<Self, Failure> {
         if args.recipe.recipe.is_some() {
             return Err(Failure::Usage("--recipe needs a MODEL: a package has its own".into()));
@@ -110,18 +110,18 @@ impl Subject {
     }
 }
 
-/// Returns the recipe with its hair in units of a tile, which is then the same for all rows.
+/// Returns the recipe with its hair in units of a tile, so that hair is the same for all rows.
 fn in_tile(recipe: &Recipe, model: &Model) -> Result<Recipe, BakeError> {
     let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
     Ok(metric::to_tile_units(recipe, &bounds)?.recipe)
 }
 
-/// Formats changes to a recipe as options: ` --set a=1 --set b=2`.
+/// Formats changes to a recipe as command-line options: ` --set a=1 --set b=2`.
 pub fn set_words<'a>(sets: impl IntoIterator<Item = &'a String>) -> String {
     sets.into_iter().map(|set| format!(" --set {}", shell_word(set))).collect()
 }
 
-/// Formats environment maps as options.
+/// Formats environment maps as command-line options.
 fn sky_words(files: &[PathBuf]) -> String {
     files.iter().map(|file| format!(" --sky {}", shell_word(&file.display().to_string()))).collect()
 }

@@ -9,7 +9,7 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::processor;
 use std::time::Instant;
 
-/// Runs per configuration, of which the median counts; long runs are not repeated.
+/// Number of runs per configuration, of which the median counts. Long runs are not repeated.
 const RUNS: usize = 3;
 const LONG_S: f64 = 1.0;
 

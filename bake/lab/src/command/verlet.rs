@@ -1,4 +1,4 @@
-//! `pelage chart verlet`: simulated guides, moved by each form on one core, against their equations.
+//! `pelage chart verlet`: guides simulated by each method on one core, compared with their equations.
 
 use super::driver::{Plan, PlannedRow, Topic};
 use crate::chart::Cell;
@@ -12,15 +12,15 @@ use pelage_tool::machine::measured_on;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Minimum number of turns, each through all scenes, in which a form is timed; together they take at least `TIMED_S`.
-/// The fastest counts, because other load only adds time, and now and then spares a short turn.
+/// Minimum number of turns in which a method is timed. Each turn covers all scenes; together they take at least
+/// `TIMED_S` seconds. The fastest counts, because other load only adds time and misses some of the short turns.
 const FEWEST_TURNS: usize = 5;
 const TIMED_S: f64 = 0.3;
 
 /// Topic `verlet`.
 pub struct VerletTopic {
     configurations: Vec<VerletConfiguration>,
-    /// Truths of all scenes by number of points, made when a row needs them.
+    /// Truths of all scenes by number of points, computed when a row needs them.
     truths: Vec<(usize, Vec<TrueMotion>)>,
 }
 
@@ -71,7 +71,7 @@ impl Topic for VerletTopic {
     }
 }
 
-/// Returns the nanoseconds of a simulated second of a guide, over all scenes, on this core.
+/// Returns the nanoseconds per guide and simulated second, over all scenes, on this core.
 fn nanoseconds(guide: &Guide, form: &MotionForm) -> f64 {
     let (begun, mut turns, mut fastest) = (Instant::now(), 0, f64::INFINITY);
     while turns < FEWEST_TURNS || begun.elapsed().as_secs_f64() < TIMED_S {

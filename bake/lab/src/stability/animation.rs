@@ -1,6 +1,6 @@
-//! Skeletons as found in files: joints that scale unevenly, mirror or collapse, unweighted joints with arbitrary
-//! contents, weights that sum to zero. (Other sums than 1 are normalized when a model is read, and no package with such
-//! weights opens.)
+//! Skeletons as found in files: joints that scale non-uniformly, mirror or collapse; unweighted joints with arbitrary
+//! contents; weights that sum to zero. (Weights with other sums than 1 are normalised when a model is read, and
+//! packages with such weights do not open.)
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -19,7 +19,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns joint matrices that skeletons produce and implementations easily overlook.
+/// Returns joint matrices that occur in skeletons and that implementations easily overlook.
 pub fn joints() -> Vec<(&'static str, Mat3)> {
     let turn = Mat3::from_quat(Quat::from_euler(EulerRot::XYZ, 0.3, 0.7, -0.4));
     let scales = [
@@ -46,8 +46,8 @@ fn cofactors(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// Counts normals that are not of unit length or NaN. The naive form is the inverse transpose. For the safe form the
-/// tangent counts as well, which must be perpendicular.
+/// Counts normals that are NaN or not of unit length. The naive form is the inverse transpose. In the safe form, the
+/// tangent must also be of unit length and perpendicular to the normal.
 fn not_unit() -> (f64, f64) {
     let (mut naive, mut safe) = (0, 0);
     let unit = |v: Vec3| (v.length() - 1.0).abs() < 1e-5;
@@ -62,8 +62,8 @@ fn not_unit() -> (f64, f64) {
     (naive.into(), safe.into())
 }
 
-/// Counts normals that point inward: a step along them does not lead away from the posed tangent plane. Only for joints
-/// that preserve a volume.
+/// Counts normals that point inward: a step along them does not lead away from the posed tangent plane. Joints that
+/// collapse the volume are excluded.
 fn inward() -> (f64, f64) {
     let (mut naive, mut safe) = (0, 0);
     for (_, m) in joints().into_iter().filter(|(_, m)| m.determinant().abs() > 1e-6) {
@@ -75,12 +75,12 @@ fn inward() -> (f64, f64) {
     (naive.into(), safe.into())
 }
 
-/// Returns the distance of a vertex at (1, 2, 3) from its expected position; NaN if it is lost.
+/// Returns the distance of the transformed point (1, 2, 3) from its expected position; NaN if the result is NaN.
 fn distance_from_expected(matrix: Mat4, belongs: Vec3) -> f64 {
     f64::from(matrix.transform_point3(Vec3::new(1.0, 2.0, 3.0)).distance(belongs))
 }
 
-/// Tests joints whose matrix is NaN and that no weight refers to.
+/// Tests joint matrices of NaN that no weight refers to.
 fn broken_joint() -> (f64, f64) {
     let (moved, broken) = (Mat4::from_translation(Vec3::X), Mat4::from_cols_array(&[f32::NAN; 16]));
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
@@ -92,7 +92,7 @@ fn broken_joint() -> (f64, f64) {
     )
 }
 
-/// Tests a vertex without any weight, which keeps its stored position. In the naive form the plain sum is a zero
+/// Tests a vertex without weights, which must keep its stored position. In the naive form, the weighted sum is a zero
 /// matrix.
 fn no_weight() -> (f64, f64) {
     let moved = Mat4::from_translation(Vec3::X);

@@ -1,4 +1,5 @@
-//! The mean of opposing tangents is zero or rounding noise; normalising it gives NaN or an arbitrary direction.
+//! Opposing tangents cancel: their mean is zero or rounding noise, and normalising it gives NaN or an arbitrary
+//! direction.
 
 use super::row::{Finding, Row};
 use glam::Vec3;
@@ -18,8 +19,8 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns two hairs through the tile's centre that cross at one height, with tangents at `angle_deg` to either side of
-/// the normal.
+/// Returns two hairs that cross at one height in the middle of the tile. Their tangents are `angle_deg` to either side
+/// of the surface normal.
 fn crossing(angle_deg: f32) -> Strands {
     let (sin, cos) = (libm::sinf(angle_deg.to_radians()), libm::cosf(angle_deg.to_radians()));
     let middle = Vec3::new(0.5, 0.5, 0.5);
@@ -34,7 +35,7 @@ fn crossing(angle_deg: f32) -> Strands {
     }
 }
 
-/// Returns whether each stored texel is a direction, or marks that there is none.
+/// Returns whether each stored texel is a valid direction or the marker for no direction.
 fn stored_soundly(strands: &Strands, format: TextureFormat) -> Result<bool, BakeError> {
     let params = SliceParams { layers: 5, tile_texels: 32, ..SliceParams::default() };
     let set = collect_layers(strands, &params, format)?;
@@ -56,11 +57,12 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         for format in [TextureFormat::Rg8Unorm, TextureFormat::Rgba8Unorm] {
             right &= stored_soundly(&strands, format)?;
         }
-        // Where only the two overlap, the mean leans to neither side, and its length measures their agreement.
+        // Where only the two hairs overlap, the mean leans to neither side, and its length measures how well they
+        // agree.
         let t = [strands.points[1] - strands.points[0], strands.points[3] - strands.points[2]].map(Vec3::normalize);
         let (unit, confidence) = resolve((t[0] + t[1]) * 0.5);
         right &= (unit - Vec3::Z).length() < 1e-3 && (confidence - libm::cosf(angle.to_radians())).abs() < 1e-3;
-        // The components along the surface cancel completely.
+        // The components in the surface plane cancel completely.
         let sum = t[0].with_z(0.0) + t[1].with_z(0.0);
         right &= resolve(sum * 0.5).0.is_normalized();
         safe_wrong += usize::from(!right);

@@ -1,5 +1,5 @@
-//! Light from an environment map: narrow lobes, light bundled by fibres, light along a hair, fits that become negative,
-//! a sun on an edge of the picture, and black or broken pictures.
+//! Light from an environment map: narrow lobes, light concentrated by fibres, light along a hair, fits that become
+//! negative, a sun on an edge of the picture, and black or invalid pictures.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -44,14 +44,14 @@ fn painted(radiance: impl Fn(DVec3) -> DVec3) -> Result<Panorama, BakeError> {
     Panorama::from_fn((256, 128), radiance).map_err(|error| BakeError::Internal(error.to_string()))
 }
 
-/// Tests the strength of lights around the fibre, by their width.
+/// Tests the integral of a lobe around the fibre, by the width of the lobe.
 fn narrow_lights() -> Finding {
     let truth = |k: f64| {
         const STEPS: usize = 20_000;
         let at = |i: usize| libm::exp(k * (libm::cos(TAU * i as f64 / STEPS as f64) - 1.0));
         (0..STEPS).map(at).sum::<f64>() / STEPS as f64
     };
-    // Series of the Bessel function, as a shader would evaluate it.
+    // Power series of the Bessel function, as a shader would evaluate it.
     let naive = |k: f64| {
         let quarter = 0.25 * (k * k) as f32;
         let (mut term, mut sum) = (1.0_f32, 1.0_f32);
@@ -79,7 +79,7 @@ fn narrow_lights() -> Finding {
     }
 }
 
-/// Tests the light that a smooth fibre scatters, through the difference angles at which its glints meet.
+/// Tests the light that a smooth fibre scatters at difference angles around the one at which its two glints merge.
 fn through_two() -> Finding {
     let fibre = Fibre {
         around: AzimuthalScattering::Smooth(GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() }),
@@ -90,7 +90,7 @@ fn through_two() -> Finding {
     let way = |theta: f64, phi: f64| {
         DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
     };
-    // Light from the angle of TRT's lobe, so that both are at the difference angle.
+    // The light comes from the angle of TRT's lobe, so that both directions are at the difference angle.
     let cases: Vec<(DVec3, GaussianLight)> = (40..=56)
         .step_by(2)
         .flat_map(|degrees| [0.0, 0.4].map(|phi| (f64::from(degrees).to_radians(), phi)))
@@ -106,7 +106,7 @@ fn through_two() -> Finding {
         let mut sum = 0.0;
         for i in -STEPS..=STEPS {
             for k in -STEPS..=STEPS {
-                // Even steps on the plane tangent to the sphere at the light.
+                // Equal steps in the plane tangent to the sphere at the light's direction.
                 let from = light.towards + (a * f64::from(i) + b * f64::from(k)) * step;
                 let long = from.length();
                 let from = from / long;
@@ -132,7 +132,7 @@ fn through_two() -> Finding {
     }
 }
 
-/// Tests broad light centred along the hair, whose azimuth is arbitrary.
+/// Tests broad light whose centre is along the hair, where its azimuth is undefined.
 fn along_the_hair() -> Finding {
     const COUNT: u32 = 400;
     let cases = || {
@@ -142,14 +142,14 @@ fn along_the_hair() -> Finding {
             (tip, [tip, -tip][i as usize % 2], eye, aside)
         })
     };
-    // Cosine of the azimuth from the perpendicular components, in 32 bits.
+    // Cosine of the azimuth from the components perpendicular to the hair, in f32.
     let naive = |tip: Vec3, light: Vec3, eye: Vec3| {
         let (l, e) = (light - tip * tip.dot(light), eye - tip * tip.dot(eye));
         l.dot(e) / (l.dot(l) * e.dot(e)).sqrt()
     };
     let fibre = Fibre::default();
     let tables = BroadTables::new(&fibre, BroadSize { means: 4, to: 12, from: 12, phi: 8 });
-    // A step to either side must not change the result.
+    // A small step to either side must not change the result.
     let ours = |tip: Vec3, light: Vec3, eye: Vec3, aside: Vec3| {
         let of = |towards: Vec3| {
             let light = CutGaussianLight { towards: towards.as_dvec3().normalize(), mean: 0.8 };
@@ -171,22 +171,23 @@ fn along_the_hair() -> Finding {
     }
 }
 
-/// Tests a lamp in a dark room with a wide pale wall behind it: plain least squares gives lobes with negative light.
+/// Tests a lamp in a dark room with a wide pale wall behind it. Unconstrained least squares gives lobes with negative
+/// light.
 fn negative_light() -> Result<Finding, BakeError> {
     let lamp = DVec3::new(1.0, 0.3, 0.2).normalize();
     let room = painted(|way| {
         let cosine = way.dot(lamp);
-        // The ring around the lamp is dark, everything beyond it pale.
+        // The ring around the lamp is dark; everything beyond it is pale.
         let ring = if cosine > 0.75 { 0.0 } else { 1.0 };
         DVec3::splat(ring + 40.0 * libm::exp(60.0 * (cosine - 1.0)))
     })?;
     let fitted = room.fit(FitParams { sun: 2.0, ..FitParams::default() });
-    // The same lobes, with the strengths of an unconstrained fit.
+    // The naive form has the same lobes, with the strengths of an unconstrained fit.
     let cells = room.reduced((64, 32));
     let (width, height) = cells.size();
     let places: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
     let shapes: Vec<GaussianLight> = fitted.environment.lobes.iter().map(LightLobe::light).collect();
-    // A grid of wide lobes as well, as in a table of lobes for all maps.
+    // Also tests a grid of wide lobes, as in a table of lobes shared by all maps.
     let grid = (0..24).map(|i| GaussianLight { towards: even_direction(i, 24), sharpness: 4.0 });
     let shapes: Vec<GaussianLight> = shapes.into_iter().chain(grid).collect();
     let weight = |y: u32| cells.solid_angle(y).sqrt();
@@ -214,15 +215,15 @@ fn negative_light() -> Result<Finding, BakeError> {
     })
 }
 
-/// Tests a sun on the horizon, on the seam of the picture.
+/// Tests a sun on the horizon and on the seam of the picture.
 fn sun_on_an_edge() -> Result<Finding, BakeError> {
     let (mut naive, mut safe) = (0.0_f64, 0.0_f64);
-    // The seam is at −x.
+    // The seam of the picture is at −x.
     for up in [0.0, 0.004, -0.004, 0.9999] {
         let sun = DVec3::new(-1.0, up, 0.0).normalize();
         let sky = painted(|way| DVec3::splat(if way.dot(sun) > libm::cos(2_f64.to_radians()) { 2000.0 } else { 0.5 }))?;
         let angle = |towards: DVec3| towards.normalize_or(DVec3::NEG_Y).dot(sun).clamp(-1.0, 1.0).acos().to_degrees();
-        // Mean row and column of bright pixels.
+        // The naive form is the mean row and column of bright pixels.
         let (width, height) = sky.size();
         let bright: Vec<(u32, u32)> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (x, y)))
@@ -246,7 +247,7 @@ fn sun_on_an_edge() -> Result<Finding, BakeError> {
     })
 }
 
-/// Counts the values that are not finite.
+/// Counts the values that are infinite or NaN.
 fn count_not_finite(of: impl IntoIterator<Item = f64>) -> f64 {
     of.into_iter().filter(|x| !x.is_finite()).count() as f64
 }
@@ -266,7 +267,7 @@ fn numbers_of(panorama: &Panorama) -> Vec<f64> {
 
 fn black() -> Result<Finding, BakeError> {
     let black = painted(|_| DVec3::ZERO)?;
-    // Mean direction of its light, and shares of it.
+    // Mean direction of the black map's light, and fractions of its light.
     let (width, height) = black.size();
     let (mut all, mut middle) = (0.0, DVec3::ZERO);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
@@ -292,13 +293,13 @@ fn broken() -> Result<Finding, BakeError> {
     for (i, x) in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -3.0].into_iter().enumerate() {
         pixels[(2 * i + 1) * count / 11] = [x; 3];
     }
-    // Means without mending: total light of each colour.
+    // The naive form is a mean over unrepaired pixels: total light of each colour.
     let sum = |i: usize| pixels.iter().map(|pixel| f64::from(pixel[i])).sum::<f64>();
     let naive = count_not_finite([0, 1, 2].map(sum));
     let (width, height) = plain.size();
     let mended = Panorama::new(width, height, pixels).map_err(|error| BakeError::Internal(error.to_string()))?;
     let numbers = numbers_of(&mended);
-    // Values that are not finite, and broken pixels that were not reported as mended.
+    // Counts results that are not finite, and invalid pixels that were not reported as repaired.
     Ok(Finding {
         case: "a panorama with NaN, infinities and negative light".into(),
         measure: "numbers of its lights that are invalid, and invalid pixels that are not reported",

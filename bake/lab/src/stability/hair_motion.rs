@@ -1,9 +1,9 @@
 //! Simulated hair on guides: stiff strings, springs and long steps, frames of any length, obstacles, and roots that
 //! jump.
 //!
-//! The naive form is Nalu's as printed (GPU Gems 2, chapter 23, after Jakobsen 2001): position Verlet over the frame
-//! whatever its length, with a constant share of the speed lost per step. Then a few rounds move points out of spheres,
-//! and correct each piece from root to tip.
+//! The naive form is the published one of Nalu (GPU Gems 2, chapter 23, after Jakobsen 2001). It uses position Verlet
+//! with one step per frame, whatever the frame's length, and loses a constant fraction of the speed per step. A few
+//! iterations then move points out of spheres, and correct each piece from root to tip.
 
 use super::row::{Finding, Row};
 use glam::{Mat3, Vec3};
@@ -24,7 +24,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// String moved by the printed form.
+/// String simulated by the published form.
 #[derive(Clone, Debug)]
 pub struct PrintedString {
     /// World positions of the points, the root first, metres.
@@ -33,28 +33,28 @@ pub struct PrintedString {
     before: Vec<Vec3>,
 }
 
-/// Parameters of a step of the printed form.
+/// Parameters of a step of the published form.
 #[derive(Clone, Copy, Debug)]
 pub struct PrintedStep<'a> {
     /// Duration, seconds.
     pub seconds: f32,
-    /// Share of the speed that is lost, 0..=1.
+    /// Fraction of the speed that is lost, 0..=1.
     pub lost: f32,
     /// Lengths of the pieces, metres, preceded by an unused entry.
     pub lengths: &'a [f32],
-    /// Rounds over spheres and lengths.
+    /// Number of iterations over spheres and lengths.
     pub sweeps: u32,
-    /// Spheres that hair must not enter, handled one after the other; of a capsule only one end counts.
+    /// Spheres that hair must not enter, handled one after the other. Only one end of each capsule is used.
     pub spheres: &'a [Capsule],
 }
 
 impl PrintedString {
-    /// Creates a string at rest at these positions.
+    /// Creates a string at rest at the given positions.
     pub fn new(places: Vec<Vec3>) -> Self {
         Self { before: places.clone(), places }
     }
 
-    /// Moves the string by a step: x' = x + (1 − d)(x − x*) + a Δt², then rounds of spheres and lengths.
+    /// Moves the string by a step: x' = x + (1 − d)(x − x*) + a Δt². Iterations over spheres and lengths follow.
     ///
     /// * `root`: current position of the root
     /// * `accelerations`: of all points, metres per second squared
@@ -79,7 +79,7 @@ impl PrintedString {
     }
 }
 
-/// Corrects each piece by itself, from root to tip: both ends move half the distance, the root none.
+/// Corrects each piece separately, from root to tip. Both ends move half the distance, but the root does not move.
 pub fn sweep(places: &mut [Vec3], lengths: &[f32]) {
     for k in 1..places.len() {
         let way = places[k] - places[k - 1];
@@ -90,19 +90,19 @@ pub fn sweep(places: &mut [Vec3], lengths: &[f32]) {
     }
 }
 
-/// Number of rounds over the lengths in the printed form.
+/// Number of iterations over the lengths in the published form.
 const SWEEPS: u32 = 4;
-/// Frames per second at which the damping of the printed form is right.
+/// Frames per second for which the damping of the published form is tuned.
 const FPS: f32 = 60.0;
 const CALM: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.5, bend_hz: 0.0, friction: 0.2 };
 
-/// Root or obstacles as a function of time, seconds.
+/// Property of the root or the obstacles as a function of time in seconds.
 type OverTime<'a, T> = &'a dyn Fn(f32) -> T;
 
 /// Times of the ends of frames, and world positions of the points.
 type Motion = Vec<(f32, Vec<Vec3>)>;
 
-/// Hanging string of 0.3 m that both forms move.
+/// Hanging string, 0.3 m long, that both forms simulate.
 struct HangingString<'a> {
     points: usize,
     springs: Springs,
@@ -119,7 +119,8 @@ impl HangingString<'_> {
         (0..self.points).map(|k| Vec3::NEG_Y * (LENGTH * k as f32 / (self.points - 1) as f32)).collect()
     }
 
-    /// Moves the string by the runtime's solver. Returns the time and the world positions at the end of each frame.
+    /// Simulates the string with the runtime's solver. Returns the time and the world positions at the end of each
+    /// frame.
     fn ours(&self) -> Motion {
         let (points, free) = (self.points(), vec![1.0; self.points]);
         let ballast = gravity_compensation(&points, Mat3::IDENTITY);
@@ -145,7 +146,7 @@ impl HangingString<'_> {
             .collect()
     }
 
-    /// Moves the string by the printed form.
+    /// Simulates the string with the published form.
     fn printed(&self) -> Motion {
         let points = self.points();
         let lengths = vec![LENGTH / (self.points - 1) as f32; self.points];
@@ -171,10 +172,10 @@ impl HangingString<'_> {
     }
 }
 
-/// Returns the greatest value of `of` from time `since` on; values that are not finite count as infinite.
+/// Returns the greatest value of `of` from time `since` on. Values that are not finite count as infinite.
 fn greatest(motion: &[(f32, Vec<Vec3>)], since: f32, of: impl Fn(f32, &[Vec3]) -> f32) -> f64 {
     let found = motion.iter().filter(|(time, _)| *time >= since).map(|(time, places)| of(*time, places));
-    // `f32::max` would lose NaN.
+    // `f32::max` would discard NaN.
     f64::from(found.fold(0.0f32, |most, x| {
         if x <= most {
             most
@@ -186,7 +187,7 @@ fn greatest(motion: &[(f32, Vec<Vec3>)], since: f32, of: impl Fn(f32, &[Vec3]) -
     }))
 }
 
-/// Returns the largest deviation of any piece from its length, over that length.
+/// Returns the largest relative deviation of any piece from its length.
 fn stretch(places: &[Vec3]) -> f32 {
     let length = LENGTH / (places.len() - 1) as f32;
     let off = |ends: &[Vec3]| (ends[0].distance(ends[1]) / length - 1.0).abs();
@@ -258,7 +259,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         0.1,
     ));
 
-    // A head and a neck that move through the string.
+    // A head and a neck move through the string.
     let body = |time_s: f32| {
         let x = -0.6 + 0.8 * time_s;
         let ball = |place: Vec3, radius_m: f32| Capsule { from: place, to: place, radius_m };

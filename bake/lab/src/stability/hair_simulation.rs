@@ -16,12 +16,12 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Hair under extreme forces.
+/// Extreme hair parameters.
 #[derive(Clone, Debug)]
 pub struct Extreme {
     /// Hair parameters of the recipe.
     pub hair: HairParams,
-    /// Height of the volume, tiles.
+    /// Height of the volume, in tile widths.
     pub height: f32,
 }
 
@@ -61,8 +61,8 @@ fn arc(points: &[Vec3]) -> f32 {
     points.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
-/// Returns the largest relative error in the length of a strand that should be `height` long; infinite if one leaves
-/// the volume.
+/// Returns the largest relative error in the length of strands that should be `height` long. Returns infinity if a
+/// strand leaves the volume.
 pub fn worst_stretch(strands: &Strands, height: f32) -> f64 {
     let slack = strands.height * 1e-5;
     let stretch = |strand: usize| {
@@ -70,12 +70,12 @@ pub fn worst_stretch(strands: &Strands, height: f32) -> f64 {
         let inside = points.iter().all(|p| p.z >= -slack && p.z <= strands.height + slack);
         if inside { f64::from((arc(points) / height - 1.0).abs()) } else { f64::INFINITY }
     };
-    // `f64::max` would lose a NaN.
+    // `f64::max` would discard NaN.
     (0..strands.len()).map(stretch).fold(0.0, |a, b| if b <= a { a } else { b })
 }
 
-/// Returns the stretch of a stiff curl followed in 16 explicit steps: velocity relaxes to a turning target, position
-/// follows velocity.
+/// Returns the stretch of a stiff curl simulated in 16 explicit steps. The velocity relaxes to a rotating target, and
+/// the position follows the velocity.
 fn explicit(stiffness: f32) -> f64 {
     let step = 1.0 / 16.0;
     let (mut p, mut v) = (Vec3::ZERO, Vec3::Z);

@@ -1,5 +1,5 @@
-//! Width of ink lines (Fang 2006, §2, Fig. 3): by the sphere map alone, everything seen at a small enough angle is
-//! outline. Flat parts seen edge on therefore turn entirely black. The template limits lines to their width around the
+//! Width of ink lines (Fang 2006, §2, Fig. 3). With the sphere map alone, everything seen at a grazing angle is
+//! outline, so flat parts seen edge on turn entirely black. The template limits lines to their width around the
 //! features.
 
 use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
@@ -24,10 +24,10 @@ pub const ROW: Row<DrawnRowTest> = Row {
 
 /// Size of the pictures, pixels.
 const SIZE: (u32, u32) = (300, 300);
-/// Number of sides from which a model is viewed, evenly spaced around it.
+/// Number of evenly spaced directions around the model from which it is viewed.
 const VIEWS: u32 = 24;
 
-/// Returns a box whose faces share no vertex, so that each keeps its own normal.
+/// Returns a box whose faces share no vertices, so that each face keeps its own normal.
 fn cube() -> Model {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
@@ -48,8 +48,8 @@ fn ear() -> Model {
     surface::model(ball.positions.iter().map(flat).collect(), ball.triangles)
 }
 
-/// Returns the widest strokes of a package over all views, without and with the template, relative to the template's
-/// width.
+/// Returns the widest stroke of a package over all views, first without the template, then with it. Widths are relative
+/// to that of the template.
 fn widest(package: &[u8], draw: &mut DrawCallback<'_>) -> Result<[f64; 2], BakeError> {
     let opened = Package::open(package, &Limits::default());
     let bounds =
@@ -77,7 +77,7 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let mut out = Vec::new();
     for (case, model) in [("a cube", cube()), ("a flat ear", ear())] {
         let mut recipe = Recipe::default();
-        // Where hair grows, the bake rounds the normals; a bare surface keeps its faces.
+        // Where hair grows, the bake smooths the normals; a bare surface keeps the normals of its faces.
         recipe.set("model.bare=[\"*\"]")?;
         let package = silhouette::bake(case, &model, &recipe)?;
         let [naive, safe] = widest(&package, draw)?;

@@ -1,4 +1,4 @@
-//! Hair along the light: sin² as 1 − (T·L)² rounds below zero, and a power of that is NaN.
+//! Hair along the light: with rounding, sin² computed as 1 − (T·L)² is negative, and a power of it is NaN.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -15,11 +15,11 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Exponents of the lighting equation, over the range that a recipe allows.
+/// Exponents of the lighting equation, covering the range that a recipe allows.
 pub const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_000.0];
 
-/// Returns unit vectors spread evenly over the sphere, each with itself, its opposite, or itself up to a rounding
-/// error, and an exponent.
+/// Returns test cases: unit vectors spread evenly over the sphere, each paired with a vector and an exponent. The
+/// paired vector is the same one, its opposite, or the same one up to rounding.
 pub fn cases() -> impl Iterator<Item = (Vec3, Vec3, f32)> {
     const COUNT: u32 = 100_000;
     (0..COUNT).map(|i| {

@@ -1,4 +1,4 @@
-//! Knot with fur: the strands of its parts overlap many deep.
+//! Knot with fur, in which many strands of different parts overlap.
 
 use super::surface;
 use glam::{Vec3, vec3};
@@ -10,12 +10,12 @@ use pelage_bake::strands::{Curves, PosedMesh, grow_on, tile_hair};
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 
-/// Unit direction towards an eye with a good view of the knot.
+/// Unit direction from the knot towards an eye that sees it well.
 pub const TOWARDS_EYE: Vec3 = vec3(0.36, 0.48, 0.8);
-/// Height of a picture that contains the knot, metres.
+/// Height in metres of a picture that contains the whole knot.
 pub const HEIGHT_M: f32 = 8.0;
 
-/// Returns the knot's strands at rest, `density` per tile, and its mesh surface.
+/// Returns the knot's strands at rest, with `density` strands per tile, and its mesh surface.
 ///
 /// # Errors
 ///

@@ -1,5 +1,5 @@
-//! Layer-wise shadow maps (Yang 2006, §3): the printed product takes 1 − α of a layer whatever the length of the
-//! light's path through it. That path, 1 / |N·L|, is infinite at the horizon. From behind, the layers are crossed from
+//! Layer-wise shadow maps (Yang 2006, §3). The published product uses 1 − α of a layer, whatever the length of the
+//! light's path through it. That path, 1 / |N·L|, is infinite at the horizon. Light from behind crosses the layers from
 //! the wrong side.
 
 use super::measures::{grow, mean, natural_hair, opacity, slice};
@@ -22,15 +22,15 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns the transmittance of the layers above each texel of each layer, without maps in between: the content of maps
-/// with unlimited resolution.
+/// Returns the transmittance of the layers above each texel of each layer, computed without maps. This is the content
+/// of maps with unlimited resolution.
 ///
 /// * `light_ts`: direction towards the light in the tile's frame, above the surface
-/// * `height`: of the outermost layer, in tile widths
-/// * `layer`: transmittance of a layer by its opacity
-/// * `own`: transmittance of the texel's own layer by its opacity
+/// * `height`: height of the outermost layer, in tile widths
+/// * `layer`: function from a layer's opacity to its transmittance
+/// * `own`: function from the opacity of the texel's own layer to its transmittance
 ///
-/// The result has layer after layer, from layer 0 outwards, with `texels * texels` values each.
+/// The result has the layers in order, from layer 0 outwards, with `texels * texels` values each.
 pub fn products(
     set: &ShellSet,
     height: f64,
@@ -40,7 +40,7 @@ pub fn products(
 ) -> Vec<Vec<f64>> {
     let (n, count) = (set.texels as usize, set.layers.len());
     let spacing = height / (count - 1) as f64;
-    // Linear filter, repeating.
+    // Bilinear filter that repeats at the tile's borders.
     let alpha = |k: usize, u: f64, v: f64| {
         let (x, y) = (u * n as f64 - 0.5, v * n as f64 - 0.5);
         let at = |dx: f64, dy: f64| {
@@ -62,7 +62,7 @@ pub fn products(
     (0..count).map(|k| (0..n * n).map(|i| texel(k, i)).collect()).collect()
 }
 
-/// Evaluates the runtime's form, with its own functions.
+/// Evaluates the runtime's form with the runtime's own functions.
 fn corrected(set: &ShellSet, height: f64, light_ts: DVec3) -> Vec<Vec<f64>> {
     let path = slanted_path(light_ts.z as f32);
     let left = |alpha: f64, path: f32| f64::from(layer_transmittance(alpha as f32, path));
@@ -100,7 +100,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             fails_above,
         });
     }
-    // Level light: a texel without hair is 1 to an infinite power, in the form that shaders use.
+    // Horizontal light: in the form that shaders use, a texel without hair has transmittance 1 to an infinite power.
     let level = |path: f32| {
         (0..=255u8).filter(move |a| {
             let alpha = f32::from(*a) / 255.0;
@@ -117,14 +117,14 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         bound: 0.0,
         fails_above: 0.5,
     });
-    // Light from below the surface, with the body in between: none of it may arrive. Seen from the light, the outermost
-    // layer is the last one, and its map has nothing above it.
+    // Light from below the surface is blocked by the body, so none of it may arrive. Seen from the light, the outermost
+    // layer is the last one, but its map has nothing above it.
     let angles = [110.0, 130.0, 155.0, 180.0];
     let range = Shading::default().back_light_range;
     let arriving = |back: &dyn Fn(f32) -> f32| {
         let shares = angles.map(|angle: f64| {
             let n_dot_l = angle.to_radians().cos();
-            // Seen from behind, the layers give the same product, along a ray mirrored at the surface.
+            // Seen from behind, the layers give the same product along a ray mirrored at the surface.
             let mirrored = DVec3::new(towards(180.0 - angle).x, towards(180.0 - angle).y, -n_dot_l);
             let t = products(&set, height, mirrored, |alpha| 1.0 - alpha, |_| 1.0);
             mean(&t[set.layers.len() - 1]) * f64::from(back(n_dot_l as f32))

@@ -7,7 +7,7 @@ use pelage_bake::stages::slice::{ShellSet, collect_layers};
 use pelage_formats::TextureFormat;
 use pelage_import::BakeError;
 
-/// Returns few and thick hairs of one kind, of which single hairs are distinguishable.
+/// Returns parameters of few, thick hairs of one kind, so that single hairs are distinguishable.
 ///
 /// # Errors
 ///
@@ -16,7 +16,7 @@ pub fn natural_hair() -> Result<HairParams, BakeError> {
     Ok(Recipe::of_coat(Coat::Natural)?.hair)
 }
 
-/// Grows strands with default colours in a volume of `height`.
+/// Grows strands with default colours in a volume of height `height`, tile widths.
 ///
 /// # Errors
 ///
@@ -25,7 +25,7 @@ pub fn grow(hair: &HairParams, height: f32) -> Result<Strands, BakeError> {
     simulate(hair, &ColorParams::default(), &VolumeParams { height })
 }
 
-/// Slices strands into layers, uncompressed.
+/// Slices strands into uncompressed layers.
 ///
 /// # Errors
 ///
@@ -45,13 +45,13 @@ pub fn texels(set: &ShellSet, level: usize) -> usize {
     (set.texels as usize >> level).pow(2)
 }
 
-/// Returns the transmittance of all layers above layer 0, texel by texel.
+/// Returns the transmittance through all layers above layer 0, for each texel.
 pub fn transmittances(set: &ShellSet, level: usize) -> Vec<f64> {
     let column = |texel| (1..set.layers.len()).map(|k| 1.0 - opacity(set, k, level, texel)).product();
     (0..texels(set, level)).map(column).collect()
 }
 
-/// Returns unit direction `i` of `count` that are spread evenly over the sphere (Fibonacci).
+/// Returns unit direction `i` of `count` directions spread evenly over the sphere (Fibonacci lattice).
 pub fn even_direction(i: u32, count: u32) -> DVec3 {
     let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
     let (r, turn) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963_229_728_653);

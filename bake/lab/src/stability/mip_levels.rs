@@ -1,5 +1,5 @@
-//! Mip levels: layers of one hair overlap, so that averaging each layer's opacity by itself makes distant fur too
-//! opaque (and alpha-tested fur, whose coverage falls, too thin).
+//! Mip levels: a hair covers the same texel in several layers. Averaging each layer's opacity separately therefore
+//! makes distant fur too opaque. (Alpha-tested fur loses coverage and becomes too thin.)
 
 use super::measures::{grow, mean, natural_hair, opacity, slice, transmittances};
 use super::row::{Finding, Row};
@@ -16,7 +16,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns the mean transmittance at `level` if each layer's opacity is averaged by itself.
+/// Returns the mean transmittance at mip level `level` if the opacity of each layer is averaged separately.
 fn averaged(set: &ShellSet, level: usize) -> f64 {
     let (whole, n, side) = (set.texels as usize, set.texels as usize >> level, 1_usize << level);
     let column = |texel: usize| {

@@ -1,8 +1,8 @@
-//! Stability table: tests that take each method to its numerical failure, in the naive form and in pelage's.
+//! Stability table: tests that bring each method to its numerical failure, in the naive form and in pelage's.
 //!
-//! `pelage chart stability` prints the results. `tests/tests/stability/rows.rs` holds pelage's form to its bound, and
-//! the naive one to its failure: data that never reach the failure would prove nothing. The naive forms exist nowhere
-//! else.
+//! `pelage chart stability` prints the results. `tests/tests/stability/rows.rs` requires that pelage's form stays
+//! within its bound and that the naive form fails; data on which the naive form does not fail would prove nothing. The
+//! naive forms exist nowhere else.
 
 pub mod animation;
 pub mod direction_textures;
@@ -36,7 +36,7 @@ pub use measures::{grow, mean, natural_hair, opacity, slice, texels, transmittan
 pub use row::{DrawCallback, Drawing, DrawnRowTest};
 pub use row::{Finding, Row, RowTest};
 
-/// Rows that need no pictures, in the order of the bake and a frame.
+/// Rows that need no pictures, in the order of the stages of bake and frame.
 pub const ROWS: &[Row] = &[
     surface::ROW,
     solver::ROW,

@@ -1,4 +1,4 @@
-//! Opacity product: in a fine stack a faint hair has less than half a step of 8-bit opacity per layer.
+//! Opacity product: with many layers, a faint hair has less than half a step of 8-bit opacity per layer.
 
 use super::measures::{mean, slice, transmittances};
 use super::row::{Finding, Row};
@@ -16,7 +16,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns upright hairs far apart, all with the same radius.
+/// Returns upright hairs of equal radius, far apart.
 fn faint(radius: f32, height: f32) -> Strands {
     let roots: Vec<_> =
         (0..16_u8).map(|i| Vec3::new(f32::from(i % 4) + 0.37, f32::from(i / 4) + 0.61, 0.0) * 0.25).collect();
@@ -30,8 +30,8 @@ fn faint(radius: f32, height: f32) -> Strands {
     }
 }
 
-/// Returns the optical depth of a whole column for each of `n * n` texels in f64, from the definition: the hair's depth
-/// is spread by a Gaussian that sums to one over the texels.
+/// Returns the optical depth of a whole column for each of `n * n` texels, computed in f64 from the definition: each
+/// hair's depth is spread by a Gaussian whose sum over the texels is one.
 fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     let mut depths = vec![0.0; n * n];
     for root in strands.points.iter().step_by(2) {
@@ -58,13 +58,13 @@ fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     depths
 }
 
-/// Texels along a side of a layer, and the factor by which strands are drawn finer along each axis before they are
-/// reduced.
+/// Texels along a side of a layer, and supersampling factor along each axis at which strands are rasterised before
+/// being reduced.
 const TEXELS: usize = 64;
 const FINER: usize = 4;
 
-/// Returns the mean transmittance of a column of `slabs` 8-bit layers, each rounded by itself, from the depths of the
-/// finer texels.
+/// Returns the mean transmittance of a column of `slabs` 8-bit layers, computed from the optical depths of the finer
+/// texels. Each layer is rounded separately.
 fn rounded(fine: &[f64], slabs: i32) -> f64 {
     let through = |layers: i32| {
         let share = f64::from(layers) / f64::from(slabs);

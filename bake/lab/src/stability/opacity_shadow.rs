@@ -1,4 +1,4 @@
-//! Slab shadow maps: an opacity shadow map divides the whole depth of a scene, and fur falls within one of its slabs.
+//! Opacity shadow maps: their planes divide the whole depth of a scene, so all fur is between two of them.
 
 use super::measures::{grow, natural_hair};
 use super::row::{Finding, Row};
@@ -24,8 +24,8 @@ const COAT_M: f32 = 0.02;
 /// Depth below the fur's surface at which light is measured, metres.
 const BELOW_M: f32 = 0.005;
 
-/// Returns the pieces of all strands of a tile under light straight down: depth below the fur's surface, metres, and
-/// covered area of the tile.
+/// Returns the pieces of all strands of a tile under light from straight above. Each has its depth below the fur's
+/// surface in metres, and the fraction of the tile that it covers.
 fn covered(strands: &Strands) -> Vec<(f32, f32)> {
     let metres = COAT_M / strands.height;
     let mut out = Vec::new();
@@ -44,10 +44,10 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let strands = grow(&HairParams { density: 1400, length_variation: 0.0, lean: 0.6, ..natural_hair()? }, 0.2)?;
     let hair = covered(&strands);
     let surface = hair.iter().map(|(depth, _)| *depth).fold(f32::INFINITY, f32::min);
-    // Hair in front of a point hides it.
+    // Hair in front of a point shadows it.
     let truth: f32 =
         (-hair.iter().filter(|(depth, _)| depth - surface < BELOW_M).map(|(_, area)| area).sum::<f32>()).exp();
-    // Largest error of t, with the fur's surface at several depths of the body.
+    // Largest error of the transmittance t, with the fur's surface at several depths of the body.
     let error = |form, slabs, bodies: &mut dyn Iterator<Item = f32>| {
         let opacity = columns_of(form, &ShadowParams::default().with(|s| s.slabs = slabs), BODY_M, COAT_M);
         let of = |at_m: f32| {

@@ -1,4 +1,4 @@
-//! Hair between guides at a parting: hair mixed from guides that fall to opposite sides stands up.
+//! Hair between guides at a parting: an average of guides that fall to opposite sides stands up.
 
 use super::row::{Finding, Row};
 use glam::Vec3;
@@ -17,7 +17,8 @@ pub const ROW: Row = Row {
 /// Points per guide.
 const POINTS: usize = 9;
 
-/// Returns guides on both sides of the plane x = 0, centimetres apart, that rise by `rise` and fall away from it.
+/// Returns guides on both sides of the plane x = 0, one centimetre (one unit) apart. They rise by `rise` and fall away
+/// from the plane.
 fn guides(rise: f32) -> Vec<Vec<Vec3>> {
     let sides = (-6..6).flat_map(|i| (0..12).map(move |j| (i as f32 + 0.5, j as f32)));
     let guide = |(x, z): (f32, f32)| {
@@ -31,8 +32,8 @@ fn guides(rise: f32) -> Vec<Vec<Vec3>> {
     sides.map(guide).collect()
 }
 
-/// Returns the largest share of its guides' length that a hair lacks, in a straight line from root to tip, over roots
-/// at the parting.
+/// Returns how much shorter than its guides a hair is, measured straight from root to tip. The result is the largest
+/// fraction of the guides' length, over roots at the parting.
 fn shortened(guides: &[Vec<Vec3>], way: &dyn Fn(Vec3) -> Vec3) -> f64 {
     let whole = guides[0][POINTS - 1].distance(guides[0][0]);
     let roots = (0..200).map(|k| Vec3::new((k % 20) as f32 * 0.05 - 0.475, 0.0, 3.0 + (k / 20) as f32 * 0.37));

@@ -3,17 +3,17 @@
 use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, PassId};
 
-/// Test of both forms on the processor.
+/// Test of both forms of a method on the processor.
 pub type RowTest = fn() -> Result<Vec<Finding>, BakeError>;
 
-/// Test of both forms by pictures, which the given callback draws.
+/// Test of both forms of a method by pictures, which the callback renders.
 pub type DrawnRowTest = fn(&mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError>;
 
-/// Callback that draws on an adapter unknown to this library. Returns `width * height` texels of linear light times
-/// opacity, and opacity, row-major from the top, with at least ten bits.
+/// Callback that renders on an adapter unknown to this library. Returns `width * height` texels, row-major from the
+/// top: premultiplied linear colour and opacity, with at least ten bits.
 pub type DrawCallback<'a> = dyn FnMut(&Drawing<'_>) -> Result<Vec<[f32; 4]>, BakeError> + 'a;
 
-/// Picture to draw on an empty background: one copy of a package at rest.
+/// Picture to render on an empty background: one instance of a package at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing<'a> {
     /// Contents of the package.
@@ -37,24 +37,24 @@ pub struct Row<D = RowTest> {
     pub naive: &'static str,
     /// Description of pelage's form.
     pub safe: &'static str,
-    /// Test of both forms at the failure.
+    /// Function that tests both forms at the failure.
     pub drive: D,
 }
 
-/// Result of a test: errors of both forms by the same measure; 0 is perfect.
+/// Result of a test: errors of both forms by the same measure, where 0 is perfect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Description of the test case.
     pub case: String,
     /// Name of the measure, with unit.
     pub measure: &'static str,
-    /// Error of the naive form; NaN if it gives none.
+    /// Error of the naive form; NaN if the form returns no number.
     pub naive: f64,
     /// Error of pelage's form.
     pub safe: f64,
     /// Bound on the error of pelage's form.
     pub bound: f64,
-    /// Error that the naive form must exceed; otherwise the data did not reach the failure.
+    /// Error that the naive form must exceed; otherwise, the data did not trigger the failure.
     pub fails_above: f64,
 }
 
@@ -64,7 +64,7 @@ impl Finding {
         self.safe <= self.bound
     }
 
-    /// Returns whether the naive form fails, as it must.
+    /// Returns whether the naive form fails, as the row requires.
     pub fn naive_fails(&self) -> bool {
         !self.naive.is_finite() || self.naive > self.fails_above
     }

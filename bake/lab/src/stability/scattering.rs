@@ -1,5 +1,5 @@
-//! Scattering by a fibre: forms in print or in use that are wrong for light along the fibre, where glints meet, or in
-//! their absorption.
+//! Scattering by a fibre: published or common formulas that are wrong for light along the fibre, where glints merge, or
+//! in their absorption.
 
 use super::measures::even_direction;
 use super::row::{Finding, Row};
@@ -27,7 +27,7 @@ fn cos_deg(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
 }
 
-/// Returns sections at all difference angles, in whole degrees.
+/// Returns sections at difference angles in whole degrees, for all refractive indices.
 fn sections() -> impl Iterator<Item = Section> {
     ETAS.into_iter().flat_map(|eta| (0..84).map(move |degrees| Section::new(eta, cos_deg(f64::from(degrees)))))
 }
@@ -40,14 +40,14 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     Ok(vec![fresnel(), chord(), energy(), glints_in_tables(), through_two(), along_the_light(), inversion()])
 }
 
-/// Refracts light as a vector, at a surface whose normal points to the incoming side.
+/// Refracts a direction at a surface whose normal points to the incident side.
 fn refracted(way: DVec3, normal: DVec3, eta: f64) -> DVec3 {
     let (ratio, cos) = (1.0 / eta, -way.dot(normal));
     way * ratio + normal * (ratio * cos - (1.0 - ratio * ratio * (1.0 - cos * cos)).sqrt())
 }
 
-/// Returns where light at a section's difference angle meets a cylinder about z at angle `gamma`, as the normal there,
-/// and the light's direction.
+/// Returns the normal and the light's direction at the point where light at a section's difference angle meets a
+/// cylinder about z. `gamma` is the angle of that point.
 fn incidence(section: &Section, gamma: f64) -> (DVec3, DVec3) {
     let normal = DVec3::new(libm::cos(gamma), libm::sin(gamma), 0.0);
     let sin_d = (1.0 - section.cos_d * section.cos_d).sqrt();
@@ -56,7 +56,7 @@ fn incidence(section: &Section, gamma: f64) -> (DVec3, DVec3) {
 
 fn fresnel() -> Finding {
     let gammas = || (0..90).map(|degrees| f64::from(degrees).to_radians());
-    // Amplitudes from the angles in space between vectors and the normal.
+    // The truth uses Fresnel amplitudes for the angles in space between vectors and the normal.
     let truth = |section: &Section, gamma: f64| {
         let (normal, way) = incidence(section, gamma);
         let (c, t) = (-way.dot(normal), -refracted(way, normal, section.eta).dot(normal));
@@ -85,7 +85,7 @@ fn fresnel() -> Finding {
 
 fn chord() -> Finding {
     const SIGMA: f64 = 1.0;
-    // Light straight through a cylinder about z, from wall to wall.
+    // The truth is the path of light through a cylinder about z, from wall to wall.
     let truth = |section: &Section, gamma: f64| {
         let (normal, way) = incidence(section, gamma);
         let inside = refracted(way, normal, section.eta);
@@ -118,7 +118,7 @@ fn chord() -> Finding {
 }
 
 fn energy() -> Finding {
-    // Light that an eye sees from a fibre without absorption under uniform light.
+    // Light that the eye sees from a fibre without absorption under uniform light.
     let whole = |along: &dyn Fn(&Angles) -> f64| {
         let of = |degrees: f64| {
             let theta = degrees.to_radians();
@@ -154,8 +154,8 @@ fn energy() -> Finding {
 fn glints_in_tables() -> Finding {
     const TEXELS: usize = 128;
     let glint = GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() };
-    // Row of a table: the azimuth of a position on its axis, and the position of an azimuth. The first texel is at 0
-    // and the last at 1, or both are half a texel inside, as in a printed lookup from 0 to 1.
+    // Row of a table, with functions from texture coordinate to azimuth and back. The first and last texel are at
+    // coordinates 0 and 1, or half a texel inside as in a published lookup from 0 to 1.
     let off = |inset: f64, phi_of: &dyn Fn(f64) -> f64, place_of: &dyn Fn(f64) -> f64| {
         largest(sections().step_by(4).map(|section| {
             let glints = section.glints(&glint);
@@ -216,7 +216,7 @@ fn along_the_light() -> Finding {
             (tip, [tip, -tip][i as usize % 2], tip.any_orthonormal_vector())
         })
     };
-    // Nalu: the cosine of the azimuth from the perpendicular components, in f32.
+    // Nalu computes the cosine of the azimuth from the perpendicular components, in f32.
     let nalu = |tip: Vec3, light: Vec3, eye: Vec3| {
         let (l, e) = (light - tip * tip.dot(light), eye - tip * tip.dot(eye));
         l.dot(e) / (l.dot(l) * e.dot(e)).sqrt()
@@ -238,7 +238,7 @@ fn along_the_light() -> Finding {
     }
 }
 
-/// Tests the absorption of fibres for a fur colour, and the light left after path lengths of 0 and 2 radii.
+/// Tests the absorption computed for a fur colour, and the light left after path lengths of 0 and 2 radii.
 fn inversion() -> Finding {
     let depth = colour::depth(0.12);
     let naive = |color: f64| {
@@ -251,7 +251,7 @@ fn inversion() -> Finding {
         let bad = cases.filter(|color| {
             let sigma = of(*color);
             let left = [0.0, 2.0].map(|length| libm::exp(-sigma * length));
-            // White, or anything brighter, must absorb nothing.
+            // White, and anything brighter, must have no absorption.
             let loses = *color >= 1.0 && sigma != 0.0;
             loses || !sigma.is_finite() || left.iter().any(|left| !(0.0..=1.0).contains(left))
         });

@@ -1,4 +1,4 @@
-//! Silhouette: a view along the surface has a long path through each layer, which layers as sheets ignore.
+//! Silhouette: a grazing view has a long path through each layer, which layers rendered as sheets ignore.
 
 use super::row::{DrawCallback, DrawnRowTest, Finding, Row};
 use super::{silhouette, surface};
@@ -24,7 +24,7 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
             measure: "mean error of opacity within 6 pixels of the outline",
             naive: found.sheets,
             safe: found.ours,
-            // The error must at least be halved.
+            // The error must be at most half that of the sheets.
             bound: 0.5 * found.sheets,
             fails_above: 0.02,
         });

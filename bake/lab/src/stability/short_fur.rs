@@ -1,5 +1,5 @@
-//! Fur shorter than the tile's: the same strands pressed flat. Directions of full height, used there, are those of
-//! upright hair.
+//! Fur shorter than the tile's, made by scaling the heights of the same strands. The stored directions of full-height
+//! hair are then too upright.
 
 use super::measures::{grow, natural_hair, opacity, slice, texels};
 use super::row::{Finding, Row};
@@ -20,7 +20,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns the strands grown to a share of their height: their horizontal positions stay, and they rise less.
+/// Returns the strands with their heights scaled by `share`; horizontal positions are unchanged.
 fn pressed(strands: &Strands, share: f32) -> Strands {
     let points = strands.points.iter().map(|p| p.with_z(share * p.z)).collect();
     Strands { points, height: share * strands.height, ..strands.clone() }
@@ -33,8 +33,8 @@ fn direction(set: &ShellSet, layer: usize, texel: usize) -> Vec3 {
     decode_direction(values, TextureFormat::Rgba8Unorm).normalize_or(Vec3::Z)
 }
 
-/// Returns the mean angle between the directions of `short` and those that `form` makes of the full tile's, degrees;
-/// each texel is weighted by its opacity.
+/// Returns the mean angle between the directions of `short` and the directions that `form` computes from those of
+/// `full`, degrees. Texels are weighted by their opacity.
 fn angle_deg(full: &ShellSet, short: &ShellSet, form: impl Fn(Vec3) -> Vec3) -> f64 {
     let (mut sum, mut weight) = (0.0, 0.0);
     for layer in 1..full.layers.len() {

@@ -1,9 +1,8 @@
-//! Hair outside the outline of the mesh surface, against the true strands.
+//! Hair outside the outline of the mesh surface, compared with the true strands.
 //!
-//! The error is the mean absolute difference of opacity within six pixels of the outline of the bare surface, between
-//! means over squares of eight pixels. A single hair does not end at the same point in both, so that single pixels
-//! differ by more than visible density. All pictures are supersampled: sampling only the centre of a pixel makes a
-//! difference of 0.07 per pixel, which must not count as error.
+//! The error is the mean absolute difference of opacity within six pixels of the outline of the bare surface. It is
+//! measured between means over squares of eight pixels, because a hair does not end at the same pixel in both pictures.
+//! All pictures are supersampled: with one sample per pixel, sampling alone would cause a difference of 0.07 per pixel.
 
 use super::row::{DrawCallback, Drawing};
 use glam::Vec3;
@@ -29,7 +28,7 @@ struct Coverage {
     alpha: Vec<f64>,
 }
 
-/// Draws one copy of a model, [`SAMPLES`] times as large along each axis, and averages.
+/// Renders one instance of a model at [`SAMPLES`] times the size along each axis, and averages.
 fn coverage(
     draw: &mut DrawCallback<'_>,
     package: &[u8],
@@ -49,14 +48,14 @@ fn coverage(
     Ok(Coverage { size, alpha })
 }
 
-/// Returns the distance of every pixel's centre to the nearest pixel that the bare `skin` covers by half; 0 on the
-/// surface.
+/// Returns the distance from every pixel's centre to the nearest pixel at least half covered by the bare `skin`. It is
+/// 0 on the surface.
 fn distances(skin: &Coverage) -> Vec<f64> {
     let (width, height) = skin.size;
     Mask { width, height, pixels: skin.alpha.iter().map(|a| *a >= 0.5).collect() }.distances()
 }
 
-/// Returns the mean opacity in each band of one pixel of distance from the outline: `(0, 1]`, `(1, 2]`, …
+/// Returns the mean opacity in bands of distance from the outline, each one pixel wide: `(0, 1]`, `(1, 2]`, …
 fn profile(coverage: &Coverage, distances: &[f64], bands: usize) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); bands];
     for (a, d) in coverage.alpha.iter().zip(distances) {
@@ -69,7 +68,7 @@ fn profile(coverage: &Coverage, distances: &[f64], bands: usize) -> Vec<f64> {
 }
 
 /// Returns the mean absolute difference of opacity within `reach` pixels of the outline, between means over squares of
-/// `window` pixels.
+/// side `window`, pixels.
 fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32) -> f64 {
     let (w, h) = a.size;
     let (mut total, mut weight) = (0.0, 0.0);
@@ -93,14 +92,15 @@ fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32)
     total / f64::max(weight, 1.0)
 }
 
-/// Results of a model.
+/// Silhouette measurements of a model.
 #[derive(Clone, Debug)]
 pub struct SilhouetteMeasures {
-    /// Error of layers as sheets, equally opaque at a slant and from above, without fins.
+    /// Error of layers rendered as sheets, whose opacity does not depend on the view angle, without fins.
     pub sheets: f64,
-    /// Error of layers as slabs, with fins.
+    /// Error of layers rendered as slabs, with fins.
     pub ours: f64,
-    /// Opacity by distance from the outline: truth, sheets, slabs without fins, slabs with fins, fins alone.
+    /// Opacity by distance from the outline: of the truth, of sheets, of slabs without fins, of slabs with fins, and of
+    /// fins only.
     pub profiles: [Vec<f64>; 5],
 }
 
@@ -113,7 +113,7 @@ const WINDOW: u32 = 8;
 /// Samples per pixel along each axis.
 const SAMPLES: u32 = 4;
 
-/// Samples per pixel of the truth.
+/// Number of samples per pixel of the truth.
 const TRUE_SAMPLES: u32 = 16;
 
 impl SilhouetteMeasures {
@@ -135,7 +135,7 @@ impl SilhouetteMeasures {
     }
 }
 
-/// Bakes a model in uncompressed texels, so that block compression adds no error.
+/// Bakes a model with uncompressed texels, so that block compression adds no error.
 ///
 /// # Errors
 ///
@@ -149,7 +149,7 @@ pub fn bake(file: &str, model: &Model, recipe: &Recipe) -> Result<Vec<u8>, BakeE
     Ok(baked.package)
 }
 
-/// Measures a package from its front left, in a picture of `size` pixels.
+/// Measures a package from the front left, in a picture of `size` pixels.
 ///
 /// # Errors
 ///
@@ -184,10 +184,10 @@ pub fn measure(package: &[u8], size: (u32, u32), draw: &mut DrawCallback<'_>) ->
     })
 }
 
-/// Vertical field of view.
+/// Vertical field of view, radians.
 const FOV_Y_RAD: f32 = 0.6;
 
-/// Returns the coverage of the strands themselves.
+/// Returns the coverage of the true strands.
 fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Coverage, BakeError> {
     let manifest = package.manifest();
     let skin = PosedMesh::posed("silhouette", package, &[])?;
@@ -198,7 +198,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
     };
     let scene = TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?;
     let camera = TrueCamera::from_view(camera.view_from_world, Lens::Perspective { fov_y_rad: FOV_Y_RAD });
-    // Only coverage counts, so lighting casts no rays.
+    // Only coverage is needed, so lighting casts no rays.
     let lighting = TrueLighting {
         key: TrueLight::Directional { towards_light_ws: Vec3::Y, color: Vec3::ONE },
         penumbra: 0.0,
@@ -216,7 +216,7 @@ fn truth(package: &Package<'_>, camera: &Camera, size: (u32, u32)) -> Result<Cov
     Ok(Coverage { size, alpha: traced.pixels.iter().map(|p| f64::from(p[3])).collect() })
 }
 
-/// Returns the mean absolute difference of two profiles within reach of the error.
+/// Returns the mean absolute difference of two profiles within `REACH`.
 pub fn profile_error(a: &[f64], b: &[f64]) -> f64 {
     let bands = REACH as usize;
     a.iter().zip(b).take(bands).map(|(a, b)| (a - b).abs()).sum::<f64>() / bands as f64

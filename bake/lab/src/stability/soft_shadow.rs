@@ -1,6 +1,6 @@
 //! Soft shadows from a shadow-width map (Yang 2006, §5: 1 − C_scale · sw / sd). With a nearby occluder, sd is only the
-//! rounding of the depth map, and the quotient is arbitrary. The blurred map is one half where the shadow begins, which
-//! is a step.
+//! rounding error of the depth map, and the quotient is arbitrary. At the hard edge the blurred map is one half, which
+//! makes a step.
 
 use super::row::{Finding, Row};
 use glam::Vec4;
@@ -17,7 +17,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns Attenu_Shadow as printed: sd and sw in the same unit.
+/// Returns Attenu_Shadow in the published form. `sd` and `sw` have the same unit.
 pub fn printed_attenuation(sd: f32, sw: f32, c_scale: f32) -> f32 {
     if sd == 0.0 { 1.0 } else { (1.0 - c_scale * sw / sd).clamp(0.0, 1.0) }
 }
@@ -31,29 +31,29 @@ fn texel(occlusion: f32, thrower: f32, first: f32) -> Vec4 {
     Vec4::new(occlusion, occlusion * thrower, first, 1.0)
 }
 
-/// Evaluates the printed form for the same values.
+/// Evaluates the published form for the same values.
 fn printed(texel: Vec4, z: f32) -> f32 {
     printed_attenuation((z - texel.z) * SOFT.range_m, texel.x * SOFT.blur, 1.0 / SOFT.penumbra)
 }
 
-/// Returns the errors of both forms; for the runtime the worse of its two.
+/// Returns the errors of both forms; the runtime has two variants, of which the worse counts.
 fn both(texel: Vec4, z: f32, n_dot_l: f32, truth: f32) -> (f64, f64) {
     let error = |value: f32| f64::from((value - truth).abs());
     let safe = [true, false].map(|centred| error(soft_shadow(texel, z, 1.0, slanted_path(n_dot_l), &SOFT, centred)));
     (error(printed(texel, z)), worst(safe))
 }
 
-/// Returns the greatest value; NaN counts as greater than all.
+/// Returns the greatest value; NaN counts as the greatest.
 fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |worst: f64, x| if x.is_nan() || x > worst { x } else { worst })
 }
 
-/// Tests a lit surface beside the edge of a shadow that falls elsewhere: its depth is the map's up to rounding, and the
-/// map's blur reaches over it.
+/// Tests a lit surface beside the edge of a shadow that falls elsewhere. Its depth is the map's up to rounding, and the
+/// blur of the map reaches it.
 fn lit_surface() -> (f64, f64) {
     let cases = (0..1000).map(|i| {
         let occlusion = 0.45 * (i as f32 / 1000.0);
-        // Steps of the f32 depth map near 0.5 are 6e-8; the filter between texels adds more.
+        // The f32 depth map has steps of 6e-8 near 0.5; filtering between texels adds to that.
         let rounding = ((i * 7919) % 1000) as f32 * 1e-9;
         both(texel(occlusion, 0.5, 0.5), 0.5 + rounding, 0.8, 1.0)
     });
@@ -61,9 +61,9 @@ fn lit_surface() -> (f64, f64) {
     (worst(naive), worst(safe))
 }
 
-/// Tests a lit surface under a light near its horizon. Within a texel of the map the surface spans as much depth as its
-/// slant makes of it. A convex body casts no shadow on itself, but there may be one beyond its edge as seen from the
-/// light: there is some occlusion around the point.
+/// Tests a lit surface whose light is near its horizon. Within a texel of the map, the depth of the slanted surface
+/// varies. A convex body casts no shadow on itself, but another shadow may fall beyond its edge as seen from the light.
+/// There is therefore some occlusion around the point.
 fn at_the_horizon() -> (f64, f64) {
     let cases = (0..1000).map(|i| {
         let n_dot_l = 0.26 + 0.2 * (i % 10) as f32 / 10.0;
@@ -76,8 +76,8 @@ fn at_the_horizon() -> (f64, f64) {
     (worst(naive), worst(safe))
 }
 
-/// Returns the largest step between adjacent receivers on a line across the straight edge of a shadow cast from `gap_m`
-/// above. There are a hundred receivers per width of the true penumbra.
+/// Returns the largest difference between adjacent receivers on a line across the straight edge of a shadow. The
+/// occluder is `gap_m` metres above the line, and there are a hundred receivers per width of the true penumbra.
 fn across_the_edge(gap_m: f32) -> (f64, f64) {
     let width = gap_m * SOFT.penumbra;
     let (thrower, z) = (0.25, 0.25 + gap_m / SOFT.range_m);
@@ -86,7 +86,7 @@ fn across_the_edge(gap_m: f32) -> (f64, f64) {
         let value = steps.map(|i| {
             let inside = width * f32::from(i) / 100.0;
             let occlusion = (0.5 + 0.5 * inside / SOFT.blur).clamp(0.0, 1.0);
-            // The receiver is behind the occluder only in the shadow itself.
+            // The receiver is behind the occluder only within the shadow.
             let first = if inside > 0.0 { thrower } else { z };
             let texel = texel(occlusion, thrower, first);
             match centred {
@@ -100,8 +100,8 @@ fn across_the_edge(gap_m: f32) -> (f64, f64) {
     (step(light(None)), worst([true, false].map(|centred| step(light(Some(centred))))))
 }
 
-/// Counts values outside 0..=1 or NaN, over everything that maps and lights can hold. The printed quotient has those
-/// where there is neither occluder nor receiver: an empty texel of both maps.
+/// Counts values that are NaN or outside 0..=1, over all possible contents of maps and lights. The published quotient
+/// has such values where there is neither occluder nor receiver: at an empty texel of both maps.
 fn count_invalid() -> (f64, f64) {
     let (mut naive, mut safe) = (0u32, 0u32);
     let sound = |x: f32| (0.0..=1.0).contains(&x);

@@ -1,5 +1,5 @@
-//! Slivers make the equations of a patch nearly singular. Naive: conjugate gradients in f32, a fixed number of rounds,
-//! no check of the result.
+//! Slivers make the equations of a patch nearly singular. The naive form uses conjugate gradients in f32, with a fixed
+//! number of iterations and no check of the result.
 
 use super::row::{Finding, Row};
 use super::surface::{model, not_positive, parameterize_default};
@@ -16,10 +16,10 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Widths of the narrowest slivers, relative to a quad.
+/// Widths of the narrowest slivers, relative to the width of a quad.
 pub const LEAST: [f32; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 3e-6];
 
-/// Returns a square sheet whose columns shrink to slivers: quads from 1 down to `least` wide.
+/// Returns a square sheet whose columns narrow from quads to slivers, from width 1 to `least`.
 pub fn slivers(least: f32) -> Model {
     let (columns, rows) = (24u32, 24u32);
     let mut x = vec![0.0f32];
@@ -37,7 +37,7 @@ pub fn slivers(least: f32) -> Model {
     model(positions.collect(), triangles)
 }
 
-/// Solves the Poisson system of formulas 6.3 by 56 rounds of Jacobi-preconditioned conjugate gradients; returns the
+/// Solves the Poisson system of formulas 6.3 by 56 iterations of Jacobi-preconditioned conjugate gradients. Returns the
 /// number of flipped triangles.
 pub fn naive_flips(model: &Model, tile_m: f32) -> usize {
     let mesh = &model.mesh;
@@ -88,7 +88,7 @@ pub fn naive_flips(model: &Model, tile_m: f32) -> usize {
         let [a, b, c]: [DVec2; 3] = t.map(|v| x[v as usize].as_dvec2());
         (b - a).perp_dot(c - a)
     };
-    // NaN is not a positive area either.
+    // NaN does not count as a positive area.
     mesh.triangles.iter().filter(|t| det(t).is_nan() || det(t) <= 0.0).count()
 }
 

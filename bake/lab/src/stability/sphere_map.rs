@@ -1,11 +1,11 @@
 //! Sphere map that widens ink lines (Fang 2006, §2, after Kang 2003): R = α(N·E)E − E with α = N·E, m = sqrt(Rx² + Ry²
 //! + (Rz + 1)²), (u, v) = R/2m + 1/2.
 //!
-//! As printed, R is parallel to E. All normals then map to a line; in the middle of the picture to one point; and to
-//! 0/0 where a normal is perpendicular to the view. Read as a reflection, R = 2(N·E)N − E, it is a map, but one about
-//! the middle of the picture. Off the middle the outline and the rim differ, and R = (0, 0, −1), where m is 0, occurs
-//! on surfaces that face the eye. pelage takes the normal in the frame perpendicular to the view direction, where the
-//! distance from the centre is sin(N, E)/2 for any perspective.
+//! As published, R is parallel to E. All normals then map to a line, and in the middle of the picture to one point. A
+//! normal perpendicular to the view maps to 0/0. Interpreted as a reflection, R = 2(N·E)N − E gives a map, but one that
+//! is centred on the middle of the picture. Off the middle, the outline is not at the rim of the map. R = (0, 0, −1),
+//! where m is 0, occurs on surfaces that face the eye. pelage uses the normal in the frame perpendicular to the view
+//! direction. There, the distance from the centre is sin(N, E)/2 for any perspective.
 
 use super::kajiya_kay;
 use super::row::{Finding, Row};
@@ -23,7 +23,8 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns directions to the eye in view space: along the view, and up to half of a view of 60 degrees to the side.
+/// Returns directions to the eye in view space: along the view axis, and to the side by up to half of a field of view
+/// of 60 degrees.
 fn eyes() -> [Vec3; 5] {
     let aside = |deg: f32, round: f32| {
         let (s, c) = deg.to_radians().sin_cos();
@@ -32,25 +33,25 @@ fn eyes() -> [Vec3; 5] {
     [Vec3::Z, aside(5.0, 0.3), aside(15.0, 2.0), aside(30.0, 4.0), aside(30.0, 0.0)]
 }
 
-/// Returns normals that face the eye, among them those perpendicular to it, to the last digit of f32.
+/// Returns normals that face the eye, including normals that are perpendicular to the eye direction up to f32 rounding.
 fn normals(eye: Vec3) -> impl Iterator<Item = Vec3> {
     let (x, y) = eye.any_orthonormal_pair();
     let round = (0..720).map(move |i| Vec2::from_angle(i as f32 * 0.5f32.to_radians()));
     let rim = round.map(move |a| x * a.x + y * a.y);
     let facing = kajiya_kay::cases().map(|(normal, ..)| normal).filter(move |n| n.dot(eye) >= 0.0);
-    // Along the axes as well: R = (0, 0, −1) results from integers.
+    // Includes the axes, for which R = (0, 0, −1) is exact.
     rim.chain(facing)
         .chain([eye, Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::NEG_Y].into_iter().filter(move |n| n.dot(eye) >= 0.0))
 }
 
-/// Returns the true distance of a normal from the centre of the map, in f64: half of the sine of its angle to the view
-/// direction.
+/// Returns the true distance of a normal from the centre of the map: half of the sine of its angle to the view
+/// direction, computed in f64.
 fn true_distance(normal: Vec3, eye: Vec3) -> f64 {
     let (n, e): (DVec3, DVec3) = (normal.as_dvec3().normalize(), eye.as_dvec3().normalize());
     0.5 * n.cross(e).length()
 }
 
-/// Evaluates the printed form, with E towards the eye.
+/// Evaluates the published form, with E towards the eye.
 fn printed(normal: Vec3, eye: Vec3) -> Vec2 {
     let alpha = normal.dot(eye);
     let r = alpha * normal.dot(eye) * eye - eye;
@@ -58,7 +59,7 @@ fn printed(normal: Vec3, eye: Vec3) -> Vec2 {
     Vec2::new(r.x / (2.0 * m) + 0.5, r.y / (2.0 * m) + 0.5)
 }
 
-/// Evaluates pelage's form: the same normal in a frame perpendicular to the view direction.
+/// Evaluates pelage's form, with the normal in the frame perpendicular to the view direction.
 fn perpendicular(normal: Vec3, eye: Vec3) -> Vec2 {
     let (x, y) = eye.any_orthonormal_pair();
     ink_sphere_uv(Vec3::new(normal.dot(x), normal.dot(y), normal.dot(eye)), 1.0)
@@ -80,8 +81,7 @@ fn worst(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
     worst
 }
 
-/// Counts positions that are not finite or outside the map: for the background, whose normal is zero, and for all
-/// others.
+/// Counts positions that are not finite or are outside the map, over all normals and the zero normal of the background.
 fn invalid_positions(form: fn(Vec3, Vec3) -> Vec2) -> f64 {
     let all = eyes().into_iter().flat_map(|eye| normals(eye).chain([Vec3::ZERO]).map(move |n| form(n, eye)));
     all.filter(|uv| !uv.is_finite() || uv.min_element() < 0.0 || uv.max_element() > 1.0).count() as f64
@@ -97,7 +97,8 @@ fn distinct_cells(form: fn(Vec3, Vec3) -> Vec2, eye: Vec3) -> usize {
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let aside = eyes()[3];
-    // Number of cells in the disc within the square's 64 × 64; the measure is the share of them that no normal reaches.
+    // Number of cells in the disc inscribed in the square of 64 × 64 cells. The measure is the fraction of them that no
+    // normal reaches.
     let disc = std::f64::consts::FRAC_PI_4 * 64.0 * 64.0;
     let empty = |form| (1.0 - distinct_cells(form, aside) as f64 / disc).max(0.0);
     Ok(vec![
@@ -114,7 +115,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             measure: "share of the map's disc that no normal reaches",
             naive: empty(printed),
             safe: empty(perpendicular),
-            // The cells of the rim are only partly in the disc, and normals are sampled.
+            // Allows for cells of the rim that are only partly in the disc, and for the sampling of normals.
             bound: 0.05,
             fails_above: 0.95,
         },
@@ -123,9 +124,9 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             measure: "largest error of the distance from the centre, in map widths",
             naive: worst(ink_sphere_uv_reflected),
             safe: worst(perpendicular),
-            // Rounding of f32 in dot products and a root.
+            // Allows for f32 rounding in dot products and a square root.
             bound: 1e-6,
-            // The rim alone shrinks by 1 − cos(15°): half of 0.034.
+            // The rim alone shrinks by half of 1 − cos(15°) = 0.034.
             fails_above: 0.016,
         },
     ])

@@ -1,5 +1,5 @@
-//! Light at a strand's points: the eye sees the side facing it. If light is looked up on the axis, the part of the
-//! strand itself that is slightly in front of it in the light darkens it. Thinner slabs of the map make this worse.
+//! Light at a strand's points: the eye sees the side that faces it. If light is looked up on the axis, the strand's own
+//! hair slightly nearer to the light darkens it. Thinner slabs of the map make this error larger.
 
 use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::strand_width::{SIZE, above, bake, strands_of, true_camera};
@@ -19,13 +19,13 @@ pub const ROW: Row<DrawnRowTest> = Row {
     drive,
 };
 
-/// Rays of the truth per point, and spacing of the points in pixels.
+/// Number of rays of the truth per point, and spacing of the points in pixels.
 const RAYS: u32 = 16;
 const STEP_PX: u32 = 4;
 /// Direction towards the light.
 const LIGHT: Vec3 = vec3(-0.3, 0.4, 0.8);
 
-/// Makes hair as bright as its light.
+/// Makes hair white, so that it is as bright as its light.
 fn make_white(recipe: &mut Recipe) {
     let white = SrgbColor::hex(0xff_ff_ff);
     (recipe.color.root, recipe.color.tip, recipe.color.variation) = (Some(white), Some(white), 0.0);

@@ -1,4 +1,5 @@
-//! Order of strands: blended in the order in which they are stored, those behind are painted over those in front.
+//! Order of strands: if strands are blended in the order in which they are stored, hidden strands are painted over
+//! those in front of them.
 
 use super::knot;
 use super::row::{Finding, Row};
@@ -19,14 +20,14 @@ pub const ROW: Row = Row {
 const SIZE: u32 = 144;
 /// Samples per pixel of the truth along each axis.
 const TRUE_SAMPLES: u32 = 8;
-/// Samples per pixel in pelage's form: one in each row and each column of four.
+/// Positions of the samples within a pixel in pelage's form: one in each row and each column of a 4 × 4 grid.
 const SAMPLES: [Vec2; 4] = [vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.125, 0.625), vec2(0.625, 0.875)];
 /// Side of the squares whose means are compared, pixels.
 const SQUARE: u32 = 4;
-/// Light at the roots of the hair and on the mesh surface; at the tips it is 1.
+/// Brightness at the roots of the hair and on the mesh surface; at the tips it is 1.
 const AT_ROOT: f32 = 0.15;
 
-/// Point in the picture: pixels, and depth in metres, smaller if nearer.
+/// Point in the picture: position in pixels, and depth in metres, smaller if nearer.
 #[derive(Clone, Copy)]
 struct PicturePoint {
     px: Vec2,
@@ -69,8 +70,8 @@ impl Scene {
         Self { pieces, skin: skin.triangles.iter().map(|t| t.map(corner)).collect() }
     }
 
-    /// Returns depth and light of the nearest surface, at each sample of every pixel; infinite depth and no light for
-    /// the background.
+    /// Returns depth and brightness of the nearest surface at each sample of every pixel. The background has infinite
+    /// depth and brightness 0.
     fn opaque(&self, at: &[Vec2], hair: bool) -> Vec<(f32, f32)> {
         let mut out = vec![(f32::INFINITY, 0.0); (SIZE * SIZE) as usize * at.len()];
         let mut put = |index: usize, depth: f32, light: f32| {
@@ -96,7 +97,7 @@ impl Scene {
         out
     }
 
-    /// Returns the light of each pixel, averaged over its samples.
+    /// Returns the brightness of each pixel, averaged over its samples.
     fn resolved(&self, at: &[Vec2]) -> Vec<f32> {
         let samples = self.opaque(at, true);
         samples
@@ -105,8 +106,8 @@ impl Scene {
             .collect()
     }
 
-    /// Returns the light of each pixel with strands at least a pixel wide, less opaque in proportion to their widening.
-    /// They are blended over the mesh surface in the order of the file.
+    /// Returns the brightness of each pixel if strands are at least a pixel wide, with their opacity reduced in
+    /// proportion to the widening. They are blended over the mesh surface in the order of the file.
     fn blended(&self) -> Vec<f32> {
         let middle = [Vec2::splat(0.5)];
         let mut out = self.opaque(&middle, false);
@@ -126,7 +127,7 @@ impl Scene {
 }
 
 impl PicturePiece {
-    /// Returns depth and light at a position, if the piece with that half width covers it.
+    /// Returns depth and brightness at a position, or `None` if the piece with half width `half_px` does not cover it.
     fn at(&self, p: Vec2, half_px: f32) -> Option<(f32, f32)> {
         let [a, b] = self.ends;
         let along = b.px - a.px;
@@ -146,7 +147,7 @@ fn depth_in([a, b, c]: &[PicturePoint; 3], p: Vec2) -> Option<f32> {
     (wa.min(wb).min(wc) >= 0.0).then_some(wa * a.depth + wb * b.depth + wc * c.depth)
 }
 
-/// Calls `visit` for every sample in the bounding box of some positions, with its index and its position.
+/// Calls `visit` with index and position of every sample in the bounding box of `about`, extended by `margin`.
 fn for_samples(about: &[Vec2], margin: f32, at: &[Vec2], mut visit: impl FnMut(usize, Vec2)) {
     let low = about.iter().copied().reduce(Vec2::min).unwrap_or_default() - margin;
     let high = about.iter().copied().reduce(Vec2::max).unwrap_or_default() + margin;
@@ -167,7 +168,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         .map(|i| (vec2((i % TRUE_SAMPLES) as f32, (i / TRUE_SAMPLES) as f32) + 0.5) / TRUE_SAMPLES as f32)
         .collect();
     let truth = scene.resolved(&grid);
-    // Over the pixels that the knot covers, between means of squares: which samples a hair hits does not count.
+    // Measures over the pixels that the knot covers, between means of squares, so that it does not matter which samples
+    // a hair hits.
     let seen = truth.iter().filter(|light| **light > 0.0).count().max(1) as f64;
     let error = |found: Vec<f32>| {
         let mut squares = vec![0.0f64; (SIZE / SQUARE * (SIZE / SQUARE)) as usize];

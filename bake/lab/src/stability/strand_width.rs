@@ -1,5 +1,5 @@
 //! Strands thinner than a pixel: ribbons of true width hit samples in proportion to their coverage. Lines are at least
-//! a pixel wide, and hair of an eighth of that becomes fur eight times as dense.
+//! a pixel wide; they make hair an eighth of a pixel wide eight times as dense.
 
 use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::surface;
@@ -23,18 +23,18 @@ pub const ROW: Row<DrawnRowTest> = Row {
     drive,
 };
 
-/// Width and height of the picture, pixels; large, because each pixel's sample is either hit or not.
+/// Width and height of the picture, pixels. It is large because each pixel has only one sample, which is hit or not.
 pub const SIZE: u32 = 640;
 /// Side of the visible square, metres; the mesh is a little smaller.
 const SEEN_M: f32 = 1.1;
 const SKIN_M: f32 = 1.0;
 const TILE_M: f32 = 0.125;
-/// Rays per pixel of the truth, in a picture an eighth as large.
+/// Number of rays per pixel of the truth, in a picture an eighth as large.
 const TRUE_SAMPLES: u32 = 1024;
 const TRUE_SIZE: u32 = SIZE / 8;
 
-/// Bakes a square with hair of one width, `density` strands per tile. They are oblique to the pixels: parallel ones
-/// would each hit all samples of a column or none.
+/// Bakes a square with hair of one width, with `density` strands per tile. Strands are oblique to the pixel grid,
+/// because a parallel strand would hit all samples of a column or none.
 ///
 /// # Errors
 ///
@@ -63,7 +63,7 @@ pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result
     Ok(pipeline::bake(&told, &model, &mut |_| ())?.package)
 }
 
-/// Returns parameters that show the square from above, in single strands without shadow.
+/// Returns frame parameters that show the square from above, drawn as single strands without shadow.
 pub fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: SEEN_M, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
     let camera = Camera::look_at(2.0 * Vec3::Z, Vec3::ZERO, projection);
@@ -72,12 +72,12 @@ pub fn above() -> FrameParams {
     })
 }
 
-/// Returns the same camera for the truth.
+/// Returns the camera of `params` for the truth.
 pub fn true_camera(params: &FrameParams) -> TrueCamera {
     TrueCamera::from_view(params.camera.view_from_world, Lens::Orthographic { height_m: SEEN_M })
 }
 
-/// Returns the strands of a package alone, for tracing.
+/// Returns only the strands of a package, for tracing.
 ///
 /// # Errors
 ///
@@ -94,9 +94,9 @@ pub fn strands_of(package: &[u8]) -> Result<TrueScene, BakeError> {
     TrueScene::new(curves, skin, None, manifest.shading)
 }
 
-/// Returns the share of the picture that the traced strands cover.
+/// Returns the fraction of the picture that the traced strands cover.
 fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
-    // Only coverage counts, so lighting casts no rays.
+    // Only coverage is needed, so lighting casts no rays.
     let lighting = TrueLighting {
         key: TrueLight::Directional { towards_light_ws: Vec3::Z, color: Vec3::ONE },
         penumbra: 0.0,
@@ -115,10 +115,10 @@ fn truth(package: &[u8], camera: &TrueCamera) -> Result<f64, BakeError> {
     Ok(picture.pixels.iter().map(|p| f64::from(p[3])).sum::<f64>() / picture.pixels.len() as f64)
 }
 
-/// Strands per tile, so few that they seldom overlap.
+/// Strands per tile; so few that strands seldom overlap.
 const DENSITY: u32 = 40;
 
-/// Makes the hair long and flat, so that the round ends of strands, which only the truth has, are a small part of it.
+/// Makes the hair long and flat. The round ends of strands, which only the truth has, are then a small fraction of it.
 fn make_long(recipe: &mut Recipe) {
     (recipe.hair.length_m, recipe.hair.length_variation, recipe.hair.lean) = (Some(0.1), 0.2, 0.9);
 }

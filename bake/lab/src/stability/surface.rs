@@ -1,6 +1,6 @@
-//! Meshes that break parameterizations: closed ones of any genus, edges with three triangles, and triangles without
-//! area. Naive: half-edges in a map, which the third triangle of an edge overwrites; gradients that divide by the area;
-//! one chart for all.
+//! Meshes on which parameterizations fail: closed meshes of any genus, edges with three triangles, and triangles
+//! without area. The naive form keeps half-edges in a map, in which the third triangle of an edge overwrites another.
+//! It divides gradients by the area, and uses one chart for the whole mesh.
 
 use super::row::{Finding, Row};
 use glam::{Quat, Vec2, Vec3, vec3};
@@ -19,7 +19,7 @@ pub const ROW: Row = Row {
     drive,
 };
 
-/// Returns a furred model of these triangles, with smooth normals and without texture coordinates.
+/// Returns a furred model of the given triangles, with smooth normals and without texture coordinates.
 pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
     let n = positions.len();
     let mut normals = vec![Vec3::ZERO; n];
@@ -47,19 +47,19 @@ pub fn model(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Model {
     Model { mesh, materials: vec![material], ..Model::default() }
 }
 
-/// Runs the `surface` stage with its defaults and tiles of `tile_size_m`.
+/// Runs the `surface` stage with its defaults and tiles `tile_size_m` metres wide.
 ///
 /// # Errors
 ///
 /// Same as [`parameterize`].
 pub fn parameterize_default(model: &Model, tile_size_m: f32) -> Result<Surface, BakeError> {
-    // Patches of two tiles, so that there are many borders between them.
+    // Limits patches to two tiles, so that there are many borders between them.
     let natural = Recipe::of_coat(Coat::Natural)?;
     let params = SurfaceParams::from_recipe(&natural.surface, tile_size_m, vec![true]);
     parameterize("stability", model, &params)
 }
 
-/// Returns a closed grid of quads, `across` by `around`, wound outward.
+/// Returns a closed grid of `across` by `around` quads, wound outward. `place` maps grid coordinates to positions.
 pub fn grid(across: u32, around: u32, place: impl Fn(f32, f32) -> Vec3) -> Model {
     let at = |i: u32, j: u32| (i % across) * around + j % around;
     let turn = |k: u32, n: u32| std::f32::consts::TAU * k as f32 / n as f32;
@@ -78,7 +78,7 @@ pub fn torus() -> Model {
     grid(48, 24, |a, b| Quat::from_rotation_y(a) * vec3(1.0 + 0.4 * b.cos(), 0.4 * b.sin(), 0.0))
 }
 
-/// Returns a closed sphere without degenerate triangles: poles are single points.
+/// Returns a closed sphere without degenerate triangles; each pole is a single vertex.
 pub fn sphere(rings: u32, sectors: u32) -> Model {
     let mut positions = vec![Vec3::Y, -Vec3::Y];
     let at = |ring: u32, k: u32| 2 + (ring - 1) * sectors + k % sectors;
@@ -100,14 +100,14 @@ pub fn sphere(rings: u32, sectors: u32) -> Model {
     model(positions, triangles)
 }
 
-/// Counts the triangles that a projection along −z turns over: any single chart of a closed surface has some.
+/// Counts the triangles that a projection along −z flips. Any single chart of a closed surface has some.
 pub fn flips_of_one_chart(model: &Model) -> usize {
     let flat = |v: u32| model.mesh.positions[v as usize].truncate();
     let det = |t: &[u32; 3]| (flat(t[1]) - flat(t[0])).perp_dot(flat(t[2]) - flat(t[0]));
     model.mesh.triangles.iter().filter(|t| det(t) < 0.0).count()
 }
 
-/// Counts the half-edges that a plain map loses.
+/// Counts the half-edges that overwrite each other in a map.
 pub fn lost_half_edges(model: &Model) -> usize {
     let mut map = HashMap::new();
     for (f, t) in model.mesh.triangles.iter().enumerate() {
@@ -118,7 +118,7 @@ pub fn lost_half_edges(model: &Model) -> usize {
     3 * model.mesh.triangles.len() - map.len()
 }
 
-/// Counts the gradients of the first barycentric coordinate that are not finite.
+/// Counts the triangles whose gradient of the first barycentric coordinate is not finite.
 pub fn broken_gradients(model: &Model) -> usize {
     let gradient = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| model.mesh.positions[v as usize]);
@@ -128,17 +128,17 @@ pub fn broken_gradients(model: &Model) -> usize {
     model.mesh.triangles.iter().filter(|t| !gradient(t).is_finite()).count()
 }
 
-/// Counts the triangles that are turned over or without area in the tile.
+/// Counts the triangles that are flipped or have no area in the tile.
 pub fn not_positive(surface: &Surface) -> usize {
     let det = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| surface.tile_uvs[v as usize].as_dvec2());
         (b - a).perp_dot(c - a)
     };
-    // NaN is not a positive area either.
+    // NaN does not count as a positive area.
     surface.mesh.triangles.iter().filter(|t| det(t).is_nan() || det(t) <= 0.0).count()
 }
 
-/// Returns `model` with one triangle duplicated, one without area, and one more on an edge that has two.
+/// Returns `model` with three defects: a duplicate triangle, a triangle without area, and a third triangle on an edge.
 fn broken(mut model: Model) -> Model {
     let [a, b, c] = model.mesh.triangles[10];
     let outside = (model.mesh.positions[a as usize] + model.mesh.positions[b as usize]) * 0.75;
@@ -180,7 +180,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
 mod tests {
     use super::*;
 
-    /// Returns six times the volume that triangles enclose; negative if they are wound inward.
+    /// Returns six times the volume that the triangles enclose; negative if they are wound inward.
     fn volume(model: &Model) -> f32 {
         let m = &model.mesh;
         let of = |t: &[u32; 3]| {
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn closed_meshes_are_wound_outward() {
-        // Volumes of smooth surfaces: 4 pi / 3 and 2 pi^2 R r^2.
+        // Volumes of the smooth surfaces are 4 pi / 3 and 2 pi^2 R r^2.
         for (model, true_volume) in [(sphere(24, 48), 4.18879), (torus(), 3.15827)] {
             let found = volume(&model) / 6.0;
             assert!((0.95..1.0).contains(&(found / true_volume)), "{found} of {true_volume}");

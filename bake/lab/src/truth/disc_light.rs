@@ -1,9 +1,9 @@
-//! Disc light: its visible share from a point of a mesh, by rays. The truth for soft shadows.
+//! Disc light: the fraction visible from a point of a mesh, computed by ray casting. This is the truth for soft
+//! shadows.
 //!
-//! The size of the light is given as a `penumbra`, for which soft-shadow methods with a single ray have a constant: the
-//! width of a penumbra over the distance between occluder and receiver. A disc seen under the angle ρ, from its centre
-//! to its rim, has penumbrae of the width 2 · tan ρ at distance 1. The value is 1/C_scale of Kirsch and Döllner 2003
-//! and Yang 2006.
+//! The size of the light is given as a `penumbra`: the width of a penumbra divided by the distance between occluder and
+//! receiver. Soft-shadow methods with a single ray have such a constant. For a disc of angular radius ρ, it is 2 · tan
+//! ρ. The value is 1/C_scale of Kirsch and Döllner 2003 and Yang 2006.
 
 use glam::{DVec3, Vec3};
 use obvhs::BvhBuildParams;
@@ -14,32 +14,34 @@ use pelage_import::BakeError;
 use pelage_truth::{disc, seed_of, stratified};
 use std::time::Duration;
 
-/// Distance above the mesh surface at which rays start, radii of the mesh: a hundred times the rounding of f32
-/// coordinates.
+/// Distance above the mesh surface at which rays start, as a fraction of the mesh's radius: a hundred times the
+/// rounding error of f32 coordinates.
 const LIFT: f64 = 1e-5;
 
-/// Light with an extent.
+/// Light with an extent, in the shape of a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DiscLight {
-    /// Light so far away that its centre is in the same direction from everywhere.
+    /// Light so far away that its centre is in the same direction from every point.
     Directional {
         /// Direction towards the light, of any length above zero.
         towards_light_ws: DVec3,
-        /// Width of a penumbra over the distance from the occluder, 0..: 0 is a point light; the sun has 0.0093.
+        /// Penumbra width divided by the distance between occluder and receiver, 0.. (0: point light; sun: 0.0093).
         penumbra: f64,
     },
-    /// Light at a position. The disc always faces the shaded point, so that in effect it is a sphere.
+    /// Light at a position. The disc always faces the shaded point, so the light acts as a sphere.
     Point {
         /// Centre of the light, metres.
         position_ws: DVec3,
-        /// Same ratio as for a distant light: the radius of the disc is half of it times the distance from the point.
+        /// Penumbra width divided by the distance between occluder and receiver, as for a distant light. The disc's
+        /// radius is half of this value times the distance from the point.
         penumbra: f64,
     },
 }
 
-/// Triangles that cast shadows, from both sides.
+/// Triangles that cast shadows; both sides block light.
 pub struct Occluder {
-    /// Triangles in the order of the tree's leaves, in radii of the mesh about its centre, where f32 is most precise.
+    /// Triangles in the order of the tree's leaves. Coordinates are relative to the mesh's centre and divided by its
+    /// radius, so that f32 is most precise.
     triangles: Vec<Triangle>,
     /// Acceleration tree; `None` without triangles.
     tree: Option<Bvh2>,
@@ -48,8 +50,8 @@ pub struct Occluder {
 }
 
 impl Occluder {
-    /// Builds a mesh of `triangles`, indices into `positions_ws`, which are in metres. Triangles without area cast no
-    /// shadow.
+    /// Builds an occluder from `triangles`, which are indices into `positions_ws` (metres). Triangles without area cast
+    /// no shadow.
     ///
     /// # Errors
     ///
@@ -75,22 +77,22 @@ impl Occluder {
         if triangles.is_empty() {
             return Ok(Self { triangles, tree: None, center, radius });
         }
-        // The medium build leaves triangles whole: with split ones the leaves would list some twice.
+        // Disables splitting of triangles, because split ones would occur in several leaves.
         let params = BvhBuildParams { pre_split: false, ..BvhBuildParams::medium_build() };
         let tree = build_bvh2_from_tris(&triangles, params, &mut Duration::default());
         let triangles = tree.primitive_indices.iter().map(|i| triangles[*i as usize]).collect();
         Ok(Self { triangles, tree: Some(tree), center, radius })
     }
 
-    /// Returns the share of the light's disc that is visible from a point, 0..=1: 1 in full light, 0 in the umbra.
+    /// Returns the fraction of the light's disc that is visible from a point: 1 in full light, 0 in the umbra.
     ///
-    /// * `point_ws`: the point, metres
-    /// * `normal_ws`: unit normal of the mesh surface there; rays start slightly along it, to avoid hitting that
-    ///   surface
-    /// * `samples`: number of rays, rounded up to a square number: one to each of as many parts of the disc of equal
-    ///   area
+    /// * `point_ws`: position of the point, metres
+    /// * `normal_ws`: unit normal of the mesh surface at the point; ray origins are offset along it, to avoid hitting
+    ///   that surface
+    /// * `samples`: number of rays, rounded up to a square number; the disc is divided into that many parts of equal
+    ///   area, with one ray to each
     ///
-    /// A part of the disc below the point's horizon is hidden only if the mesh itself hides it. The result is
+    /// A part of the disc below the point's horizon counts as hidden only if the mesh itself hides it. The result is
     /// deterministic.
     pub fn visible_share(&self, point_ws: DVec3, normal_ws: DVec3, light: &DiscLight, samples: u32) -> f64 {
         let Some(tree) = &self.tree else { return 1.0 };
@@ -108,7 +110,7 @@ impl Occluder {
         let seen = rays.filter(|square| {
             let on_disc = disc(*square) * (0.5 * penumbra);
             let way = axis + side * on_disc.x + up * on_disc.y;
-            // Rays are not of unit length: at 1 along each is the plane of a disc at distance 1.
+            // Ray directions are not normalised: parameter 1 is on the plane of a disc at distance 1.
             self.is_free(tree, origin, way, reach)
         });
         seen.count() as f64 / count as f64

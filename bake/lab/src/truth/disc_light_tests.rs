@@ -2,7 +2,7 @@ use super::*;
 use crate::stability::surface::sphere;
 use glam::vec3;
 
-/// Returns a floor of 20 m at y = 0, and above it at `height` half a plane: everything with x < 0.
+/// Returns a floor 20 m wide at y = 0, and at `height` above it a half plane that covers x < 0.
 fn floor_and_half_plane(height: f32) -> Occluder {
     let corners = |y: f32, to: f32| [vec3(-10., y, -10.), vec3(to, y, -10.), vec3(to, y, 10.), vec3(-10., y, 10.)];
     let positions = [corners(0.0, 10.0), corners(height, 0.0)].concat();
@@ -10,7 +10,7 @@ fn floor_and_half_plane(height: f32) -> Occluder {
     Occluder::new(&positions, &triangles).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Returns the share of a disc on one side of a line, `x` radii from its centre.
+/// Returns the fraction of a disc on one side of a line at `x` radii from the disc's centre.
 fn cut_disc(x: f64) -> f64 {
     let x = x.clamp(-1.0, 1.0);
     0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / std::f64::consts::PI
@@ -23,7 +23,7 @@ fn penumbra_of_a_half_plane_matches_the_formula() {
     let width = penumbra * f64::from(height);
     for step in -12..=12i32 {
         let x = width * f64::from(step) / 16.0;
-        // Straight above: the edge is at x, and the light's rim at half the width.
+        // The light is straight above: the edge is at x, and the disc's rim at half the penumbra width.
         let truth = cut_disc(2.0 * x / width);
         let distant = DiscLight::Directional { towards_light_ws: DVec3::Y * 3.0, penumbra };
         let share = scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, &distant, 4096);
@@ -31,22 +31,22 @@ fn penumbra_of_a_half_plane_matches_the_formula() {
         if step.abs() > 8 {
             assert_eq!(share, truth.round(), "at {x}, outside of the penumbra");
         }
-        // Charts use 256 rays.
+        // Charts use 256 rays, so their error is tested as well.
         let rough = scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, &distant, 256);
         assert!((rough - truth).abs() < 0.04, "at {x}: {rough}, not {truth}");
-        // From a point light the plane at half the distance has the same size, wherever the light is straight above.
+        // A point light straight above each point gives the same visible fraction; the half plane is halfway to it.
         let near = DiscLight::Point { position_ws: DVec3::new(x, 5.0, 0.1), penumbra };
         let share = scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, &near, 4096);
         assert!((share - truth).abs() < 0.01, "point light at {x}: {share}, not {truth}");
     }
-    // A slanted light shifts the edge's shadow, and its penumbra is wider by the slant.
+    // A slanted light shifts the shadow of the edge and widens its penumbra.
     let towards_light_ws = DVec3::new(1.0, 1.0, 0.0);
     let sharp = DiscLight::Directional { towards_light_ws, penumbra: 0.0 };
     let share = |x: f64, light: &DiscLight| scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, light, 4096);
     assert_eq!([share(-0.51, &sharp), share(-0.49, &sharp)], [0.0, 1.0]);
     let soft = DiscLight::Directional { towards_light_ws, penumbra: 0.05 };
     assert!((share(-0.5, &soft) - 0.5).abs() < 0.02);
-    // The distance along the ray is √2 times the height, and so is the foreshortening on the floor.
+    // The distance along the ray is √2 times the height, and the slant of the floor widens the penumbra by another √2.
     assert!((share(-0.5 + 0.5 * 0.025, &soft) - cut_disc(0.5)).abs() < 0.03);
 }
 
@@ -60,7 +60,7 @@ fn point_light_below_the_occluder_is_visible() {
     assert_eq!([share(0.45), share(0.55)], [1.0, 0.0]);
 }
 
-/// A convex surface does not shade itself, except where it faces away.
+/// A convex surface does not shadow itself, except where it faces away from the light.
 #[test]
 fn a_sphere_is_lit_on_one_side() {
     for scale in [1e-3, 1.0, 1e3] {
@@ -75,11 +75,13 @@ fn a_sphere_is_lit_on_one_side() {
             let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
             let normal = (b - a).cross(c - a).normalize();
             let middle = (a + b + c) / 3.0;
-            // Beside corners and edges, where rounding matters; exactly on them the next triangle may still be lit.
+            // Tests points beside corners and edges, where rounding matters. A point exactly on an edge may be lit as
+            // part of the next triangle.
             for point in [a, (a + b) / 2.0, middle].map(|p| p.lerp(middle, 0.1)) {
                 let share = scene.visible_share(point, normal, &light, 64);
                 let facing = normal.dot(towards_light_ws.normalize());
-                // A flat triangle sees all of the light or none, except where the light's rim is just at its horizon.
+                // A flat triangle sees all of the light or none of it, except where the light's rim is near the
+                // horizon.
                 if facing > 0.07 {
                     assert_eq!(share, 1.0, "scale {scale}, N·L {facing}");
                     lit += 1;

@@ -1,8 +1,9 @@
-//! True motion of hair on a guide, by the equations that `pelage_formats::meaning::hair_motion` solves in fast steps.
+//! True motion of hair on a guide, by the equations that `pelage_formats::meaning::hair_motion` solves with longer
+//! steps.
 //!
-//! Points xₖ of unit mass follow the root x₀ = r(t), which the mesh surface moves with its frame F(t). pₖ is the
-//! groomed position in that frame, and gₖ = r + F pₖ where the surface would carry the point. eₖ is the direction from
-//! xₖ₋₁ to xₖ, and τₖ is the tension of that piece:
+//! Points xₖ of unit mass follow the root x₀ = r(t), which moves with the mesh surface and its frame F(t). pₖ is the
+//! groomed position in that frame, and gₖ = r + F pₖ is the position to which the surface would carry the point. eₖ is
+//! the direction from xₖ₋₁ to xₖ, and τₖ is the tension of that piece:
 //!
 //! ```text
 //! x″ₖ = G + F bₖ                              gravity, and the ballast that bears the groomed shape at rest
@@ -14,32 +15,32 @@
 //! R₁ = 1, Rⱼ₊₁ = (smallest rotation of Rⱼ F (pⱼ − pⱼ₋₁) to xⱼ − xⱼ₋₁) Rⱼ
 //! ```
 //!
-//! Lengths, differentiated twice, are a tridiagonal system for the tensions: eₖ·(x″ₖ − x″ₖ₋₁) = −|x′ₖ − x′ₖ₋₁|² / lₖ.
-//! With it the equations are ordinary differential equations, which the fourth-order Runge-Kutta method integrates.
-//! After each step, positions and velocities are projected back to the lengths, along the pieces and by the smallest
-//! change, so that nothing drifts. A root whose velocity changes suddenly pulls at the lengths: that impulse is the
-//! same projection.
+//! Differentiating the length constraints twice gives a tridiagonal system for the tensions: eₖ·(x″ₖ − x″ₖ₋₁) = −|x′ₖ −
+//! x′ₖ₋₁|² / lₖ. With these tensions, the equations are ordinary differential equations, which the fourth-order
+//! Runge-Kutta method integrates. After each step, positions and velocities are projected onto the length constraints,
+//! along the pieces and with the smallest change, which prevents drift. A sudden change of the root's velocity is an
+//! impulse on the lengths, and the same projection applies it.
 //!
-//! [`TrueGuide::converged`] halves the steps until that changes nothing. Sensitivity to rounding remains: a slack
-//! string whips, and its motion no longer depends on its start. Such motions have no truth beyond the first seconds, as
-//! the number of steps that halving needs shows.
+//! [`TrueGuide::converged`] halves the steps until the result no longer changes. Chaotic motions remain sensitive to
+//! rounding: a slack string whips, and its motion soon depends on rounding instead of its start. Such motions have no
+//! truth beyond the first seconds, as the number of halvings shows.
 //!
-//! There are no colliders, and every point but the root is completely free: friction and freedom are defined by steps,
-//! and have no equation to compare with.
+//! There are no colliders, and every point but the root is completely free. Friction and limited freedom are defined by
+//! steps, and have no equation to compare with.
 
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// Damping ratio ζ of the springs to the groomed shape; 1 is critical damping.
+/// Damping ratio ζ of the springs towards the groomed position; 1 is critical damping.
 const DAMPED: f64 = 0.3;
-/// Interval of the finite differences for velocities of the mesh surface, seconds.
+/// Time step of the finite differences for velocities of the mesh surface, seconds.
 const MOMENT_S: f64 = 1e-4;
-/// Maximum number of Newton iterations that correct lengths after a step, and the error at which only rounding is left,
-/// in lengths of the guide.
+/// Maximum number of Newton iterations that correct lengths after a step, and the error at which they stop, in lengths
+/// of the guide. Only rounding is left then.
 const ROUNDS: usize = 12;
 const EXACT: f64 = 1e-13;
 
-/// Root of a guide on the mesh surface, and its motion.
+/// Position and motion of a guide's root on the mesh surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RootMotion {
     /// Position of the root, metres.
@@ -50,14 +51,14 @@ pub struct RootMotion {
     pub acceleration: DVec3,
     /// Rotation from the frame of the root's triangle to the world axes.
     pub frame: DMat3,
-    /// Change of `frame` per second.
+    /// Time derivative of `frame`, 1/s.
     pub turning: DMat3,
 }
 
 impl RootMotion {
-    /// Returns the motion of a root that moves smoothly, by differences of fourth order.
+    /// Returns the state of a smoothly moving root, by finite differences of fourth order.
     ///
-    /// * `way`: root and frame at a time, seconds
+    /// * `way`: root and frame at a time in seconds
     pub fn smooth(way: impl Fn(f64) -> (DVec3, DMat3), time_s: f64) -> Self {
         let at = |k: f64| way(time_s + k * MOMENT_S);
         let [a, b, here, c, d] = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
@@ -72,8 +73,8 @@ impl RootMotion {
         }
     }
 
-    /// Returns the motion of a root that moves straight from one position to another, as for a renderer that has only
-    /// frames; `share`: part of it that is covered.
+    /// Returns the state of a root that moves in a straight line between two positions, as in a renderer that knows
+    /// only frames. `share` is the fraction of the way that is covered.
     pub fn straight_between(from: (DVec3, DMat3), to: (DVec3, DMat3), seconds: f64, share: f64) -> Self {
         let (velocity, turning) = ((to.0 - from.0) / seconds, (to.1 - from.1) * (1.0 / seconds));
         let s = share * seconds;
@@ -82,23 +83,24 @@ impl RootMotion {
     }
 }
 
-/// Guide, and everything that moves it.
+/// Guide with all forces on it.
 #[derive(Clone, Copy)]
 pub struct TrueGuide<'a> {
-    /// Groomed points relative to the root, which is the first, in the frame of its triangle, metres: two or more, none
-    /// at the previous one.
+    /// Groomed points relative to the root, in the frame of its triangle, metres. The root is the first of two or more
+    /// points; consecutive points differ.
     pub points: &'a [DVec3],
-    /// Accelerations that hold the points at rest, in that frame; one per point.
+    /// Accelerations that keep the points at rest in their groomed shape, in the frame of the root's triangle; one per
+    /// point.
     pub ballast: &'a [DVec3],
     /// Rate at which the air drags hair along, 1/s, 0..
     pub drag_per_s: f64,
-    /// Frequency of the springs to the groomed positions, Hz, 0..
+    /// Frequency of the springs towards the groomed positions, Hz, 0..
     pub shape_hz: f64,
-    /// Frequency of the springs to the groomed shape of the pieces, Hz, 0..
+    /// Frequency of the springs that keep the groomed shape of the pieces, Hz, 0..
     pub bend_hz: f64,
     /// Acceleration of all points, metres per second squared.
     pub gravity: DVec3,
-    /// Velocity of the air at a time and position, metres per second.
+    /// Velocity of the air as a function of time in seconds and position, metres per second.
     pub air: &'a (dyn Fn(f64, DVec3) -> DVec3 + Sync),
 }
 
@@ -111,24 +113,25 @@ pub struct GuideState {
     pub velocities: Vec<DVec3>,
 }
 
-/// Motion that starts at rest, computed with short enough steps.
+/// Motion that starts at rest, computed with steps that are short enough.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueMotion {
     /// World positions of the points at the end of each frame, metres.
     pub places: Vec<Vec<DVec3>>,
-    /// Steps per frame of this result.
+    /// Number of steps per frame.
     pub steps: u32,
-    /// Largest distance of a point from its position with half as many steps, in lengths of the guide.
+    /// Largest distance between a point and its position when computed with half as many steps, in lengths of the
+    /// guide.
     pub change: f64,
 }
 
-/// Returns the tensions whose effect on pieces of the directions `along` is eₖ·(aₖ − aₖ₋₁) = `wanted`ₖ, by elimination
-/// from root to tip and back. The first entry of both is unused.
+/// Returns the tensions of pieces with directions `along` for which eₖ·(aₖ − aₖ₋₁) = `wanted`ₖ. The system is solved by
+/// elimination from root to tip and back. The first entry of both arguments is unused.
 fn tensions(along: &[DVec3], wanted: &[f64]) -> Vec<f64> {
     let count = along.len();
     let (mut left, mut right) = (vec![0.0; count], vec![0.0; count]);
     for k in 1..count {
-        // The root has no mass that tensions could move.
+        // Tensions do not accelerate the root.
         let (diagonal, before) = if k == 1 { (1.0, 0.0) } else { (2.0, -along[k].dot(along[k - 1])) };
         let pivot = diagonal - before * left[k - 1];
         left[k] = if k + 1 < count { -along[k].dot(along[k + 1]) / pivot } else { 0.0 };
@@ -141,7 +144,7 @@ fn tensions(along: &[DVec3], wanted: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Adds the effect of tensions to the points of a string.
+/// Adds the accelerations or impulses due to tensions to the values of a string's points.
 fn pull(points: &mut [DVec3], along: &[DVec3], tensions: &[f64]) {
     for k in 1..points.len() {
         points[k] -= along[k] * tensions[k];
@@ -151,12 +154,13 @@ fn pull(points: &mut [DVec3], along: &[DVec3], tensions: &[f64]) {
     }
 }
 
-/// Returns the directions of the pieces, preceded by zero.
+/// Returns the unit directions of the pieces, preceded by a zero vector.
 fn directions(places: &[DVec3]) -> Vec<DVec3> {
     std::iter::once(DVec3::ZERO).chain(places.windows(2).map(|ends| (ends[1] - ends[0]).normalize_or_zero())).collect()
 }
 
-/// Returns the smallest rotation from one direction to another; the identity for opposite ones, which have no smallest.
+/// Returns the smallest rotation from one direction to another. For opposite directions, it is not unique, and the
+/// identity is returned.
 fn smallest_rotation(from: DVec3, to: DVec3) -> DQuat {
     let (from, to) = (from.normalize_or_zero(), to.normalize_or_zero());
     let (across, half) = (from.cross(to), 1.0 + from.dot(to));
@@ -169,7 +173,7 @@ impl TrueGuide<'_> {
         self.points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
     }
 
-    /// Returns the groomed state, moving with the mesh surface.
+    /// Returns the state in which the groomed shape moves rigidly with the mesh surface.
     pub fn groomed(&self, skin: &RootMotion) -> GuideState {
         GuideState {
             places: self.points.iter().map(|p| skin.root + skin.frame * *p).collect(),
@@ -177,7 +181,7 @@ impl TrueGuide<'_> {
         }
     }
 
-    /// Returns the accelerations of all points; that of the root is the mesh surface's.
+    /// Returns the accelerations of all points. The root has the acceleration of the mesh surface.
     fn accelerations(&self, skin: &RootMotion, time_s: f64, places: &[DVec3], velocities: &[DVec3]) -> Vec<DVec3> {
         let count = places.len();
         let (shape, bend) = (TAU * self.shape_hz, TAU * self.bend_hz);
@@ -211,7 +215,7 @@ impl TrueGuide<'_> {
         out
     }
 
-    /// Corrects the lengths, and the velocities that change them.
+    /// Projects positions onto the length constraints, and removes velocities that violate them.
     fn project_lengths(&self, skin: &RootMotion, swing: &mut GuideState) {
         swing.places[0] = skin.root;
         swing.velocities[0] = skin.velocity;
@@ -233,9 +237,9 @@ impl TrueGuide<'_> {
         pull(&mut swing.velocities, &along, &tensions(&along, &wanted));
     }
 
-    /// Advances a swing by some seconds from `time_s` on, in `steps` steps.
+    /// Advances the state by `seconds` from `time_s` on, in `steps` steps.
     ///
-    /// * `skin`: motion of the root at a share of that time, 0..=1, smooth in between
+    /// * `skin`: motion of the root at a fraction of that time, 0..=1; smooth within it
     pub fn advance(
         &self,
         swing: &mut GuideState,
@@ -256,7 +260,7 @@ impl TrueGuide<'_> {
             for (skin, part, weight) in [(&here, 0.0, 1.0), (&middle, 0.5, 2.0), (&middle, 0.5, 2.0), (&end, 1.0, 1.0)]
             {
                 if part > 0.0 {
-                    // This round starts from the slope that the previous round left in `at`.
+                    // Each Runge-Kutta stage starts from the slope that the previous stage left in `at`.
                     for k in 0..at.places.len() {
                         at.places[k] = swing.places[k] + at.places[k] * (h * part);
                         at.velocities[k] = swing.velocities[k] + at.velocities[k] * (h * part);
@@ -280,10 +284,10 @@ impl TrueGuide<'_> {
         }
     }
 
-    /// Returns the positions of the points at the end of each frame, from rest at time 0 on.
+    /// Returns the positions of the points at the end of each frame. The motion starts at rest at time 0.
     ///
-    /// * `way`: root and frame at a time, seconds
-    /// * `straight`: whether the root moves straight from frame to frame
+    /// * `way`: root and frame at a time in seconds
+    /// * `straight`: whether the root moves in a straight line from frame to frame
     pub fn frames(
         &self,
         way: &dyn Fn(f64) -> (DVec3, DMat3),
@@ -308,7 +312,7 @@ impl TrueGuide<'_> {
             .collect()
     }
 
-    /// Same as [`Self::frames`], with the number of steps doubled until that moves no point by more than `within`
+    /// Computes the motion of [`Self::frames`], doubling the number of steps until no point moves by more than `within`
     /// lengths of the guide. Stops at 4096 steps per frame.
     pub fn converged(
         &self,

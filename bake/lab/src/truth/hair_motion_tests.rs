@@ -3,7 +3,7 @@ use super::*;
 const GRAVITY: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 const CALM: &(dyn Fn(f64, DVec3) -> DVec3 + Sync) = &|_, _| DVec3::ZERO;
 
-/// Returns a string that only gravity and its lengths move.
+/// Returns a string with no forces but gravity and the tensions.
 fn bare<'a>(points: &'a [DVec3], ballast: &'a [DVec3]) -> TrueGuide<'a> {
     TrueGuide { points, ballast, drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, gravity: GRAVITY, air: CALM }
 }
@@ -16,7 +16,7 @@ fn still() -> RootMotion {
     RootMotion::smooth(|_| (DVec3::ZERO, DMat3::IDENTITY), 0.0)
 }
 
-/// Simulates from rest at given positions; returns the state after each of these times, seconds.
+/// Simulates from rest at the given positions. Returns the state at each of `times`, seconds.
 fn swing(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s: f64) -> Vec<GuideState> {
     let mut swing = GuideState { velocities: vec![DVec3::ZERO; from.len()], places: from };
     let mut now = 0.0;
@@ -33,7 +33,7 @@ fn swing(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s: f6
 
 const TIMES: [f64; 4] = [0.3, 0.9, 2.0, 3.3];
 
-/// Small enough angles that the sine of the angle is the angle: x = A e^(−ct/2) (cos wt + c/2w sin wt).
+/// The angle is small enough that its sine equals the angle: x = A e^(−ct/2) (cos wt + c/2w sin wt).
 #[test]
 fn one_point_swings_as_a_damped_pendulum() {
     let (points, ballast) = (hanging(2, 0.3), [DVec3::ZERO; 2]);
@@ -54,12 +54,12 @@ fn one_point_swings_as_a_damped_pendulum() {
     check(TrueGuide { drag_per_s: 2.0, ..bare }, 2.0, of_gravity);
     let shape = TAU * 0.7;
     check(TrueGuide { shape_hz: 0.7, ..bare }, 0.6 * shape, of_gravity + shape * shape);
-    // A piece bends about its root like a spring of that frequency.
+    // A single piece bends about its root like a spring of that frequency.
     check(TrueGuide { bend_hz: 1.3, ..bare }, 0.0, of_gravity + (TAU * 1.3) * (TAU * 1.3));
     check(TrueGuide { gravity: DVec3::ZERO, bend_hz: 1.3, ..bare }, 0.0, (TAU * 1.3) * (TAU * 1.3));
 }
 
-/// Two points below each other: modes 1 : 1 ± √2 with squared frequencies (2 ∓ √2) g/l.
+/// Two points hang below each other. The modes are 1 : 1 ± √2, with squared frequencies (2 ∓ √2) g/l.
 #[test]
 fn double_pendulum_swings_in_its_normal_modes() {
     let (points, ballast) = (hanging(3, 0.4), [DVec3::ZERO; 3]);
@@ -83,7 +83,7 @@ fn double_pendulum_swings_in_its_normal_modes() {
     }
 }
 
-/// Each point is pushed by c u and pulled by g: the string hangs straight along their sum.
+/// The accelerations c u of the air and g of gravity act on each point, so the string hangs straight along their sum.
 #[test]
 fn steady_wind_tilts_a_string_by_the_expected_angle() {
     let (points, ballast) = (hanging(9, 0.3), [DVec3::ZERO; 9]);
@@ -96,7 +96,7 @@ fn steady_wind_tilts_a_string_by_the_expected_angle() {
     }
 }
 
-/// Released sideways without any loss, the string whips, and keeps its energy.
+/// The string is released sideways without losses. It whips, and conserves its energy.
 #[test]
 fn energy_and_lengths_are_conserved() {
     let (points, ballast) = (hanging(6, 0.3), [DVec3::ZERO; 6]);
@@ -112,7 +112,7 @@ fn energy_and_lengths_are_conserved() {
     }
 }
 
-/// Returns a motion of the root that begins and ends with every kind of surface motion.
+/// Returns a motion of the root that combines all kinds of surface motion.
 fn sway(time_s: f64) -> (DVec3, DMat3) {
     let turns = TAU * 0.7 * time_s;
     let (slow, swell) = (1.0 - turns.cos(), turns.sin());
@@ -131,7 +131,7 @@ fn halving_the_step_reduces_the_error_sixteenfold() {
     }
     let followed = guide.converged(&sway, false, (90, 1.0 / 60.0), 1e-6);
     assert!(followed.change <= 1e-6 && followed.places.len() == 90, "{}", followed.change);
-    // A root that moves straight between frames converges to the smooth one with many frames.
+    // With many frames, the motion for a root that moves straight between frames converges to that for the smooth root.
     let off = |frames: u32| {
         let at = |straight| guide.frames(&sway, straight, (frames, 1.5 / f64::from(frames)), 1920 / frames);
         at(true)[frames as usize - 1][6].distance(at(false)[frames as usize - 1][6])
@@ -140,7 +140,7 @@ fn halving_the_step_reduces_the_error_sixteenfold() {
     assert!(many < 0.1 * few && few < 0.01, "{few} m, {many} m");
 }
 
-/// Only the surface moves, and it turns as a whole: hair on a stiff spring turns with it.
+/// Only the surface moves, and it rotates rigidly. Hair with a stiff spring rotates with it.
 #[test]
 fn stiff_hair_moves_rigidly_with_its_root() {
     let points = hanging(5, 0.2);

@@ -1,13 +1,13 @@
 //! Slow truths for charts and stability rows.
 //!
-//! * [`SampledVolume`]: transmittance along the true light ray through the volume that the layers were sampled from.
-//!   Its difference from the layer-wise shadow maps is the error of the maps.
+//! * [`SampledVolume`]: transmittance along the true light ray through the volume of which the layers are samples. Its
+//!   difference from the layer-wise shadow maps is the error of the maps.
 //! * [`StrandField`]: the same strands as round, opaque hairs. Its difference from the volume is the error of slicing.
-//! * [`Occluder`]: a mesh between its points and a disc light, for soft shadows.
-//! * [`TrueLines`]: contours, creases and borders of a posed mesh surface as edges of its mesh, hidden parts removed by
-//!   rays: the truth for ink lines.
-//! * [`TrueGuide`]: hair on guides by its equations, with steps as short as needed: the limit for Verlet with its
-//!   lengths.
+//! * [`Occluder`]: a mesh that hides parts of a disc light from its points, for soft shadows.
+//! * [`TrueLines`]: contours, creases and borders of a posed mesh, with hidden parts removed by rays. The truth for ink
+//!   lines.
+//! * [`TrueGuide`]: motion of hair on guides by its equations, with steps as short as needed. Verlet integration with
+//!   length constraints converges to it.
 
 mod disc_light;
 mod hair_motion;

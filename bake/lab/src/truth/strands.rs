@@ -1,21 +1,21 @@
-//! Transmittance through the strands themselves: binary rays against round, opaque hairs.
+//! Transmittance through the strands themselves: rays are blocked or not by round, opaque hairs.
 //!
-//! This truth reads the same [`Strands`] as slicing does, but nothing that slicing makes of them. It therefore shows
-//! the error of the layers against the hair, whereas [`super::SampledVolume`] shows only the error of the maps against
-//! the layers. The two need not agree, for three reasons:
+//! This truth reads the same [`Strands`] as slicing does, but nothing that slicing computes from them. It therefore
+//! shows the error of the layers compared with the hair, whereas [`super::SampledVolume`] shows only the error of the
+//! maps compared with the layers. The two differ for three reasons:
 //!
-//! * Slicing preserves a strand's coverage but not its sharpness: a hair is widened to the filter of the texels and
-//!   thinned out as much. A hair of many texels lets a little light through its middle, where a real one lets none
-//!   through ([`pelage_bake::stages::textures::extinction`]).
-//! * Along the hair the tails of the Gaussians that it is drawn with add up, so that light from straight above meets
-//!   hairs wider than they are.
-//! * A ray that starts within a hair is blocked; in the volume it has half a layer before it.
+//! * Slicing preserves a strand's coverage but not its sharpness: a hair is widened to the filter of the texels, and
+//!   its opacity is reduced in proportion. A hair many texels wide lets a little light through its middle, where a real
+//!   one lets none through ([`pelage_bake::stages::textures::extinction`]).
+//! * Along the hair, the tails of the Gaussians with which it is rasterised add up. Light from straight above therefore
+//!   meets hairs that are too wide.
+//! * A ray that starts within a hair is blocked; in the volume, it has half a layer in front of it.
 //!
-//! The remaining difference is the error of coherence: layers affect each other only through the light that passes from
+//! The remaining difference is an error of coherence: layers affect each other only through the light that passes from
 //! map to map.
 //!
-//! A grid over the tile would do as well as a bounding volume hierarchy while hair stands up evenly. With hair combed
-//! flat or gathered in locks, one cell of a grid holds most of the segments, whereas the tree stays as fast.
+//! A grid over the tile would be as fast as a bounding volume hierarchy as long as hair stands up evenly. If hair is
+//! combed flat or gathered in locks, most segments are in one cell of a grid, whereas the tree stays fast.
 
 use glam::{DVec2, DVec3};
 use obvhs::aabb::Aabb;
@@ -27,36 +27,37 @@ use pelage_import::BakeError;
 use pelage_truth::{seed_of, stratified};
 use std::time::Duration;
 
-/// Tiles that a ray may cross before it counts as never leaving.
+/// Number of tiles that a ray may cross before it is assumed never to leave the fur.
 const MAX_TILES: u32 = 1 << 12;
 
-/// Piece of a strand: the points within a radius of a line; the radius varies linearly from one end to the other.
+/// Piece of a strand: all points within a radius of a line segment. The radius varies linearly from one end to the
+/// other.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
     from: DVec3,
     along: DVec3,
     radii: [f64; 2],
     strand: u32,
-    /// Tile from which the segment was taken.
+    /// Tile from which the segment was taken, as an offset in tiles.
     home: DVec2,
 }
 
 impl Boundable for Segment {
     fn aabb(&self) -> Aabb {
         let (a, b) = (self.from, self.from + self.along);
-        // Rounding to f32 must not shrink the box.
+        // The margin compensates for rounding to f32, which must not shrink the box.
         let reach = self.radii[0].max(self.radii[1]) + 1e-6 * (1.0 + a.abs().max(b.abs()).max_element());
         Aabb::new((a.min(b) - reach).as_vec3a(), (a.max(b) + reach).as_vec3a())
     }
 }
 
 impl Segment {
-    /// Returns whether the ray from `origin`, `way` times 0..=`length` long, enters the hair; `way` has unit length.
+    /// Returns whether the ray `origin` + t `way`, with t in 0..=`length`, enters the hair; `way` has unit length.
     ///
-    /// The radius is that at the point on the axis where the two come closest. For cylinders with round ends that is
-    /// exact, for tapering hair up to the square of the taper.
+    /// The radius is that at the point of the axis where ray and axis are closest. This is exact for cylinders with
+    /// round ends. For tapering hair, the error is of second order in the taper.
     fn blocks(&self, origin: DVec3, way: DVec3, length: f64) -> bool {
-        // Closest points of a line and a segment: Ericson, Real-Time Collision Detection (2005), 5.1.9.
+        // Closest points of a line and a segment, after Ericson, Real-Time Collision Detection (2005), 5.1.9.
         let r = origin - self.from;
         let (c, e) = (way.dot(r), self.along.length_squared());
         let (s, w) = if e > 0.0 {
@@ -80,7 +81,7 @@ impl Segment {
 
 /// Strands of one tile as solid hairs, periodic along u and v, in widths of the tile.
 pub struct StrandField {
-    /// Segments in the order of the tree's leaves; the middle of each is within 0..1 along u and v.
+    /// Segments in the order of the tree's leaves. The middle of each is within 0..1 along u and v.
     segments: Vec<Segment>,
     /// Acceleration tree; `None` without hair.
     tree: Option<Bvh2>,
@@ -119,16 +120,16 @@ impl StrandField {
         Ok(Self { segments, tree: Some(tree), min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() })
     }
 
-    /// Returns the share of the rays from a small square at height `z`, parallel to the mesh surface, that reach a
-    /// distant light past all hairs; 0..=1. This is the light in the space between hairs, and inside them it is 0;
+    /// Returns the fraction of rays from a small square at height `z`, parallel to the mesh surface, that reach a
+    /// distant light past all hairs; 0..=1. This is the light in the space between hairs; inside a hair it is 0.
     /// [`Self::lights_strand`] gives the light on a hair itself.
     ///
-    /// * `u`, `v`: middle of the square, widths of the tile; any, because the tile repeats
-    /// * `z`: height above the mesh surface, widths of the tile
-    /// * `footprint`: width of the square, widths of the tile, along u and v; 0 sends all rays from one point
+    /// * `u`, `v`: middle of the square, tile widths; any value, because the tile repeats
+    /// * `z`: height above the mesh surface, tile widths
+    /// * `footprint`: width of the square along u and v, tile widths; 0 sends all rays from one point
     /// * `light_ts`: direction towards the light, of any length, in the frame of the tile: u, v, and away from the mesh
     ///   surface
-    /// * `samples`: number of rays, rounded up to a square number: one from each cell of a grid in the square
+    /// * `samples`: number of rays, rounded up to a square number; one from each cell of a grid in the square
     ///
     /// The result is deterministic. It is 0 if the light is not above the mesh surface, which is opaque.
     pub fn transmittance(&self, u: f64, v: f64, z: f64, footprint: f64, light_ts: DVec3, samples: u32) -> f64 {
@@ -142,10 +143,10 @@ impl StrandField {
         free.count() as f64 / count as f64
     }
 
-    /// Returns whether a distant light is visible from a point on a strand past all hairs but that strand. Its copies
-    /// in other tiles do block light, as in the traced picture, where each copy is a strand of its own.
+    /// Returns whether a distant light is visible from a point on a strand past all other hairs. Copies of the strand
+    /// in other tiles block light, as in the traced picture, where each copy is a separate strand.
     ///
-    /// * `place`: point on the strand's axis, widths of the tile, as in [`Strands::points`]: not wrapped into the tile
+    /// * `place`: point on the strand's axis, tile widths, as in [`Strands::points`], not wrapped into the tile
     /// * `strand`: index of the strand
     /// * `light_ts`: as in [`Self::transmittance`]
     ///
@@ -155,8 +156,8 @@ impl StrandField {
         light.is_some_and(|light| self.is_free(place, light, Some(strand)))
     }
 
-    /// Returns whether a ray leaves the fur past all strands but `own`. The ray is followed a tile's width at a time.
-    /// Within one it can meet hairs of neighbours only where they lean over, and coordinates stay small enough for the
+    /// Returns whether a ray leaves the fur past all strands but `own`. The ray is divided into pieces one tile wide. A
+    /// piece can meet hairs of neighbouring tiles only if they lean over, and its coordinates are small enough for the
     /// tree, which uses f32.
     fn is_free(&self, start: DVec3, light: DVec3, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
@@ -178,8 +179,8 @@ impl StrandField {
         false
     }
 
-    /// Returns whether the ray meets a hair for which `hides` holds; `hides` receives a segment, and the tile of its
-    /// copy.
+    /// Returns whether a piece of the ray meets a hair for which `hides` returns true. `hides` receives a segment, and
+    /// the tile of its copy.
     fn piece_is_blocked(
         &self,
         tree: &Bvh2,
@@ -190,7 +191,7 @@ impl StrandField {
     ) -> bool {
         let end = origin + way * length;
         let (low, high) = (origin.min(end), origin.max(end));
-        // Copies of the tile that the piece of the ray may touch.
+        // Copies of the tile that this piece of the ray may touch.
         let copies =
             |axis: usize| (low[axis] - self.max[axis]).ceil() as i64..=(high[axis] - self.min[axis]).floor() as i64;
         copies(0).any(|i| {

@@ -4,7 +4,7 @@ use crate::truth::SampledVolume;
 use glam::{Vec3, vec3};
 use pelage_bake::recipe::natural;
 
-/// Returns straight strands of even radius between pairs of points.
+/// Returns straight strands of constant radius between pairs of points.
 fn strands(lines: &[[Vec3; 2]], radius: f32, height: f32) -> Strands {
     let points: Vec<Vec3> = lines.iter().flatten().copied().collect();
     Strands {
@@ -26,14 +26,14 @@ fn towards(angle_deg: f64, azimuth_deg: f64) -> DVec3 {
     DVec3::new(a.sin() * b.cos(), a.sin() * b.sin(), a.cos())
 }
 
-/// Returns the mean over the tile, from points that do not depend on the hairs.
+/// Returns the mean transmittance over the tile, sampled at points that do not depend on the hairs.
 fn mean(field: &StrandField, z: f64, light: DVec3) -> f64 {
     field.transmittance(0.5, 0.5, z, 1.0, light, 90_000)
 }
 
-/// A layer of parallel hairs at height 0.25 that run along v from tile to tile, four to a tile. Seen from the mesh
-/// surface they cover four diameters of the width. The slant across the hairs foreshortens the gaps; a slant along them
-/// does not.
+/// A layer of parallel hairs at height 0.25, four per tile, that run along v from tile to tile. Seen from the mesh
+/// surface, they cover four diameters of the tile's width. Light slanted across the hairs sees narrower gaps; a slant
+/// along them has no effect.
 #[test]
 fn parallel_hairs_cover_the_sum_of_their_diameters() {
     let line = |i: u8| {
@@ -45,39 +45,41 @@ fn parallel_hairs_cover_the_sum_of_their_diameters() {
     let share = 8.0 * f64::from(radius);
     for (angle, azimuth) in [(0.0, 0.0f64), (40.0, 0.0), (40.0, 90.0), (60.0, 30.0), (-60.0, 10.0)] {
         let light = towards(angle, azimuth);
-        // Along the ray, the hairs' spacing shrinks by the cosine of the slant across them.
+        // Along the ray, the spacing of the hairs shrinks by the cosine of the slant across them.
         let across = light.z / (light.x * light.x + light.z * light.z).sqrt();
         let truth = 1.0 - share / across;
         let found = mean(&wall, 0.0, light);
         assert!((found - truth).abs() < 2e-3, "{angle}° {azimuth}°: {found}, not {truth}");
         assert_eq!(mean(&wall, 0.3, light), 1.0, "above it there is nothing");
     }
-    // From the middle of the wall's own height, only rays that start in a hair are blocked.
+    // From the height of the hairs' axes, only rays that start in a hair are blocked.
     assert!((mean(&wall, 0.25, DVec3::Z) - (1.0 - share)).abs() < 2e-3);
-    // Point by point: free between hairs, blocked under one, in any tile.
+    // Single points: light is visible between hairs and blocked under a hair, in any tile.
     for tile in [-3.0, 0.0, 11.0] {
         assert_eq!(wall.transmittance(0.1 + tile, 0.4, 0.0, 0.01, DVec3::Z, 9), 0.0);
         assert_eq!(wall.transmittance(0.225 + tile, 0.4 + tile, 0.0, 0.01, DVec3::Z, 9), 1.0);
     }
-    // At a hair's edge, half of a small square is under it.
+    // At a hair's edge, half of a small square is under the hair.
     let edge = wall.transmittance(0.12, 0.4, 0.0, 0.004, DVec3::Z, 10_000);
     assert!((edge - 0.5).abs() < 0.01, "{edge}");
 }
 
-/// A single upright hair casts a shadow as long as it is high, of its own width, that continues through the next tiles.
+/// A single upright hair casts a shadow of its own width, whose length is the hair's height times the tangent of the
+/// light's angle. The shadow continues through the next tiles.
 #[test]
 fn upright_hair_casts_a_shadow_of_its_length() {
     let (radius, height) = (0.01, 0.5);
     let hair = field(&[[vec3(0.2, 0.7, 0.0), vec3(0.2, 0.7, height)]], radius);
     for (angle, azimuth) in [(30.0f64, 0.0), (60.0, 40.0), (75.0, 250.0)] {
         let light = towards(angle, azimuth);
-        // A rectangle and the projected ends: a disc at the root, within the hair itself, and the half sphere at the
-        // tip.
+        // The shadow is a rectangle plus the projected ends: a disc at the root, within the hair itself, and the half
+        // sphere at the tip.
         let (r, length) = (f64::from(radius), f64::from(height) * angle.to_radians().tan());
         let shadow = 2.0 * r * length + 0.5 * std::f64::consts::PI * r * r * (1.0 + 1.0 / light.z);
         let found = 1.0 - mean(&hair, 0.0, light);
         assert!((found / shadow - 1.0).abs() < 0.06, "{angle}°: {found}, not {shadow}");
-        // In the shadow of the point three quarters up the hair, a tile away; and beside it.
+        // One point is in the shadow of the point at three quarters of the hair's height, a tile away; the other is
+        // beside it.
         let t = |side: f64| {
             let away = -0.75 * length;
             let (u, v) = (0.2 + away * azimuth.to_radians().cos(), 0.7 + away * azimuth.to_radians().sin());
@@ -88,8 +90,8 @@ fn upright_hair_casts_a_shadow_of_its_length() {
     }
 }
 
-/// A strand that leans from one tile into the next, across the light's direction: it does not block its own light, but
-/// its copies do, wherever the tile's borders are. A second strand hides light in any case.
+/// A strand that leans from one tile into the next, across the light's direction. It does not block its own light, but
+/// its copies do, wherever the tile's borders are. A second strand always blocks the light.
 #[test]
 fn strand_is_shadowed_by_its_copies_and_not_by_itself() {
     let (radius, root) = (0.02f32, vec3(0.9, 0.5, 0.0));
@@ -98,7 +100,7 @@ fn strand_is_shadowed_by_its_copies_and_not_by_itself() {
         let leaning = [root + shift, tip + shift];
         let alone = field(&[leaning], radius);
         let place = leaning[0].lerp(leaning[1], 0.3).as_dvec3();
-        // Along the strand: the rest of it is in the way.
+        // With light along the strand, the rest of the strand is in the way.
         let along = (tip - root).as_dvec3();
         assert!(alone.lights_strand(place, 0, along) && !alone.lights_strand(place, 1, along));
         assert!(alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.6)), "above the copy");
@@ -143,12 +145,12 @@ fn transmittance_is_periodic_and_zero_from_below() {
     for light in [DVec3::X, -DVec3::Z, DVec3::ZERO, DVec3::NAN] {
         assert_eq!(field.transmittance(0.5, 0.5, 0.1, 0.1, light, 4), 0.0);
     }
-    // A level ray above all hair leaves at once; one within it ends somewhere.
+    // A horizontal ray above all hair leaves at once; one within the hair is blocked somewhere.
     assert_eq!(field.transmittance(0.5, 0.5, 0.5, 0.0, DVec3::new(1.0, 0.7, 1e-9), 1), 1.0);
     assert_eq!(field.transmittance(0.5, 0.5, 0.1, 0.0, DVec3::new(1.0, 0.7, 1e-9), 1), 0.0);
 }
 
-/// Hairs many texels wide, for which layers and rays should agree, up to the changes by the volume's blur and density.
+/// Hairs many texels wide, for which layers and rays agree except for the volume's blur and density.
 #[test]
 fn layers_of_wide_hairs_agree_with_ray_casting() {
     let hair = pelage_bake::recipe::HairParams {
@@ -171,7 +173,7 @@ fn layers_of_wide_hairs_agree_with_ray_casting() {
             let t = volume.layer_transmittances(layer, light);
             let volume_mean = t.iter().sum::<f64>() / t.len() as f64;
             let rays = mean(&field, layer as f64 * volume.spacing(), light);
-            // Along the hairs the tails of their Gaussians add up to more than the hairs' width, and the volume is
+            // Along the hairs, the tails of their Gaussians add up to more than the hairs' width, so the volume is
             // darker.
             let tolerance = if angle < 45.0 { 0.1 } else { 0.045 };
             assert!(
@@ -181,6 +183,6 @@ fn layers_of_wide_hairs_agree_with_ray_casting() {
             shares.push(rays);
         }
     }
-    // The differences from layer to layer and from angle to angle are larger than that, so agreement is meaningful.
+    // The differences between layers and between angles exceed the tolerance, so agreement is meaningful.
     assert!(shares[0] - shares[4] > 0.3 && shares[5] - shares[4] > 0.15, "{shares:?}");
 }

@@ -1,34 +1,34 @@
-//! Transmittance through the volume that the layers are samples of: formulas 4.3, after Kajiya and Kay 1989.
+//! Transmittance through the volume of which the layers are samples (formulas 4.3, after Kajiya and Kay 1989).
 //!
-//! A layer's opacity α is the share of light from straight above that its slab of height Δ absorbs, so the slab's
-//! extinction is −ln(1 − α)/Δ. It is given at the texel centres of the layer and interpolated linearly along all three
-//! axes. The ends are constant, from half a spacing under the lowest layer to half a spacing over the outermost one.
-//! Straight down, the whole volume therefore absorbs exactly as much as the product of all layers. A point on a layer
-//! has half of that layer before it.
+//! A layer's opacity α is the fraction of light from straight above that its slab of height Δ absorbs. The slab's
+//! extinction is therefore −ln(1 − α)/Δ. Extinction is given at the texel centres of each layer and interpolated
+//! linearly along all three axes. It is constant within half a layer spacing below the lowest layer and above the
+//! outermost one. Straight down, the whole volume therefore absorbs exactly as much as the product of all layers. A
+//! point on a layer has half of that layer in front of it.
 //!
-//! Between two grid planes extinction is a cubic along any straight line, for which two Gauss points give the exact
-//! integral. No step length has to be chosen.
+//! Between two grid planes, extinction is a cubic along any straight line, and two Gauss points integrate it exactly.
+//! No step length has to be chosen.
 
 use glam::DVec3;
 use pelage_bake::stages::slice::ShellSet;
 use pelage_import::BakeError;
 use rayon::prelude::*;
 
-/// Cap on opacities: an opaque texel would have an infinite extinction, which cannot be interpolated.
+/// Cap on opacities, because an opaque texel would have an infinite extinction, which cannot be interpolated.
 const MOST_OPAQUE: f64 = 0.97;
-/// Optical depth at which a ray ends: one part in 10¹⁵ of the light is left.
+/// Optical depth at which a ray ends, when one part in 10¹⁵ of the light is left.
 const DARK: f64 = 35.0;
-/// Grid cells that a ray may cross before it counts as never leaving: 16 000 tiles of 64 texels.
+/// Number of grid cells that a ray may cross before it is assumed never to leave the fur: 16 000 tiles of 64 texels.
 const MAX_CELLS: u32 = 1 << 20;
 
-/// Extinction of one tile of fur, periodic along u and v, in widths of the tile.
+/// Extinction of one tile of fur, periodic along u and v. The unit of length is the tile's width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledVolume {
     /// Texels per side.
     texels: usize,
     /// Number of layers above layer 0, which is the opaque mesh surface and not part of the volume.
     layers: usize,
-    /// Distance between two layers.
+    /// Distance between two layers, tile widths.
     spacing: f64,
     /// `layers * texels * texels` values, the lowest layer first, row-major.
     extinction: Vec<f64>,
@@ -50,8 +50,8 @@ impl SampledVolume {
         Self::from_opacities(set.texels, height, &opacities)
     }
 
-    /// Builds the volume from opacities 0..=1 at the texel centres of each layer above layer 0, the lowest first,
-    /// `texels * texels` values each.
+    /// Builds the volume from opacities (0..=1) at the texel centres of each layer above layer 0. The lowest layer is
+    /// first; each has `texels * texels` values.
     ///
     /// # Errors
     ///
@@ -80,7 +80,7 @@ impl SampledVolume {
         self.texels
     }
 
-    /// Returns the number of layers, layer 0 included: one more than have extinction.
+    /// Returns the number of layers, layer 0 included. Layer 0 has no extinction.
     pub fn layers(&self) -> usize {
         self.layers + 1
     }
@@ -90,19 +90,18 @@ impl SampledVolume {
         self.spacing
     }
 
-    /// Returns exp(−∫ extinction) from a point along the straight ray to a distant light, until it leaves the fur;
+    /// Returns exp(−∫ extinction) along the straight ray from a point to a distant light, until the ray leaves the fur;
     /// 0..=1.
     ///
-    /// * `u`, `v`: position in the tile, widths of the tile; any, because the tile repeats
-    /// * `z`: height above the mesh surface, widths of the tile; clamped to 0 below it
+    /// * `u`, `v`: position in the tile, tile widths; any value, because the tile repeats
+    /// * `z`: height above the mesh surface, tile widths; negative values count as 0
     /// * `light_ts`: direction towards the light, of any length, in the frame of the tile: u, v, and away from the mesh
     ///   surface
     ///
     /// The result is 0 if the light is not above the mesh surface, which is opaque.
     pub fn transmittance(&self, u: f64, v: f64, z: f64, light_ts: DVec3) -> f64 {
         let Some(light) = light_ts.try_normalize().filter(|l| l.z > 0.0) else { return 0.0 };
-        // From here on one unit is a texel along u and v, and a layer along z; texel centres and layers are at whole
-        // numbers.
+        // Units below: a texel along u and v, and a layer along z. Texel centres and layers have integer coordinates.
         let n = self.texels as f64;
         let start = DVec3::new(u.rem_euclid(1.0) * n - 0.5, v.rem_euclid(1.0) * n - 0.5, z.max(0.0) / self.spacing);
         let way = DVec3::new(light.x * n, light.y * n, light.z / self.spacing);
@@ -115,8 +114,8 @@ impl SampledVolume {
         (-self.optical_depth(start + way * enter, way, length)).exp()
     }
 
-    /// Returns [`Self::transmittance`] at every texel centre of a layer: `texels * texels` values, row-major; 0 is the
-    /// mesh surface.
+    /// Returns [`Self::transmittance`] at every texel centre of a layer: `texels * texels` values, row-major. Layer 0
+    /// is the mesh surface.
     pub fn layer_transmittances(&self, layer: usize, light_ts: DVec3) -> Vec<f64> {
         let n = self.texels;
         let at = |i: usize| (i as f64 + 0.5) / n as f64;
@@ -124,10 +123,10 @@ impl SampledVolume {
         (0..n * n).into_par_iter().map(|i| self.transmittance(at(i % n), at(i / n), z, light_ts)).collect()
     }
 
-    /// Returns the integral from `start` over `length` times `way`, in widths of the tile; infinite for a ray that
-    /// never leaves.
+    /// Returns the integral of extinction from `start` to `start` + `length` · `way`, with lengths in tile widths.
+    /// Infinite for a ray that never leaves.
     fn optical_depth(&self, start: DVec3, way: DVec3, length: f64) -> f64 {
-        // Along each axis: the ray's distance to the next grid plane, and the distance between planes.
+        // For each axis: the distance along the ray to the next grid plane, and the distance between planes.
         let mut planes = [0, 1, 2].map(|axis| {
             let (p, d) = (start[axis], way[axis]);
             let first = if d > 0.0 { p.floor() + 1.0 } else { p.ceil() - 1.0 };
@@ -152,7 +151,7 @@ impl SampledVolume {
         f64::INFINITY
     }
 
-    /// Returns the integral over a stretch of the ray that crosses no grid plane.
+    /// Returns the integral over a part of the ray that crosses no grid plane.
     fn cell(&self, start: DVec3, way: DVec3, from: f64, to: f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let corner = (start + way * middle).floor();

@@ -5,7 +5,7 @@ fn towards(angle_deg: f64, azimuth_deg: f64) -> DVec3 {
     DVec3::new(a.sin() * b.cos(), a.sin() * b.sin(), a.cos())
 }
 
-/// Returns a volume of `layers` layers above layer 0, with the opacity `alpha` of layer (from 1), column and row.
+/// Returns a volume of `layers` layers above layer 0. `alpha` returns the opacity for a layer (from 1), column and row.
 fn volume(texels: u32, layers: usize, height: f64, alpha: impl Fn(usize, u32, u32) -> f64) -> SampledVolume {
     let texel = |k: usize, i: u32| alpha(k, i % texels, i / texels);
     let opacities: Vec<Vec<f64>> = (1..=layers).map(|k| (0..texels * texels).map(|i| texel(k, i)).collect()).collect();
@@ -30,12 +30,13 @@ fn uniform_block_follows_the_beer_lambert_law() {
         for azimuth in [0.0, 33.0, 90.0, 200.0] {
             let light = towards(angle, azimuth);
             for k in 0..=layers {
-                // Layer 0 has all layers before it; any other layer has half of itself and all above.
+                // A point on layer 0 has all layers in front of it; on any other layer, it has half of that layer and
+                // all above it.
                 let crossed = if k == 0 { layers as f64 } else { (layers - k) as f64 + 0.5 };
                 let truth = (-tau * crossed / angle.to_radians().cos()).exp();
                 let z = k as f64 * height / layers as f64;
                 close(block.transmittance(0.3, 0.9, z, light), truth, 1e-12);
-                // The length of the direction has no effect.
+                // The length of the light's direction has no effect.
                 close(block.transmittance(0.3, 0.9, z, light * 7.0), truth, 1e-12);
             }
         }
@@ -56,7 +57,8 @@ fn single_layer_has_a_tent_shaped_optical_depth() {
     let (layers, height, alpha) = (9, 0.3, 0.7f64);
     let single = volume(8, layers, height, |k, _, _| if k == 4 { alpha } else { 0.0 });
     let (spacing, tau) = (height / layers as f64, -(1.0 - alpha).ln());
-    // The tent reaches one spacing to both sides; a point within it has the rest of it ahead.
+    // The extinction is a tent that extends one spacing to both sides; a point within it has the rest of the tent
+    // ahead.
     for (z, share) in [(0.0, 1.0), (3.0, 1.0), (3.5, 0.875), (4.0, 0.5), (4.5, 0.125), (5.0, 0.0), (9.7, 0.0)] {
         for angle in [0.0, 40.0, 75.0] {
             let truth = (-tau * share / f64::to_radians(angle).cos()).exp();
@@ -65,8 +67,8 @@ fn single_layer_has_a_tent_shaped_optical_depth() {
     }
 }
 
-/// An upright sheet across u: a ray along v within it meets only the sheet, one along u crosses all of it once per
-/// tile.
+/// An upright sheet across u. A ray along v within the sheet meets nothing else; a ray along u crosses the whole sheet
+/// once per tile.
 #[test]
 fn upright_sheet_absorbs_by_its_thickness() {
     let (texels, layers, height, alpha) = (16, 8, 0.5, 0.4f64);
@@ -74,11 +76,11 @@ fn upright_sheet_absorbs_by_its_thickness() {
     let extinction = -(1.0 - alpha).ln() / (height / layers as f64);
     let middle = 5.5 / 16.0;
     let light = towards(60.0, 0.0);
-    // Across: a tent of one texel to both sides, so one texel's width of it at sin(60°) to the ray. The ray from the
-    // mesh surface runs 0.5·tan(60°) = 0.87 tiles. It starts so that it passes the sheet once within the upper part of
-    // the volume.
+    // Across the sheet, extinction is a tent of one texel to both sides, equivalent to one texel's width, crossed at
+    // sin(60°). The ray from the mesh surface covers 0.5·tan(60°) = 0.87 tiles. It starts so that it crosses the sheet
+    // once, in the upper part of the volume.
     close(sheet.transmittance(middle - 0.3, 0.4, 0.0, light), (-extinction / 16.0 / light.x).exp(), 1e-12);
-    // Along v, in the sheet's middle plane, it is a solid block; one texel beside it, there is nothing.
+    // Along v, the middle plane of the sheet acts as a solid block; one texel beside it, there is nothing.
     let along = towards(60.0, 90.0);
     close(sheet.transmittance(middle, 0.4, 0.0, along), (-extinction * height / along.z).exp(), 1e-9);
     close(sheet.transmittance(middle + 1.0 / 16.0, 0.4, 0.0, along), 1.0, 1e-12);
@@ -89,7 +91,7 @@ fn upright_sheet_absorbs_by_its_thickness() {
     );
 }
 
-/// Compares the exact integral with midpoint steps, whose error falls with the square of their length.
+/// Compares the exact integral with midpoint steps, whose error is proportional to the square of the step length.
 #[test]
 fn steps_converge_to_the_integral() {
     let volume = rough();
@@ -136,14 +138,14 @@ fn transmittance_is_periodic_and_within_its_range() {
         let t = volume.transmittance(u, v, z, light);
         assert!((0.0..=1.0).contains(&t), "{t}");
         close(volume.transmittance(u + 3.0, v - 2.0, z, light), t, 1e-9);
-        // Farther up along the ray there is less ahead.
+        // From a point farther up along the ray, less of the volume is ahead.
         assert!(volume.transmittance(u + 0.1 * light.x, v + 0.1 * light.y, z + 0.1 * light.z, light) >= t - 1e-12);
     }
     for light in [DVec3::X, -DVec3::Z, DVec3::ZERO, DVec3::NAN, DVec3::new(1.0, 0.0, -1e-9)] {
         assert_eq!(volume.transmittance(0.5, 0.5, 0.1, light), 0.0, "{light}");
     }
     assert_eq!(volume.transmittance(0.5, 0.5, 1.0, towards(60.0, 0.0)), 1.0);
-    // Almost level: the ray meets something, or is given up.
+    // An almost horizontal ray is absorbed, or counts as never leaving the fur.
     assert!(volume.transmittance(0.5, 0.5, 0.1, DVec3::new(1.0, 0.3, 1e-12)) < 1e-15);
     let empty = self::volume(4, 2, 0.1, |_, _, _| 0.0);
     assert_eq!(empty.transmittance(0.5, 0.5, 0.0, towards(80.0, 12.0)), 1.0);

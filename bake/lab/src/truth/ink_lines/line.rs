@@ -1,12 +1,12 @@
-//! Definition of a line, and a visible piece of one.
+//! Definition of a line, and of its visible segments.
 
 use glam::DVec2;
 
-/// Parameters of what counts as a line.
+/// Parameters that define which edges are lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineParams {
     /// Smallest angle between the normals of two faces at which their edge is a crease, degrees, 0..=180 (default 50).
-    /// 0 makes every edge a line, 180 none.
+    /// With 0, every edge is a line; with 180, none is.
     pub crease_deg: f64,
     /// Method of finding contours.
     pub contour: ContourForm,
@@ -21,12 +21,12 @@ impl Default for LineParams {
 /// Method of finding contours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ContourForm {
-    /// Edges between a face towards the eye and one away from it: exactly where the drawn mesh ends.
+    /// Edges between a face towards the eye and one away from it. The rendered mesh ends exactly there.
     #[default]
     Edges,
-    /// Zeros of N·E within triangles, with the vertices' normals interpolated: where the smooth surface that the mesh
-    /// approximates would end. Hidden parts are found with a tolerance of a triangle's size, because these lines are on
-    /// the wrong side of the mesh's own outline half of the time.
+    /// Zeros of N·E within triangles, with interpolated vertex normals. The smooth surface that the mesh approximates
+    /// would end there. Visibility is tested with a tolerance of a triangle's size, because half of these lines are on
+    /// the hidden side of the mesh's own outline.
     Interpolated,
 }
 
@@ -48,12 +48,12 @@ impl LineKind {
     pub const ALL: [Self; 4] = [Self::Silhouette, Self::Contour, Self::Crease, Self::Border];
 }
 
-/// Straight piece of a line that is entirely visible.
+/// Straight segment of a line that is entirely visible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSegment {
-    /// First end, pixels from the picture's upper left corner.
+    /// First end, pixels from the upper left corner of the picture.
     pub from_px: DVec2,
-    /// Second end, pixels from the same corner.
+    /// Second end, pixels from the upper left corner of the picture.
     pub to_px: DVec2,
     /// Kind of the line.
     pub kind: LineKind,

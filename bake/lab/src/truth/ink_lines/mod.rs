@@ -1,22 +1,22 @@
-//! Lines that a mesh shows from a viewpoint, found on the mesh: the truth for ink lines, which are found in a picture
+//! Lines of a mesh from a viewpoint, found on the mesh. They are the truth for ink lines, which are found in a picture
 //! of normals.
 //!
 //! A line is one of three kinds of edge: between a face towards the eye and one away from it (a contour), between faces
-//! at a large angle (a crease), or an open edge (a border). Each is sampled finely, and samples behind other parts of
-//! the surface are removed by a ray from the eye. Nothing here is filtered, thresholded in pixels or drawn, and no code
-//! is shared with the drawing.
+//! at a large angle (a crease), or an open edge (a border). Each edge is sampled finely, and rays from the eye remove
+//! samples behind other parts of the surface. Nothing here is filtered, thresholded in pixels or rasterised, and no
+//! code is shared with the renderer.
 //!
 //! # Edges or normals
 //!
-//! For a mesh that approximates a smooth surface, a contour may also be where N·E, with the shading normals, passes
-//! through zero ([`ContourForm::Interpolated`]). The truth here is [`ContourForm::Edges`]: the visible part of a mesh
-//! ends at its edges, exactly and without a tolerance, in its outline and where it hides itself. The zeros of the
-//! interpolated N·E run up to an edge's length inside or outside of that outline, where nothing in the picture ends.
-//! They also break off where normals are split, and do not exist on flat faces. With small triangles both agree; a test
+//! On a mesh that approximates a smooth surface, contours may also be defined by the shading normals, as zeros of N·E
+//! ([`ContourForm::Interpolated`]). The truth here is [`ContourForm::Edges`]: the visible part of a mesh ends exactly
+//! at its edges, both in its outline and where it hides itself. No tolerance is needed. The zeros of the interpolated
+//! N·E are up to an edge's length inside or outside of that outline, where nothing in the picture ends. They also break
+//! off where normals are split, and do not exist on flat faces. With small triangles, both definitions agree; a test
 //! compares them on a sphere.
 //!
-//! Source of the question: Fang et al. 2006, §2, which draws outline and feature lines; of the answer: edges between
-//! front and back faces are the classic object-space silhouette (Markosian et al. 1997, §2.1).
+//! The need for such lines comes from Fang et al. 2006, §2, which draws outline and feature lines. Edges between front
+//! and back faces are the classic object-space silhouette (Markosian et al. 1997, §2.1).
 
 mod line;
 mod smooth;
@@ -32,7 +32,7 @@ use topology::Topology;
 
 pub use line::{ContourForm, LineKind, LineParams, LineSegment};
 
-/// Posed mesh surface whose lines can be found from any viewpoint.
+/// Posed mesh surface, prepared for finding its lines from any viewpoint.
 pub struct TrueLines {
     sight: SurfaceVisibility,
     topology: Topology,
@@ -50,8 +50,8 @@ pub struct VisibleLines {
 }
 
 impl TrueLines {
-    /// Finds the edges of a mesh surface, and builds the tree for its rays. Vertices at one position are merged, so
-    /// that seams of patches, parts and normals do not count as borders.
+    /// Finds the edges of a mesh surface, and builds the acceleration tree for its rays. Vertices at the same position
+    /// are merged, so that seams of patches, parts and normals do not count as borders.
     ///
     /// # Errors
     ///
@@ -61,12 +61,12 @@ impl TrueLines {
         Ok(Self { sight: SurfaceVisibility::new(skin)?, topology })
     }
 
-    /// Returns the mesh surface with its rays.
+    /// Returns the mesh surface prepared for visibility rays.
     pub fn sight(&self) -> &SurfaceVisibility {
         &self.sight
     }
 
-    /// Returns the lines that a camera sees in a picture of `size` pixels. The result does not depend on the number of
+    /// Returns the lines visible to a camera in a picture of `size` pixels. The result does not depend on the number of
     /// threads.
     ///
     /// # Errors
@@ -93,11 +93,11 @@ impl TrueLines {
     }
 }
 
-/// Smallest distance in front of the eye at which a line is visible, radii of the mesh surface.
+/// Smallest distance from the eye at which a line is visible, as a fraction of the mesh surface's radius.
 const NEAR: f64 = 1e-6;
 
 impl VisibleLines {
-    /// Returns the pixels that lines of some kinds run through.
+    /// Returns the mask of pixels that lines of the given kinds cross.
     pub fn mask(&self, kinds: &[LineKind]) -> Mask {
         let mut mask = Mask::empty(self.width, self.height);
         for segment in self.segments.iter().filter(|s| kinds.contains(&s.kind)) {
@@ -110,7 +110,7 @@ impl VisibleLines {
         mask
     }
 
-    /// Returns the length of all lines of a kind, pixels.
+    /// Returns the total length of all lines of a kind, pixels.
     pub fn length_px(&self, kind: LineKind) -> f64 {
         self.segments.iter().filter(|s| s.kind == kind).map(LineSegment::length_px).sum()
     }

@@ -4,7 +4,7 @@
 use super::visible::{Family, MeshLine};
 use pelage_truth::{SurfaceView, SurfaceVisibility};
 
-/// Returns the zeros of N·E in all triangles, hidden or not.
+/// Returns the zeros of N·E in all triangles, whether hidden or not.
 pub(super) fn contours(sight: &SurfaceVisibility, look: &SurfaceView<'_>) -> Vec<MeshLine> {
     let skin = sight.skin();
     let in_triangle = |triangle: usize| {

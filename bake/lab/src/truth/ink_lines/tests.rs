@@ -22,7 +22,7 @@ fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> Pose
     }
 }
 
-/// Returns a box whose faces share no vertex, as with hard normals.
+/// Returns a box whose faces share no vertices, as with hard normals.
 fn cuboid(center: DVec3, half: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for axis in 0..3 {
@@ -49,7 +49,8 @@ fn sphere(rings: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
                 f64::from(i) * std::f64::consts::PI / f64::from(rings),
                 f64::from(j % sectors) * std::f64::consts::TAU / f64::from(sectors),
             );
-            // Each pole is one position, and the seam is closed: the last column is the first.
+            // All vertices of a pole have one position, and the last column has the positions of the first, so the
+            // surface is closed.
             let ring = if i == 0 || i == rings { 0.0 } else { theta.sin() };
             positions.push(DVec3::new(ring * phi.cos(), theta.cos(), -ring * phi.sin()));
         }
@@ -96,16 +97,16 @@ fn near(found: [f64; 4], expected: [f64; 4], within: f64) {
 #[test]
 fn a_cube_shows_its_outline_and_three_creases() {
     let cube = cuboid(DVec3::ZERO, DVec3::ONE);
-    // Along the space diagonal every edge is foreshortened alike: six make the outline, three meet in the middle, three
-    // are hidden.
+    // Seen along the space diagonal, all edges are equally foreshortened. Six form the outline, three meet in the
+    // middle, and three are hidden.
     let edge = 2.0 * (2.0f64 / 3.0).sqrt();
     near(lengths(&seen(&cube, Vec3::splat(5.0))), [6.0 * edge, 0.0, 3.0 * edge, 0.0], 0.05);
-    // Faces seen edge-on count as facing away. From slightly aside one crease appears, and the outline is six edges
-    // again.
+    // Faces seen edge-on count as facing away. From slightly to the side, one crease appears, and the outline has six
+    // edges again.
     near(lengths(&seen(&cube, Vec3::new(0.0, 0.0, 5.0))), [8.0, 0.0, 0.0, 0.0], 0.05);
     let (s, c) = (1.0f64 / 26f64.sqrt(), 5.0f64 / 26f64.sqrt());
     near(lengths(&seen(&cube, Vec3::new(1.0, 0.0, 5.0))), [4.0 + 4.0 * (s + c), 0.0, 2.0, 0.0], 0.05);
-    // A limit above the angle of its edges leaves only the outline.
+    // With a crease angle above that of the cube's edges, only the outline is left.
     let blunt = LineParams { crease_deg: 91.0, ..LineParams::default() };
     near(lengths(&seen_with(&cube, Vec3::splat(5.0), &blunt, false)), [6.0 * edge, 0.0, 0.0, 0.0], 0.05);
     let lines = seen(&cube, Vec3::splat(5.0));
@@ -126,12 +127,12 @@ fn invalid_crease_angles_are_refused() {
 #[test]
 fn hidden_lines_are_removed() {
     let (small, large) = (DVec3::splat(0.5), DVec3::new(1.5, 1.5, 0.1));
-    // A small cube in front of a plate: its outline is a contour. Behind the plate it is hidden.
+    // In front of a plate, the outline of a small cube is a contour. Behind the plate, the cube is hidden.
     let before = both(cuboid(DVec3::Z, small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&before, Vec3::new(0.0, 0.0, 5.0))), [12.0, 4.0, 0.0, 0.0], 0.05);
     let behind = both(cuboid(DVec3::NEG_Z, small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&behind, Vec3::new(0.0, 0.0, 5.0))), [12.0, 0.0, 0.0, 0.0], 0.05);
-    // Four tenths of the cube protrude, and the plate's edge in front of it is a contour for a metre.
+    // The cube protrudes by 0.4 m, and one metre of the plate's edge in front of it is a contour.
     let aside = both(cuboid(DVec3::new(1.4, 0.0, -1.0), small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&aside, Vec3::new(0.0, 0.0, 5.0))), [11.0 + 1.8, 1.0, 0.0, 0.0], 0.05);
 }
@@ -150,7 +151,7 @@ fn sphere_outline_is_a_circle_from_edges_and_from_normals() {
     };
     let edges = seen(&ball, eye);
     let [silhouette, contour, crease, border] = lengths(&edges);
-    // The poles' triangles and the seam are neither creases nor borders. Edges zigzag around the circle.
+    // The poles' triangles and the seam are neither creases nor borders. The contour edges zigzag around the circle.
     assert!((silhouette + contour) / round > 0.99 && (silhouette + contour) / round < 1.3, "{silhouette} {contour}");
     assert_eq!((crease, border), (0.0, 0.0));
     let (least, most) = radii(&edges);
@@ -162,7 +163,7 @@ fn sphere_outline_is_a_circle_from_edges_and_from_normals() {
     assert!(((silhouette + contour) / round - 1.0).abs() < 0.02, "{silhouette} {contour}");
     let (least, most) = radii(&smooth);
     assert!(least > 24.5 && most <= 25.0 + 1e-9, "{least} to {most} pixels");
-    // Each mask is within 1.5 pixels of the other, everywhere.
+    // Every pixel of each mask is within 1.5 pixels of the other mask.
     let (a, b) = (edges.mask(&LineKind::ALL), smooth.mask(&LineKind::ALL));
     let far = |of: &Mask, to: &Mask| {
         let distances = to.distances();
@@ -184,17 +185,17 @@ fn open_edges_are_border_lines() {
     );
     let (front, back) = (Vec3::new(0.0, 0.0, 5.0), Vec3::new(0.0, 0.0, -5.0));
     near(lengths(&seen(&square, front)), [0.0, 0.0, 0.0, 8.0], 0.05);
-    // From behind it is not drawn, unless its material is double-sided.
+    // From behind, the square is not visible unless its material is double-sided.
     near(lengths(&seen(&square, back)), [0.0; 4], 0.0);
     let params = LineParams::default();
     near(lengths(&seen_with(&square, back, &params, true)), [0.0, 0.0, 0.0, 8.0], 0.05);
-    // Two sheets back to back touch in every edge and are still two sheets: no edge between their triangles is a line.
-    // Where they end, they are paired as the two sides of a leaf.
+    // Two sheets back to back share every edge position but are still two sheets, so none of their inner edges is a
+    // line. At their ends, they are paired as the two sides of a leaf.
     let mut leaf = square.clone();
     leaf.1.extend(square.1.iter().map(|t| [t[0], t[2], t[1]]));
     let found = lengths(&seen(&leaf, front));
     near(found, [8.0, 0.0, 0.0, 0.0], 0.05);
-    // A triangle without area between two others is not a gap.
+    // A triangle without area between two others does not make a gap.
     let mut sliver = square;
     sliver.1.push([0, 2, 2]);
     near(lengths(&seen(&sliver, front)), [0.0, 0.0, 0.0, 8.0], 0.05);
@@ -214,12 +215,12 @@ fn perspective_enlarges_near_lines_and_clips_behind_the_camera() {
             )
             .unwrap()
     };
-    // Only the near face, 4 m in front of the eye, is visible.
+    // Only the near face is visible, 4 m in front of the eye.
     let front = look(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO);
     let scale = 50.0 / (0.5f64.tan() * 4.0);
     assert!((front.length_px(LineKind::Silhouette) - 8.0 * scale).abs() < 1.0, "{front:?}");
     assert!(look(Vec3::new(0.0, 0.0, 5.0), Vec3::new(0.0, 0.0, 9.0)).segments.is_empty());
-    // From close by, edges run past the eye and out of the picture; the rest is inside it.
+    // From a close viewpoint, edges run past the eye and out of the picture; only the parts inside it are visible.
     let near = look(Vec3::new(1.2, 1.3, 0.4), Vec3::new(0.9, 1.0, -0.5));
     assert!(!near.segments.is_empty());
     let inside = |p: DVec2| (-1e-6..=100.0 + 1e-6).contains(&p.x) && (-1e-6..=100.0 + 1e-6).contains(&p.y);

@@ -1,4 +1,4 @@
-//! Adjacency of the faces of a mesh surface, and those of its edges that are lines from a viewpoint.
+//! Adjacency of the faces of a mesh surface, and the choice of edges that are lines from a viewpoint.
 
 use super::line::{ContourForm, LineParams};
 use super::visible::{Family, MeshLine};
@@ -7,26 +7,26 @@ use pelage_bake::strands::PosedMesh;
 use pelage_truth::{SurfaceView, SurfaceVisibility};
 use std::collections::HashMap;
 
-/// Edges of a mesh whose vertices at one position are merged.
+/// Edges of a mesh whose vertices at the same position are merged.
 pub(super) struct Topology {
-    /// Unit normal of each triangle from its corners, zero for a triangle without area.
+    /// Unit normal of each triangle, computed from its corners; zero for a triangle without area.
     normals: Vec<DVec3>,
     edges: Vec<Edge>,
 }
 
 struct Edge {
-    /// Vertices of the mesh surface.
+    /// Vertex indices of the ends in the mesh surface.
     ends: [u32; 2],
     /// Adjacent faces; only one where the mesh ends.
     faces: (u32, Option<u32>),
 }
 
-/// Side of a face, for matching it with others at its edge.
+/// Side of a face, to be matched with others at its edge.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Side {
-    /// Position indices of the ends, the smaller first.
+    /// Position indices of the ends, the smaller one first.
     places: [u32; 2],
-    /// Whether the face runs from the larger index to the smaller.
+    /// Whether the face runs from the larger index to the smaller one.
     backward: bool,
     face: u32,
     ends: [u32; 2],
@@ -44,7 +44,7 @@ impl Topology {
         for (face, triangle) in skin.triangles.iter().enumerate() {
             let place = triangle.map(|v| place_of[v as usize]);
             if place[0] == place[1] || place[1] == place[2] || place[2] == place[0] {
-                // The triangle is only an edge: its neighbours meet there.
+                // The triangle is degenerate to an edge, at which its neighbours meet.
                 continue;
             }
             for k in 0..3 {
@@ -60,7 +60,7 @@ impl Topology {
         Self { normals, edges }
     }
 
-    /// Returns the edges that are lines from a viewpoint, hidden or not.
+    /// Returns the edges that are lines from a viewpoint, whether hidden or not.
     pub(super) fn pieces(
         &self,
         sight: &SurfaceVisibility,
@@ -70,7 +70,7 @@ impl Topology {
         let skin = sight.skin();
         let corner = |v: u32| skin.vertices[v as usize].position_ws;
         let middle = |face: u32| skin.corners(face as usize).iter().map(|c| c.position_ws).sum::<DVec3>() / 3.0;
-        // Above zero if a face is towards the eye.
+        // Positive values mean that a face is towards the eye.
         let facing: Vec<f64> = self
             .normals
             .iter()
@@ -87,7 +87,7 @@ impl Topology {
             };
             let flat = |face: u32| self.normals[face as usize] == DVec3::ZERO;
             if flat(first) || flat(second) {
-                // A face without area has no direction.
+                // A face without area has no orientation.
                 return None;
             }
             if faces_eye(first) != faces_eye(second) {
@@ -108,19 +108,19 @@ impl Topology {
     }
 }
 
-/// Distance by which something may be nearer than an edge without hiding it, radii of the mesh surface. Up to rounding,
-/// the visibility ray meets the edge itself, through the adjacent faces. Rays are in f64, so little is enough; more
-/// would show lines that a fold hides.
+/// Depth tolerance of the visibility test, as a fraction of the mesh surface's radius: anything nearer than an edge by
+/// less does not hide it. The ray meets the faces at the edge itself, up to rounding. Rays are in f64, so a small value
+/// is enough; a larger one would show lines that a fold hides.
 const SLACK_RADII: f64 = 1e-6;
-/// Same tolerance in lengths of the edge: a face seen edge-on is met up to that much in front of or behind its own
-/// border.
+/// Depth tolerance of the visibility test, in lengths of the edge. A ray meets a face seen edge-on up to this distance
+/// in front of or behind the face's own border.
 const SLACK_EDGES: f64 = 1e-3;
 
-/// Returns for each vertex a number that is the same for all vertices at its position.
+/// Returns an identifier for each vertex, which is the same for all vertices at the same position.
 fn position_ids(skin: &PosedMesh) -> Vec<u32> {
     let mut first_at = HashMap::new();
     let place = |(i, v): (usize, &pelage_bake::strands::PosedVertex)| {
-        // Adding zero merges both zeros.
+        // Adding zero turns −0 into +0.
         let key = (v.position_ws + 0.0).to_array().map(f64::to_bits);
         *first_at.entry(key).or_insert(i as u32)
     };
@@ -128,7 +128,7 @@ fn position_ids(skin: &PosedMesh) -> Vec<u32> {
 }
 
 /// Returns the edges at one pair of positions. Where more than two faces meet, consistently wound faces with the most
-/// similar normals are paired, so that two sheets that touch stay two sheets. Remaining faces end there.
+/// similar normals are paired, so that two touching sheets remain two sheets. Each unpaired face ends there.
 fn pair(around: &[Side], normals: &[DVec3]) -> Vec<Edge> {
     let turn = around.partition_point(|side| !side.backward);
     let (forward, backward) = around.split_at(turn);
@@ -139,7 +139,7 @@ fn pair(around: &[Side], normals: &[DVec3]) -> Vec<Edge> {
             candidates.push((normals[a.face as usize].dot(normals[b.face as usize]), i, j));
         }
     }
-    // The sort is stable: of equally similar faces the first of the mesh come first.
+    // The sort is stable, so equally similar faces keep their order in the mesh.
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (mut taken, mut used) = (vec![false; forward.len()], vec![false; backward.len()]);
     for (_, i, j) in candidates {

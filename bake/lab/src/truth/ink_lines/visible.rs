@@ -1,4 +1,4 @@
-//! Visible parts of a line: samples along it in the picture, each tested by a ray.
+//! Visible parts of a line, found by testing samples along it with a ray each.
 
 use super::line::{LineKind, LineSegment};
 use glam::{DVec2, DVec3};
@@ -6,10 +6,10 @@ use pelage_truth::SurfaceView;
 
 /// Largest distance between samples along a line, pixels.
 pub(super) const STEP_PX: f64 = 0.5;
-/// Distance beyond a contour at which a ray tests for something behind it, pixels.
+/// Distance beyond a contour at which a ray tests whether there is a surface behind it, pixels.
 const BEYOND_PX: f64 = 1.0;
 
-/// Straight line on the mesh, hidden or not.
+/// Straight line on the mesh, whether hidden or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MeshLine {
     /// Ends in world space, metres.
@@ -18,11 +18,11 @@ pub(super) struct MeshLine {
     pub(super) family: Family,
     /// Point beside the line on the visible mesh surface.
     pub(super) inside: DVec3,
-    /// Distance by which something may be nearer than the line without hiding it, metres.
+    /// Depth tolerance of the visibility test: anything nearer than the line by less does not hide it, metres.
     pub(super) slack_m: f64,
 }
 
-/// Kind of a line before it is known what is behind it.
+/// Kind of a line before the surface behind it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     Contour,
@@ -30,9 +30,9 @@ pub(super) enum Family {
     Border,
 }
 
-/// Returns the parts of a piece that are visible in the picture.
+/// Returns the parts of a line that are visible in the picture.
 ///
-/// * `near_m`: anything nearer to the eye is ignored
+/// * `near_m`: distance from the eye below which everything is ignored, metres
 pub(super) fn visible_parts(piece: &MeshLine, look: &SurfaceView<'_>, near_m: f64) -> Vec<LineSegment> {
     let Some(line) = Line::new(piece, look, near_m) else { return Vec::new() };
     let Some((begin, end)) = line.inside(look.rays().size()) else { return Vec::new() };
@@ -41,7 +41,7 @@ pub(super) fn visible_parts(piece: &MeshLine, look: &SurfaceView<'_>, near_m: f6
     let mut out: Vec<LineSegment> = Vec::new();
     let mut last = None;
     for i in 0..steps {
-        // Each sample represents the interval between its neighbours.
+        // Each sample represents the interval around it.
         let (from_px, to_px) = (line.at(share(i)), line.at(share(i + 1)));
         let kind = line.visible_kind(0.5 * (share(i) + share(i + 1)), piece, look);
         if let Some(kind) = kind {
@@ -55,7 +55,7 @@ pub(super) fn visible_parts(piece: &MeshLine, look: &SurfaceView<'_>, near_m: f6
     out
 }
 
-/// Piece in the picture, clipped to the part in front of the eye.
+/// Line in the picture, clipped to the part in front of the eye.
 struct Line {
     from: DVec3,
     to: DVec3,
@@ -84,7 +84,7 @@ impl Line {
         Some(Self { from, to, from_px, to_px, depths })
     }
 
-    /// Returns the range of shares of the line that is inside the picture (Liang and Barsky 1984).
+    /// Returns the interval of line parameters (0..=1) that is inside the picture (Liang and Barsky 1984).
     fn inside(&self, size: DVec2) -> Option<(f64, f64)> {
         let (mut begin, mut end) = (0.0f64, 1.0f64);
         let way = self.to_px - self.from_px;
@@ -102,18 +102,19 @@ impl Line {
         (begin < end).then_some((begin, end))
     }
 
-    /// Returns a point of the line in the picture.
+    /// Returns the point of the line at parameter `share`, pixels.
     fn at(&self, share: f64) -> DVec2 {
         self.from_px.lerp(self.to_px, share)
     }
 
-    /// Returns the same point in the world: the middle in the picture is nearer to the eye than the middle of the line.
+    /// Returns the point of the line at parameter `share` in world space. With perspective, the middle in the picture
+    /// is nearer to the eye than the middle of the line.
     fn at_ws(&self, share: f64) -> DVec3 {
         let (near, far) = ((1.0 - share) / self.depths.0, share / self.depths.1);
         self.from.lerp(self.to, far / (near + far))
     }
 
-    /// Returns the kind of line at a point; `None` if it is hidden.
+    /// Returns the kind of line at a point, or `None` if the line is hidden there.
     fn visible_kind(&self, share: f64, piece: &MeshLine, look: &SurfaceView<'_>) -> Option<LineKind> {
         let at = self.at_ws(share);
         if !look.is_visible(at, piece.slack_m) {
