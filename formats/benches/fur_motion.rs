@@ -1,5 +1,5 @@
-//! Benchmark `cargo bench -p pelage-formats --bench fur_motion`: cost of one frame of 1/60 s on one core, for a million
-//! fur tips in gusts. Prints minimum, median and maximum time of thirty frames.
+//! Benchmark `cargo bench -p pelage-formats --bench fur_motion`: measures the cost of one frame (1/60 s) on one core,
+//! for a million fur tips in gusts. Prints the minimum, median and maximum time over thirty frames.
 #![allow(clippy::disallowed_methods, reason = "a benchmark makes no package")]
 
 use glam::Vec3;

@@ -1,6 +1,6 @@
-//! Benchmark `cargo bench -p pelage-formats --bench hair_motion`: cost of one frame of 1/60 s on one core, for 1 000
-//! guides at a gallop among 8 colliders, by number of points per guide. Prints minimum, median and maximum time over
-//! two seconds of motion.
+//! Benchmark `cargo bench -p pelage-formats --bench hair_motion`: measures the cost of one frame (1/60 s) on one core,
+//! for 1 000 guides at a gallop among 8 colliders. The cost is measured for several numbers of points per guide. Prints
+//! the minimum, median and maximum time over two seconds of motion.
 #![allow(clippy::disallowed_methods, reason = "a benchmark makes no package")]
 
 use glam::{Mat3, Vec3};

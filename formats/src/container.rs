@@ -14,7 +14,7 @@ pub const FORMAT_VERSION: u32 = 3;
 
 /// Size of the fixed header, bytes.
 pub(crate) const HEADER_BYTES: usize = 32;
-/// End of magic and version, the part of the header that is the same in every version.
+/// Offset of the first byte after magic and version. This part of the header is the same in every version.
 const VERSION_END: usize = 12;
 /// Size of a table entry, bytes.
 pub(crate) const ENTRY_BYTES: usize = 32;
@@ -35,7 +35,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// Fails if the section has more than `limit` bytes. `what` is the name of its length.
+    /// Fails if the section has more than `limit` bytes. `what` names the length in the error.
     pub(crate) fn check_length(&self, what: &'static str, limit: u64) -> Result<(), FormatError> {
         if self.length > limit {
             let (tag, offset, found) = (self.tag, self.offset, self.length);
@@ -83,7 +83,7 @@ fn expect_field(what: &'static str, offset: usize, found: u64, expected: u64) ->
 /// Checks magic, version, length, checksum and reserved fields. Sections must be consecutive and aligned, with zero
 /// padding between them and nothing after the last.
 ///
-/// The layout is canonical: a list of sections has exactly one byte string. So unpacking and packing again gives
+/// The layout is canonical: each list of sections has exactly one encoding. Hence unpacking and repacking give
 /// identical bytes, and no byte of the file is unchecked.
 pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<Section>), FormatError> {
     if !bytes.starts_with(&MAGIC) {
@@ -156,8 +156,8 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<Sect
     }
 }
 
-/// Fails unless the bytes from `from` up to `to` exist and are zero. An empty section may begin past the end of a file
-/// truncated inside the padding before it. So presence is checked here, not in the section.
+/// Fails unless the bytes in `from`..`to` exist and are zero. Their presence must be checked here: in a file truncated
+/// inside the padding, an empty section after it begins past the end.
 fn expect_zero_padding(bytes: &[u8], from: u64, to: u64) -> Result<(), FormatError> {
     require(bytes, Tag::HEAD, "padding", from, to - from)?;
     match (from..).zip(&bytes[from as usize..to as usize]).find(|(_, byte)| **byte != 0) {

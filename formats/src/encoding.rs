@@ -42,11 +42,12 @@ impl Reader for SectionReader<'_> {
 /// Decodes a bincode section to its last byte. `offset` is the position of `bytes` in the package.
 ///
 /// Memory stays proportional to `bytes`, which the caller has bounded by [`crate::Limits`]. Serde reserves at most 1
-/// MiB for a list ahead of the elements already read. Bincode would allocate whatever length a string states, so its
-/// limit is set to the smallest step (at least 1 MiB) that covers the section.
+/// MiB for a list beyond the elements already read. Bincode would allocate whatever length a string states, so its
+/// limit is the smallest step (at least 1 MiB) that covers the section.
 ///
-/// Bincode's limit is a constant, and each value would instantiate another decoder, which enlarges the WebAssembly
-/// download. So a single decoder has the largest limit, and the excess over the step is claimed before reading.
+/// Bincode's limit is a compile-time constant. Each value would instantiate another decoder, which enlarges the
+/// WebAssembly download. Therefore a single decoder with the largest limit is used, and the excess over the step is
+/// claimed before reading.
 pub(crate) fn decode_section<T: DeserializeOwned>(tag: Tag, offset: u64, bytes: &[u8]) -> Result<T, FormatError> {
     const MOST: usize = 0x1000_0000;
     let step = [0x10_0000, 0x100_0000, MOST].into_iter().find(|step| bytes.len() <= *step);
@@ -84,7 +85,7 @@ fn in_words(error: &DecodeError) -> String {
         DecodeError::Utf8 { inner } => format!("a string is not UTF-8: {inner}"),
         DecodeError::OtherString(reason) => reason.clone(),
         DecodeError::Other(reason) => (*reason).into(),
-        // Bincode's own messages would pull the text of all its errors into the WebAssembly download.
+        // Omit bincode's own messages: they would pull the text of all its errors into the WebAssembly download.
         _ => "bytes that are not a value of this type".into(),
     }
 }

@@ -47,7 +47,7 @@ pub enum FormatError {
         /// Number of bytes that follow.
         count: u64,
     },
-    /// A field with one fixed or derived legal value holds a different one.
+    /// A field that allows only one fixed or derived value holds a different one.
     #[error("{what} at byte {offset} is {found}, expected {expected}")]
     Field {
         /// Name of the field, as in `FORMAT.md`.

@@ -47,16 +47,16 @@ impl<'a> Package<'a> {
         Ok(package.with_manifest(manifest))
     }
 
-    /// Reads everything: every checksum, every vertex, every texture's header, every key, and whether the manifest's
-    /// textures suit their use. Returns all faults: those of each section in file order, then those between sections.
-    /// If the package does not open, that is the only fault.
+    /// Reads everything: all checksums, vertices, texture headers and animation keys, and whether the manifest's
+    /// textures suit their use. Returns all faults: first those of each section in file order, then those between
+    /// sections. If the package does not open, returns only that fault.
     pub fn validate(bytes: &'a [u8], limits: &Limits) -> Vec<FormatError> {
         let package = match Self::open(bytes, limits) {
             Ok(package) => package,
             Err(error) => return vec![error],
         };
         let mut faults: Vec<FormatError> = Vec::new();
-        // A damaged section fails again in each check that uses it: report it once.
+        // A damaged section fails again in each check that uses it; report it once.
         let mut add = |fault: Option<FormatError>| faults.extend(fault.filter(|fault| !faults.contains(fault)));
         let mut found: BTreeMap<Tag, u32> = BTreeMap::new();
         for (index, section) in package.sections().iter().enumerate() {
@@ -81,10 +81,11 @@ impl<'a> Package<'a> {
         faults
     }
 
-    /// Returns the faults in the package's bytes that prevent drawing: those of everything that a renderer reads.
+    /// Returns the faults that prevent drawing, in everything that a renderer reads.
+    ///
     /// [`Self::validate`] finds most of them as well, and others in sections or textures that drawing does not need. It
-    /// does not find obstacles that are no faults of the format: nothing to draw, or directions of dry and wet hair in
-    /// formats with different numbers of components.
+    /// does not report two obstacles that the format allows: a package without anything to draw, and directions of dry
+    /// and wet hair in formats with different numbers of components.
     pub fn drawing_faults(&self) -> Vec<FormatError> {
         let mut faults = vec![
             self.triangles().err(),
@@ -107,7 +108,7 @@ impl<'a> Package<'a> {
         }
         let mut found: Vec<FormatError> = Vec::new();
         for fault in faults.into_iter().flatten() {
-            // A damaged texture fails again in each check that uses it.
+            // A damaged texture fails again in each check that uses it; report it once.
             if !found.contains(&fault) {
                 found.push(fault);
             }

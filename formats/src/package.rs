@@ -1,5 +1,5 @@
 //! Opened package: bytes, table, manifest, and cached section contents. [`crate::sections`] defines the sections;
-//! [`crate::whole`] opens and validates packages.
+//! [`crate::open_validate`] opens and validates packages.
 
 use crate::checksum::crc32;
 use crate::container::Section;
@@ -28,12 +28,13 @@ pub struct Package<'a> {
 
 /// State of a section besides its table entry.
 struct Slot {
-    /// Whether the package's version defines its tag. Sections of unknown tags are kept unread.
+    /// Whether the package's version defines the section's tag. Sections of unknown tags are kept unread.
     defined: bool,
-    /// Whether its checksum has been verified. Relaxed ordering suffices: verifying twice is harmless.
+    /// Whether the section's checksum has been verified. Relaxed ordering suffices, because verifying twice is
+    /// harmless.
     verified: AtomicBool,
-    /// Cached `Result<T, FormatError>`, with a T of the section's own module. The type is erased, so that this module
-    /// need not name the sections.
+    /// Cached `Result<T, FormatError>`, where T is a type of the section's own module. The type is erased, so that this
+    /// module need not name the sections.
     kept: OnceLock<Box<dyn Any + Send + Sync>>,
 }
 
@@ -48,8 +49,8 @@ impl fmt::Debug for Package<'_> {
 }
 
 impl<'a> Package<'a> {
-    /// Creates a package from its section table, without a manifest yet. `defined` tells whether the version defines a
-    /// tag.
+    /// Creates a package from its section table, without a manifest yet. `defined` returns whether the package's
+    /// version defines a tag.
     pub(crate) fn new(
         bytes: &'a [u8],
         limits: &Limits,
@@ -93,7 +94,7 @@ impl<'a> Package<'a> {
         &self.limits
     }
 
-    /// Returns the bytes of section `index` of the table; verifies its checksum on first access.
+    /// Returns the bytes of section `index` of the table. Verifies its checksum on first access.
     pub fn section_bytes(&self, index: usize) -> Result<&'a [u8], FormatError> {
         let section = self.sections.get(index).ok_or_else(|| FormatError::MissingSection {
             tag: Tag::HEAD,
@@ -113,14 +114,14 @@ impl<'a> Package<'a> {
         Ok(data)
     }
 
-    /// Returns table index and entry of the `nth` section of a tag, counted from 0; `None` also if the package's
-    /// version does not define the tag.
+    /// Returns table index and entry of the `nth` section with the given tag, counted from 0. `None` if there is none,
+    /// or if the package's version does not define the tag.
     pub(crate) fn find(&self, tag: Tag, nth: usize) -> Option<(usize, Section)> {
         let of_tag = |(index, section): &(usize, Section)| section.tag == tag && self.slots[*index].defined;
         self.sections.iter().copied().enumerate().filter(of_tag).nth(nth)
     }
 
-    /// Returns the result of `read` for section `index` of the table; computed once, then cached.
+    /// Returns the result of `read` for section `index` of the table. It is computed once, then cached.
     ///
     /// `read` may access other sections, but none of them may access this one, directly or indirectly.
     pub(crate) fn cached<T>(&self, index: usize, read: impl Fn() -> Result<T, FormatError>) -> Result<T, FormatError>
@@ -129,7 +130,7 @@ impl<'a> Package<'a> {
     {
         let Some(slot) = self.slots.get(index) else { return read() };
         let kept = slot.kept.get_or_init(|| Box::new(read()));
-        // A slot holds a single type: a section is read only by its own module.
+        // A slot holds a single type, because a section is read only by its own module.
         kept.downcast_ref::<Result<T, FormatError>>().cloned().unwrap_or_else(read)
     }
 }

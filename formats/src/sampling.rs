@@ -18,8 +18,8 @@ pub struct Pose {
 impl Pose {
     /// Poses the skeleton at `time_s` of clip number `clip`; at rest for `None` or a clip that does not exist.
     ///
-    /// Times before the first and after the last key use that key's value, and a NaN time counts as before the first.
-    /// Looping is up to the caller.
+    /// Times before the first and after the last key use that key's value; a NaN time uses the first. Looping is up to
+    /// the caller.
     ///
     /// Never panics and never gives NaN, whatever the animation. A channel with inconsistent counts leaves the node at
     /// rest. A rotation without direction (0, 0, 0, 0) and a matrix that overflows f32 become the identity.
@@ -28,12 +28,12 @@ impl Pose {
         self.shifts = shifts(animation, clip, time_s);
     }
 
-    /// Poses the skeleton by several layers, of one clip or several, applied in order: each blends over the result of
-    /// the layers before it, by its share. Without layers the pose is at rest. So a character can blend from one motion
-    /// into the next, and into a third before the second is fully reached.
+    /// Poses the skeleton by several layers, of one clip or several, applied in order. Each layer is blended over the
+    /// result of the layers before it, by its share. Without layers the pose is at rest. A character can thus blend
+    /// from one motion into the next, and into a third before the second is fully reached.
     ///
     /// Translations and scales are interpolated linearly. Rotations take the shorter arc, each about the node's parent,
-    /// so that limbs keep their lengths. Weights of morph targets are interpolated linearly. Otherwise as
+    /// so that limbs keep their lengths. Weights of morph targets are interpolated linearly. Everything else is as for
     /// [`Self::sample`].
     pub fn blend(&mut self, animation: &Animation, layers: &[ClipLayer]) {
         let mut all = locals(animation, None, 0.0);
@@ -50,8 +50,8 @@ impl Pose {
         self.place(animation, all);
     }
 
-    /// Sets the weights of some morph targets; the others keep theirs. Targets that do not exist are ignored, and a
-    /// weight that is not finite becomes that at rest.
+    /// Sets the weights of some morph targets; the others keep theirs. Targets that do not exist are ignored. A weight
+    /// that is not finite is replaced by the weight at rest.
     pub fn morph(&mut self, animation: &Animation, weights: &[(usize, f32)]) {
         let targets = &animation.morphs.targets;
         self.shifts.resize(targets.len(), 0.0);
@@ -81,7 +81,7 @@ impl Pose {
     }
 }
 
-/// Time in a clip, and its share in a blended pose.
+/// Time in a clip, and the clip's share in a blended pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipLayer {
     /// Index of the clip; the pose at rest for `None` or a clip that does not exist.
@@ -102,7 +102,7 @@ struct LocalTransform {
 impl LocalTransform {
     fn blend_to(&mut self, other: Self, share: f32) {
         if share >= 1.0 {
-            // Exact, whatever the value before.
+            // Copying is exact, whatever the value before.
             *self = other;
             return;
         }
@@ -140,8 +140,9 @@ fn finite_or_identity(matrix: Mat4) -> Mat4 {
     if matrix.is_finite() { matrix } else { Mat4::IDENTITY }
 }
 
-/// Returns the unit quaternion. A zero quaternion (from cubic keys that cross the origin, or a damaged file) becomes
-/// the identity. Dividing by the largest component first keeps the squares of very short and very long ones in range.
+/// Returns `q` at unit length. A zero quaternion (from cubic keys that cross the origin, or a damaged file) becomes the
+/// identity. Dividing by the largest component first keeps the squares of very short and very long quaternions in
+/// range.
 fn normalize_or_identity(q: Quat) -> Quat {
     let largest = q.x.abs().max(q.y.abs()).max(q.z.abs()).max(q.w.abs());
     if q.is_finite() && largest >= f32::MIN_POSITIVE {
@@ -151,7 +152,8 @@ fn normalize_or_identity(q: Quat) -> Quat {
     }
 }
 
-/// Returns the channel's value, with as many components as its property has; `None` if its counts are inconsistent.
+/// Returns the channel's value at `time_s`, with as many components as its property has; `None` if its counts are
+/// inconsistent.
 fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
     let n = channel.property.components();
     if channel.expected_values() != Some(channel.values.len()) {
@@ -204,7 +206,7 @@ fn shifts(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<f32> {
     shifts
 }
 
-/// Returns the weight of the channel's target number `k`; `None` if its counts are inconsistent.
+/// Returns the weight of the channel's target number `k` at `time_s`; `None` if its counts are inconsistent.
 fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
     if channel.times.is_empty() || channel.expected_values() != Some(channel.values.len()) {
         return None;
@@ -228,11 +230,11 @@ fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
     })
 }
 
-/// Position of a time among keys.
+/// Position of a time relative to a channel's keys.
 enum KeyPosition {
-    /// Before the first key, or at or after the last: the key's value holds.
+    /// Before the first key, or at or after the last: the value of this key holds.
     Key(usize),
-    /// Between a key and the next, `span_s` seconds later, at the fraction `t`, 0..1.
+    /// Between key `before` and the next, `span_s` seconds later, at the fraction `t`, 0..1.
     Between { before: usize, t: f32, span_s: f32 },
 }
 
@@ -243,14 +245,14 @@ fn moment(times: &[f32], time_s: f32) -> KeyPosition {
         return KeyPosition::Key(next.saturating_sub(1));
     }
     let before = next - 1;
-    // In f64, where the difference of two distinct f32 is finite and not zero.
+    // Compute in f64, in which the difference of two distinct f32 is finite and not zero.
     let span = f64::from(times[next]) - f64::from(times[before]);
     let t = ((f64::from(time_s) - f64::from(times[before])) / span) as f32;
     KeyPosition::Between { before, t, span_s: span as f32 }
 }
 
-/// Returns the factors of a key's value, its out-tangent, the next key's value and its in-tangent, at fraction `t`
-/// between them (glTF 2.0, appendix C.5: cubic Hermite with tangents scaled by the key distance).
+/// Returns the factors of a key's value, its out-tangent, the next key's value and that key's in-tangent, at fraction
+/// `t` between them. See glTF 2.0, appendix C.5: cubic Hermite with tangents scaled by the key distance.
 fn hermite(t: f32, span_s: f32) -> [f32; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [2.0 * t3 - 3.0 * t2 + 1.0, (t3 - 2.0 * t2 + t) * span_s, 3.0 * t2 - 2.0 * t3, (t3 - t2) * span_s]

@@ -1,5 +1,5 @@
 //! Collection of a package's sections for writing. Each section's file adds the methods for its contents;
-//! [`crate::whole`] writes the whole.
+//! [`crate::open_validate`] writes the whole package.
 
 use crate::container::FORMAT_VERSION;
 use crate::error::FormatError;
@@ -15,7 +15,7 @@ pub struct PackageWriter<'a> {
     pub(crate) version: u32,
     pub(crate) manifest: Manifest,
     pub(crate) sections: Vec<(Tag, Cow<'a, [u8]>)>,
-    /// First error in what was added; [`PackageWriter::finish`] returns it.
+    /// First error in the added sections; [`PackageWriter::finish`] returns it.
     pub(crate) error: Option<FormatError>,
 }
 
@@ -33,7 +33,7 @@ impl<'a> PackageWriter<'a> {
         self
     }
 
-    /// Adds a section unchanged; for carrying over sections that this version does not know.
+    /// Adds a section unchanged. Used to carry over sections that this version does not know.
     pub fn section(mut self, tag: Tag, bytes: impl Into<Cow<'a, [u8]>>) -> Self {
         self.sections.push((tag, bytes.into()));
         self

@@ -1,16 +1,17 @@
-//! Measures the cost of each pass on this machine against a yardstick: the same layers with one texture read and no
+//! Measures the cost of each pass on this machine. The baseline draws the same layers with one texture read and no
 //! lighting.
 //!
 //! ```text
 //! cargo run --release --example cost_of_passes -- [PACKAGE.pelage] [FRAMES]
 //! ```
 //!
-//! Without a package (or with `-`) it uses a furry sphere of about 5 000 triangles and 16 layers. Times are medians of
-//! submit-and-wait. The variants alternate, so that a slow moment of the machine affects all alike.
+//! Without a package (or with `-`) it uses a furry sphere of about 5 000 triangles and 16 layers. Times are medians
+//! from submission until the GPU is finished. The variants alternate, so that a slow moment of the machine affects all
+//! alike.
 //!
-//! Then it counts, layer by layer, the fragments that another order of the layers could skip: those without opacity,
-//! and those hidden by the layers above, with at most 1/512 of their light getting through. The latter would not be
-//! shaded with layers drawn from the outermost inwards and a mask of opaque pixels.
+//! Afterwards the example counts the fragments of each layer that another order of the layers could skip. These are
+//! fragments without opacity, and fragments hidden by layers above that transmit at most 1/512 of their light. To skip
+//! the latter, layers would be drawn from the outermost inwards with a mask of opaque pixels.
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
 
@@ -42,7 +43,7 @@ fn main() {
     let manifest = model.manifest();
     let (center, radius) = (manifest.bounds.center.into(), manifest.bounds.radius + manifest.fur.height_m);
     let aspect = SIZE.0 as f32 / SIZE.1 as f32;
-    // Close enough that the outer layer fills about two thirds of the frame.
+    // The camera is so close that the outer layer fills about two thirds of the frame.
     let camera = Camera::framing(center, radius * 0.72, Vec3::new(-0.4, 0.3, 1.0), 0.6, aspect);
     let instance = Instance::new(0, &model);
     let mut params = FrameParams::new(camera, SIZE.into());
@@ -64,7 +65,7 @@ fn main() {
             let started = Instant::now();
             gpu.queue.submit([commands]);
             gpu.wait().unwrap();
-            // The first round compiles pipelines and warms up.
+            // The first round is discarded: it compiles pipelines and warms up.
             if frame_number > 0 {
                 times.push(started.elapsed().as_secs_f64() * 1e3);
             }
@@ -94,7 +95,7 @@ fn main() {
     );
 }
 
-/// Counts of shell fragments that pass the depth test.
+/// Counts of shell fragments that passed the depth test.
 #[derive(Default)]
 struct Counts {
     fragments: u64,
@@ -122,7 +123,7 @@ fn count(
     let layers = instance.model.manifest().fur.layers;
     let mut counts = Counts::default();
     let mut through = vec![1.0f64; SIZE.0 as usize * SIZE.1 as usize];
-    // The yardstick writes the texels of a layer unchanged.
+    // The yardstick shader writes the texels of a layer unchanged.
     params.debug.yardstick = true;
     for layer in (1..layers).rev() {
         params.debug.only_layer = Some(layer);
@@ -141,7 +142,7 @@ fn count(
         let fragments = u64::from_le_bytes(gpu.read_buffer(&staging).unwrap().try_into().unwrap());
         let mut seen = 0;
         for (through, texel) in through.iter_mut().zip(targets.texels(gpu).unwrap().chunks_exact(4)) {
-            // Opacities below half an 8-bit step are 0 here; the shells ignore them, too.
+            // Opacities below half an 8-bit step are stored as 0, and the shells skip them.
             if texel[3] > 0 {
                 seen += 1;
                 counts.hidden += u64::from(*through <= 1.0 / 512.0);

@@ -1,11 +1,11 @@
-//! Fur inside an application's own render pass, beside its own opaque objects, with one depth buffer for both.
+//! Draws fur inside an application's own render pass, with opaque objects of the application and a shared depth buffer.
 //!
 //! ```text
 //! cargo run --release --example inside_your_pass -- [PACKAGE.pelage] [PICTURE.png]
 //! ```
 //!
-//! Without a package it uses a small furry sphere. The picture shows the model twice; the application's ground and post
-//! hide fur, and are hidden by it.
+//! Without a package it uses a small furry sphere. The picture shows the model twice. Fur and the application's ground
+//! and post occlude each other.
 
 #![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
 
@@ -24,12 +24,12 @@ fn main() {
     let package = support::package_or_sphere(arguments.next());
     let picture = arguments.next().unwrap_or_else(|| "target/inside_your_pass.png".into());
 
-    // The application's part: a device, targets with a depth buffer, a scene of its own.
+    // Set up the application: a device, targets with a depth buffer, and a scene.
     let gpu = Gpu::with(wgpu::Features::TEXTURE_COMPRESSION_BC, Some(wgpu::Limits::default())).unwrap();
     let options = RendererOptions::default();
     let targets = Canvas::new(&gpu, SIZE, &(&options).into());
 
-    // Pelage's part: a renderer for that kind of pass, a model, and two copies of it.
+    // Set up pelage: a renderer for this kind of pass, a model, and two copies of it.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let model = renderer.load_bytes(&package).unwrap();
     let bounds = model.manifest().bounds;
@@ -45,7 +45,7 @@ fn main() {
     let clip_from_world = camera.projection.clip_from_view(options.reversed_depth) * camera.view_from_world;
     let scene = Scene::new(&gpu, &options, clip_from_world, radius);
 
-    // A frame: prepare outside the pass, draw inside it.
+    // Draw a frame: prepare outside the pass, draw inside it.
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let params = FrameParams::new(camera, SIZE.into());
     let frame = renderer.prepare(&mut encoder, &params, [&left, &right]).unwrap();
@@ -62,7 +62,7 @@ fn main() {
     }
 }
 
-/// Opaque objects of the application: a ground and a post, drawn with its own pipeline.
+/// Opaque objects of the application: a ground and a post, with the application's own pipeline.
 struct Scene {
     pipeline: wgpu::RenderPipeline,
     vertices: wgpu::Buffer,
@@ -79,7 +79,7 @@ struct Varying { @builtin(position) position: vec4<f32>, @location(0) color: vec
 
 impl Scene {
     fn new(gpu: &Gpu, options: &RendererOptions, clip_from_world: Mat4, radius: f32) -> Self {
-        // A box from two corners, each side in its own shade.
+        // Builds a box from two corners; each side has its own shade.
         let cuboid = |low: Vec3, high: Vec3, color: Vec3| {
             let corner = |i: usize| Vec3::select(corner_mask(i), high, low);
             let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
@@ -150,7 +150,7 @@ impl Scene {
     }
 }
 
-/// Returns the position of a box's corner: bit 0 for +x, bit 1 for +y, bit 2 for +z.
+/// Returns which coordinates of a box's corner are the upper ones: bit 0 for x, bit 1 for y, bit 2 for z.
 fn corner_mask(corner: usize) -> pelage_runtime::glam::BVec3 {
     pelage_runtime::glam::BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0)
 }

@@ -1,5 +1,5 @@
-//! Fur and an application's own geometry that shade each other: a ground and a post are drawn into the shadow maps, and
-//! receive the shadows in the application's own shader. Both are in `support/ground.rs`.
+//! Shadows between fur and an application's own geometry. A ground and a post are drawn into the shadow maps, and the
+//! application's shader receives the shadows. Both are in `support/ground.rs`.
 //!
 //! ```text
 //! cargo run --release --example shadows_on_your_ground -- [PACKAGE.pelage] [PICTURE.png]
@@ -48,15 +48,15 @@ fn main() {
     let camera =
         Camera::framing(Vec3::Y * 0.8 * r, r * 1.6, Vec3::new(-0.5, 0.6, 1.0), 0.6, SIZE.0 as f32 / SIZE.1 as f32);
     let light = Light::Directional { towards_light, color: Vec3::ONE };
-    // Penumbras are at most 4/3 of `shrink` map texels wide; maps that cover a ground have larger texels than those of
-    // an animal alone.
+    // Penumbras are at most 4/3 of `shrink` map texels wide. Here the maps cover a ground, so their texels are larger
+    // than those for an animal alone.
     let params = FrameParams::new(camera, SIZE.into()).with(|p| {
         p.light = light;
         p.shadows.shrink = 8;
     });
 
     // The application draws its geometry into the maps. The bounds contain everything that may cast or receive a
-    // shadow; points beyond are lit. A changed revision means that the geometry has moved.
+    // shadow; points outside are lit. A changed revision says that the geometry has moved.
     let mut draw = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, which: CasterPass| {
         scene.draw_depth(&gpu.device, pass, view, which);
     };

@@ -21,17 +21,18 @@ impl Hull {
         Self(self.0.iter().map(|(point, margin)| (*point, margin + by_m)).collect())
     }
 
-    /// Returns the least and greatest coordinate along a unit direction, measured from `origin`.
+    /// Returns the least and greatest coordinate of the hull along the unit vector `axis`, relative to `origin`.
     pub(crate) fn range(&self, origin: Vec3, axis: Vec3) -> (f32, f32) {
         let along = self.0.iter().map(|(point, margin)| ((*point - origin).dot(axis), *margin));
         along.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), (x, m)| (min.min(x - m), max.max(x + m)))
     }
 
-    /// Returns the pixels per metre on screen, perpendicular to the view, at the nearest point. Infinite if the eye is
-    /// inside.
+    /// Returns the pixels per metre at the nearest point of the hull, perpendicular to the view. Infinite if the eye is
+    /// inside the hull.
     pub(crate) fn px_per_m(&self, clip_from_view: Mat4, clip_from_world: Mat4, height_px: u32) -> f32 {
         let w = clip_from_world.row(3);
-        // Gradient length of clip-space w, which is the depth in a perspective view and 1 in a parallel one.
+        // Length of the gradient of clip-space w. In a perspective view, w is the depth; in a parallel view, it is 1
+        // everywhere.
         let reach = w.truncate().length();
         let ahead = self.0.iter().map(|(p, margin)| w.dot(p.extend(1.0)) - reach * margin);
         let nearest = ahead.fold(f32::INFINITY, f32::min);
@@ -39,14 +40,15 @@ impl Hull {
         if nearest > 0.0 { px_per_m } else { f32::INFINITY }
     }
 
-    /// Returns a sphere that contains the hull: the one around its bounding box. `None` if the hull is empty.
+    /// Returns the bounding sphere of the hull's bounding box; `None` if the hull is empty.
     pub(crate) fn sphere(&self) -> Option<Sphere> {
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| self.range(Vec3::ZERO, axis));
         let (min, max) = (Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1));
         (!self.0.is_empty()).then(|| Sphere { center: 0.5 * (min + max), radius: 0.5 * (max - min).length() })
     }
 
-    /// Whether any part of the hull may be in the picture: no side of the view has all of it outside.
+    /// Whether any part of the hull may be in the picture. False only if the whole hull is outside one side of the
+    /// view.
     pub(crate) fn may_be_visible(&self, clip_from_world: Mat4) -> bool {
         let rows: [Vec4; 4] = std::array::from_fn(|k| clip_from_world.row(k));
         let [x, y, z, w] = rows;
@@ -57,13 +59,13 @@ impl Hull {
         self.0.is_empty() || ![w + x, w - x, w + y, w - y, z, w - z].into_iter().any(beyond)
     }
 
-    /// Returns the rectangle that the hull may cover: left, top, right and bottom in pixels, widened by the margin on
-    /// each side. Returns the whole viewport if any part is beside or behind the eye.
+    /// Returns the screen rectangle that may contain the hull: left, top, right and bottom, pixels. `margin_px` is
+    /// added on each side. Returns the whole viewport if any part of the hull is beside or behind the eye.
     pub(crate) fn screen_rect(&self, clip_from_world: Mat4, viewport: [u32; 2], margin_px: f32) -> [u32; 4] {
         let size = Vec2::from(viewport.map(|n| n as f32));
         let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for (point, margin) in &self.0 {
-            // Without a margin all corners coincide.
+            // Without a margin, all eight corners coincide.
             for corner in 0..if *margin > 0.0 { 8 } else { 1 } {
                 let side = Vec3::from([1, 2, 4].map(|bit| if corner & bit == 0 { -1.0 } else { 1.0 }));
                 let clip = clip_from_world * (*point + *margin * side).extend(1.0);
@@ -96,12 +98,13 @@ mod tests {
             let clip_from_world = projection.clip_from_view(reversed) * camera.view_from_world;
             let seen = |center: Vec3, margin: f32| Hull(vec![(center, margin)]).may_be_visible(clip_from_world);
             assert!(seen(Vec3::ZERO, 0.0) && seen(Vec3::X * 1.9, 0.0), "{projection:?}");
-            // Beside the picture, above it and behind the eye; visible only if the margin reaches in.
+            // These spheres are beside the picture, above it and behind the eye; they are visible only if their margin
+            // reaches in.
             for (center, reach) in [(Vec3::X * 20.0, 19.0), (Vec3::Y * 20.0, 19.5), (Vec3::Z * 8.0, 3.5)] {
                 assert!(!seen(center, 0.5), "{projection:?} {center}");
                 assert!(seen(center, reach), "{projection:?} {center}");
             }
-            // Corners outside different sides: what is between them may cross the picture.
+            // The corners are outside different sides, so the hull between them may cross the picture.
             assert!(Hull(vec![(Vec3::X * -20.0, 0.0), (Vec3::X * 20.0, 0.0)]).may_be_visible(clip_from_world));
             assert!(Hull::default().may_be_visible(clip_from_world), "a hull without known points must not be culled");
             assert!(seen(Vec3::NAN, 0.0));

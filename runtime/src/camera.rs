@@ -1,4 +1,5 @@
-//! Camera and light. World space is right-handed with +Y up, in metres; clip space is WebGPU's, depth 0..=1.
+//! Camera and key light. World space is right-handed with +Y up, in metres. Clip space is that of WebGPU, with depth
+//! 0..=1.
 
 use crate::error::RuntimeError;
 use glam::{Mat4, Vec3, Vec4};
@@ -11,16 +12,16 @@ pub struct Camera {
     /// Transform from world to view space: rotation and translation, no scale. The camera looks along −Z of view space,
     /// +Y is up in the picture.
     pub view_from_world: Mat4,
-    /// View to clip space.
+    /// Projection from view space to clip space.
     pub projection: Projection,
 }
 
 /// Projection from view space to clip space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Distant objects appear smaller.
+    /// Perspective projection.
     Perspective {
-        /// Height of the view, radians, above 0 and below π.
+        /// Vertical field of view, radians, above 0 and below π.
         fov_y_rad: f32,
         /// Width of the picture divided by its height.
         aspect: f32,
@@ -30,9 +31,9 @@ pub enum Projection {
         /// depth.
         far_m: f32,
     },
-    /// Distant objects appear as large as near ones.
+    /// Parallel projection.
     Orthographic {
-        /// Height of the view, metres.
+        /// Height of the view volume, metres.
         height_m: f32,
         /// Width of the picture divided by its height.
         aspect: f32,
@@ -49,7 +50,7 @@ pub enum Projection {
 }
 
 impl Projection {
-    /// Returns the matrix `clip_from_view`. With `reversed_depth` the near plane has depth 1 and the far plane 0.
+    /// Returns the matrix `clip_from_view`. With `reversed_depth`, the near plane has depth 1 and the far plane 0.
     pub fn clip_from_view(&self, reversed_depth: bool) -> Mat4 {
         match *self {
             Self::Perspective { fov_y_rad, aspect, near_m, far_m } => {
@@ -90,8 +91,8 @@ impl Camera {
         Self { view_from_world: view_from_world(eye, target), projection }
     }
 
-    /// Creates a perspective camera that sees a whole sphere from direction `towards_eye`, such as a package's bounds
-    /// including its fur.
+    /// Creates a perspective camera that frames a sphere, such as a package's bounds with fur. The eye is in direction
+    /// `towards_eye` from `center`.
     ///
     /// * `radius` - metres, above 0
     /// * `towards_eye` - any length
@@ -107,7 +108,7 @@ impl Camera {
         Self::look_at(eye, center, projection)
     }
 
-    /// Returns the eye position and 1, or for a parallel projection the direction towards the eye and 0.
+    /// Returns the eye position with w = 1; for a parallel projection, the direction towards the eye with w = 0.
     pub(crate) fn eye_ws(&self, clip_from_view: Mat4) -> Vec4 {
         let world_from_view = self.view_from_world.inverse();
         // The last row of a parallel projection is (0, 0, 0, 1).
@@ -137,7 +138,7 @@ impl Camera {
 /// Key light; a frame has one, as in Yang 2006.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// Parallel light from one direction: the sun.
+    /// Parallel light from one direction, such as the sun.
     Directional {
         /// World direction from the scene towards the light, any length above 0.
         towards_light: Vec3,
@@ -148,14 +149,13 @@ pub enum Light {
     Point {
         /// World position, metres.
         position: Vec3,
-        /// Linear RGB on arrival. It does not fall off with distance, so the exposure of a scene does not change with
-        /// its scale.
+        /// Linear RGB at the receiver. Independent of distance, so a scene keeps its exposure at any scale.
         color: Vec3,
     },
 }
 
 impl Default for Light {
-    /// Returns white light from above, the front and the left.
+    /// Returns white light from above, in front and the left.
     fn default() -> Self {
         Self::Directional { towards_light: Vec3::new(-0.5, 0.8, 0.6), color: Vec3::ONE }
     }
@@ -174,9 +174,9 @@ impl Light {
         }
     }
 
-    /// Returns the position and 1, or the unit direction towards the light and 0.
+    /// Returns the position with w = 1, or the unit direction towards the light with w = 0.
     ///
-    /// `field`: the parameter that holds this light, for error messages.
+    /// `field` is the parameter that holds this light, for error messages.
     pub(crate) fn homogeneous(&self, field: &'static str) -> Result<Vec4, RuntimeError> {
         let result = match *self {
             Self::Directional { towards_light, .. } => towards_light.try_normalize().map(|d| d.extend(0.0)),

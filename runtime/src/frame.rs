@@ -54,7 +54,7 @@ pub struct Frame {
     shadows: Option<Arc<ShadowMaps>>,
     shadow_map: wgpu::TextureView,
     report: FrameReport,
-    /// While this lives, no other frame may write to its uniforms or draw to the textures it reads.
+    /// While this reference exists, no other frame writes to this frame's uniforms or to the textures it reads.
     _uniforms: Arc<()>,
     _targets: Arc<TargetSet>,
     _instances: Arc<[VisibleInstance]>,
@@ -80,7 +80,7 @@ pub(crate) fn prepare(
         let id = PassId(pass);
         let outcome = if of_style(&pass) { (pass.run)(&mut recording) } else { skipped_for_style(style) };
         if let (PassStage::Before, Some(mark)) = (id.stage(), &mut mark) {
-            // The callback may submit the commands recorded so far.
+            // Write the uniforms first: the callback may submit the commands recorded so far.
             recording.uniforms.write(recording.gpu);
             mark(recording.encoder, id);
         }
@@ -125,29 +125,29 @@ impl Frame {
         record(pass, self.draws.iter().flat_map(|(_, draws)| draws));
     }
 
-    /// Records a single pass, for measuring or for drawing between skin and shells. Passes with [`PassStage::Before`]
-    /// were recorded by [`crate::Renderer::prepare`] and do nothing here.
+    /// Records a single pass, for measurement or for drawing between the mesh surface and the shells. Passes with
+    /// [`PassStage::Before`] were recorded by [`crate::Renderer::prepare`] and record nothing here.
     pub fn draw_pass(&self, id: PassId, pass: &mut wgpu::RenderPass<'_>) {
         record(pass, self.draws.iter().filter(|(found, _)| *found == id).flat_map(|(_, draws)| draws));
     }
 
-    /// Uniform block of [`crate::shared::receiver`], with which the application's own shader receives the key light's
-    /// shadows. It also needs [`Self::shadow_map`].
+    /// Returns the uniform block of [`crate::shared::receiver`], for application shaders that receive the key light's
+    /// shadows. They also need [`Self::shadow_map`].
     ///
-    /// Without a shadow-width map ([`FrameParams::soft_shadow`] off, a dark light, no instance) the block lights
-    /// everything, so one pipeline serves all frames.
+    /// Without a shadow-width map ([`FrameParams::soft_shadow`] off, a dark light, no instance), the block casts no
+    /// shadow. One pipeline therefore serves all frames.
     pub fn shadow_receiver(&self) -> ShadowReceiver {
         self.shadows().and_then(ShadowMaps::receiver).unwrap_or_default()
     }
 
-    /// Returns the shadow-width map, [`ShadowMaps::WIDTH_FORMAT`], or one white texel if the frame has none. Both are
-    /// filterable two-dimensional float textures. It is valid as long as [`Self::shadows`].
+    /// Returns the shadow-width map in [`ShadowMaps::WIDTH_FORMAT`], or one white texel if the frame has none. Both are
+    /// filterable two-dimensional float textures. The view is valid as long as [`Self::shadows`].
     pub fn shadow_map(&self) -> &wgpu::TextureView {
         &self.shadow_map
     }
 
-    /// Returns the key light's shadow maps; `None` if the frame has none. No later frame draws over them while this
-    /// frame lives.
+    /// Returns the key light's shadow maps; `None` if the frame has none. While this frame lives, no later frame
+    /// overwrites them.
     pub fn shadows(&self) -> Option<&ShadowMaps> {
         self.shadows.as_deref()
     }

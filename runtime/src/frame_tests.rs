@@ -1,4 +1,4 @@
-//! Test that a pass is one folder and one line: [`crate::passes::probe`] is a pass that only these tests have.
+//! Tests that a pass is one folder and one line. [`crate::passes::probe`] is a pass that exists only in these tests.
 
 use crate::camera::{Camera, Projection};
 use crate::frame::PASSES;
@@ -28,7 +28,7 @@ fn a_pass_that_is_added_is_drawn_reported_and_listed() {
     let options = RendererOptions::default();
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, Projection::Custom(Mat4::IDENTITY));
-    // The stage links this crate as other crates do, not its test build.
+    // The fixture links this crate as other crates do, not as a test build.
     let RendererOptions { color_format, depth_format, sample_count, reversed_depth, .. } = options;
     let canvas = CanvasOptions { color_format, depth_format, sample_count, reversed_depth };
     let targets = Canvas::new(&gpu, (8, 8), &canvas);
@@ -59,8 +59,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Checks the mentions of the probe outside its folder: one line of the list, and the two words that declare the
-/// module.
+/// Checks the references to the probe outside its folder: one line of the pass list, and the declaration of its module.
 #[test]
 fn adding_a_pass_takes_one_folder_and_one_line() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -74,7 +73,7 @@ fn adding_a_pass_takes_one_folder_and_one_line() {
     }
     lines.sort();
     assert_eq!(lines, ["frame.rs: &probe::PASS,", "passes/mod.rs: pub(crate) mod probe;"]);
-    // Each real pass is a folder with its shader beside its Rust file.
+    // Each production pass is a folder with its shader beside its Rust file.
     for pass in PASSES {
         let folder = source.join("passes").join(pass.name);
         assert!(folder.join("mod.rs").is_file(), "{}", folder.display());
@@ -85,8 +84,8 @@ fn adding_a_pass_takes_one_folder_and_one_line() {
     }
 }
 
-/// Checks that buffers, textures, bind groups and pipelines are created only where they are counted, or a frame could
-/// not report what it created.
+/// Checks that buffers, textures, bind groups and pipelines are created only in functions that count them. Otherwise a
+/// frame could not report how many objects it created.
 #[test]
 fn gpu_resources_are_created_only_in_counted_places() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -103,6 +102,6 @@ fn gpu_resources_are_created_only_in_counted_places() {
         .map(|f| f.strip_prefix(&source).unwrap().display().to_string())
         .collect();
     rooms.sort();
-    // The white texel is created with the renderer.
+    // The renderer creates the white texel when it is created itself.
     assert_eq!(rooms, ["gpu/device.rs", "surface/mod.rs"]);
 }

@@ -4,12 +4,12 @@ use crate::gpu::Gpu;
 use crate::guide_motion::GuideMotion;
 use pelage_formats::GeometryVertex;
 
-/// Fur heights on screen in pixels. Below the first, the lean is not visible and not computed; from the second on it
-/// has full strength.
+/// Fade-in range of the lean, in pixels of fur height on screen. Below the first value, the lean is invisible and not
+/// computed; from the second value on, it has full strength.
 const FADE_IN_PX: [f32; 2] = [1.0, 3.0];
-/// Bytes per vertex particle.
+/// Bytes per vertex of the tip buffer.
 const PARTICLE_BYTES: u64 = 48;
-/// Difference of strength too small to be visible.
+/// Smallest change of strength that is visible.
 const MIN_STRENGTH_CHANGE: f32 = 0.01;
 
 /// Fur motion state of an owner.
@@ -17,10 +17,10 @@ const MIN_STRENGTH_CHANGE: f32 = 0.01;
 pub(crate) struct FurState {
     tips: wgpu::Buffer,
     leaned: wgpu::Buffer,
-    /// Last motion update of the tips, and the number of updates since their reset.
+    /// Number of the last motion update applied to the tips. The next field counts the updates since their reset.
     life: Option<u64>,
     lives: u32,
-    /// Current strength: the largest that any frame of the previous moment asked for.
+    /// Strength of the current lean. The next field is the largest strength that the frames of this moment requested.
     strength: f32,
     wanted: f32,
 }
@@ -30,11 +30,11 @@ pub(crate) struct FurState {
 pub(crate) struct FurUpdate {
     pub(crate) tips: wgpu::Buffer,
     pub(crate) strength: f32,
-    /// 1: fur is reset in this frame; 2: it was reset in the frame before; else 0.
+    /// 1: the fur is reset in this frame; 2: it was reset in the previous update; otherwise 0.
     pub(crate) begins: u32,
 }
 
-/// Returns the strength of the lean in a frame that shows the fur `height_px` high.
+/// Returns the strength of the lean, `of` at full strength, in a frame in which the fur is `height_px` pixels high.
 pub(crate) fn lean_strength(of: f32, height_px: f32) -> f32 {
     let [none, all] = FADE_IN_PX;
     let way = ((height_px - none) / (all - none)).clamp(0.0, 1.0);
@@ -42,7 +42,7 @@ pub(crate) fn lean_strength(of: f32, height_px: f32) -> f32 {
 }
 
 impl FurState {
-    /// Creates the state for an instance whose posed vertices are in that buffer.
+    /// Creates the state for an instance whose posed vertices are in the buffer `posed`.
     pub(crate) fn new(gpu: &Gpu, posed: &wgpu::Buffer) -> Self {
         use wgpu::BufferUsages as Usage;
         // Tests read the buffer.
@@ -58,7 +58,7 @@ impl FurState {
         }
     }
 
-    /// Returns the vertices that are drawn instead of the posed ones.
+    /// Returns the buffer of leaned vertices, which are drawn instead of the posed ones.
     pub(crate) fn leaned(&self) -> &wgpu::Buffer {
         &self.leaned
     }
@@ -67,8 +67,8 @@ impl FurState {
         self.tips.size() + self.leaned.size()
     }
 
-    /// Whether fur leans in a frame that asks for strength `wanted`. The first frame of a moment decides for all; a
-    /// larger strength asked for by later frames applies from the next moment on.
+    /// Whether the fur leans in a frame that requests strength `wanted`. The first frame of a moment decides for all
+    /// its frames; a larger strength requested by later frames applies from the next moment on.
     pub(crate) fn begin_frame(&mut self, swing: &GuideMotion, wanted: f32) -> bool {
         if self.life == Some(swing.update) {
             self.wanted = self.wanted.max(wanted);
@@ -77,7 +77,7 @@ impl FurState {
         wanted.max(self.wanted) > 0.0
     }
 
-    /// Returns the fur motion of a frame in which it [is seen](Self::is_seen); `None` if the lean does not change.
+    /// Returns the fur motion of a frame in which the fur leans; `None` if the lean does not change.
     pub(crate) fn update(&mut self, swing: &GuideMotion, wanted: f32) -> Option<FurUpdate> {
         if self.life == Some(swing.update) {
             return None;

@@ -1,8 +1,8 @@
-//! Hair motion state that the renderer keeps per owner: where its body was, and how long nothing has moved it.
+//! Hair motion state that the renderer keeps per owner: the last transform of its body, and the time since it last
+//! moved.
 //!
-//! The hair of an owner advances by one update from each moment to the next. Updates are numbered, and each strand set
-//! stores the last one applied to it. A moment seen by several cameras is therefore simulated once per set that any of
-//! them draws.
+//! The hair of an owner advances by one update per moment. Updates are numbered, and each strand set stores the last
+//! one applied to it. A moment seen by several cameras is therefore simulated only once per strand set that is visible.
 
 use crate::instance::Instance;
 use crate::params::{HairMotionParams, Wind};
@@ -11,11 +11,11 @@ use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::Pose;
 use pelage_formats::meaning::hair_motion::{Capsule, steps};
 
-/// Period of the wind in seconds, because its time is an f32. The jump is visible only in a gust that blows at that
-/// time.
+/// Period of the wind, seconds; keeps its time precise as an f32. The jump is visible only if a gust is blowing at that
+/// moment.
 const WIND_REPEATS_S: f64 = 4096.0;
 
-/// State of a body in the last frame that moved its hair.
+/// State of a body in the last frame that advanced its hair.
 #[derive(Clone, Debug)]
 pub(crate) struct GuideMotionState {
     transform: Mat4,
@@ -32,29 +32,29 @@ pub(crate) struct GuideMotionState {
 #[derive(Clone, Debug)]
 pub(crate) struct GuideMotion {
     pub(crate) params: HairMotionParams,
-    /// Number of this update, and of the previous one, if there was one.
+    /// Number of this update. The next field is that of the previous update, if there was one.
     pub(crate) update: u64,
     pub(crate) previous_update: Option<u64>,
     pub(crate) world_from_model: Mat3,
-    /// World position of the model's origin, and its displacement.
+    /// World position of the model's origin. The next field is its displacement.
     pub(crate) origin: Vec3,
     pub(crate) displacement: Vec3,
-    /// Time of the wind.
+    /// Time at which the wind is evaluated, seconds.
     pub(crate) time_s: f32,
     pub(crate) steps: u32,
     pub(crate) step_s: f32,
     pub(crate) before_s: f32,
-    /// Duration of the previous frame, of which `before_s` is one step.
+    /// Duration of the previous frame, seconds, of which `before_s` is one step.
     pub(crate) frame_before_s: f32,
-    /// Colliders before and now, relative to the current origin.
+    /// Colliders before and after the frame, relative to the current origin.
     pub(crate) colliders: Vec<[Capsule; 2]>,
-    /// Hair is reset to its groomed state.
+    /// The hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
-    /// Hair is at rest: only sets that are new need to be updated.
+    /// The hair is at rest: only new sets need to be updated.
     pub(crate) is_at_rest: bool,
 }
 
-/// Returns the colliders of an instance in world space: those of its body and those of the application.
+/// Returns the colliders of an instance in world space: those of its body and those set by the application.
 fn colliders(instance: &Instance, pose: &Pose) -> Vec<Capsule> {
     let of_body = instance.model.colliders().iter().map(|collider| {
         let joint = pose.joints.get(collider.joint as usize).copied().unwrap_or(Mat4::IDENTITY);
@@ -85,21 +85,21 @@ impl GuideMotion {
         WindBlock { velocity: velocity.to_array(), gust, gust_s, turbulence, eddy_m, time_s: self.time_s }
     }
 
-    /// Returns the simulated duration of the frame.
+    /// Returns the simulated time of the frame, seconds.
     pub(crate) fn seconds(&self) -> f32 {
         self.steps as f32 * self.step_s
     }
 
-    /// Returns the character's scale of lengths.
+    /// Returns the length scale of the character: the cube root of its transform's absolute determinant.
     pub(crate) fn scale(&self) -> f32 {
         self.world_from_model.determinant().abs().cbrt()
     }
 }
 
-/// Returns the hair motion in this frame, and the state to keep. If the time is the same as before and nothing has
-/// moved, the stored update is returned.
+/// Returns the hair motion in this frame, and the state to keep. If the time is unchanged and nothing has moved, the
+/// stored update is returned.
 ///
-/// * `rest_s`: seconds after which hair comes to rest if nothing moves it
+/// * `rest_s`: seconds without movement after which hair comes to rest
 /// * `is_posed`: the surface has changed since the previous frame
 /// * `life`: number for a new update
 pub(crate) fn swing(

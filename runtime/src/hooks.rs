@@ -1,10 +1,10 @@
-//! Hooks with which an application takes part while a frame is prepared.
+//! Hooks through which an application takes part in the preparation of a frame.
 
 use crate::light::Casters;
 use crate::passes::PassId;
 use std::fmt;
 
-/// Callback with the encoder after each pass before the picture, whether recorded or skipped.
+/// Callback after each pass that runs before the picture, recorded or skipped. Arguments: encoder, pass.
 pub(crate) type Mark<'a> = dyn FnMut(&mut wgpu::CommandEncoder, PassId) + 'a;
 
 /// Optional hooks of a frame: `Hooks::default()` has none.
@@ -13,8 +13,9 @@ pub(crate) type Mark<'a> = dyn FnMut(&mut wgpu::CommandEncoder, PassId) + 'a;
 pub struct Hooks<'a> {
     /// Geometry of the application that casts and receives shadows.
     pub casters: Option<Casters<'a>>,
-    /// Callback after each pass with [`crate::PassStage::Before`], whether it recorded anything or not; used to time
-    /// passes. The callback may replace the encoder by another of the same device, and must then submit them in order.
+    /// Callback after each pass with [`crate::PassStage::Before`], whether or not it recorded anything; used to time
+    /// passes. The callback may replace the encoder by another one of the same device, and must then submit the
+    /// encoders in order.
     pub mark: Option<&'a mut Mark<'a>>,
 }
 
@@ -24,7 +25,7 @@ impl<'a> Hooks<'a> {
         Self { casters: Some(casters), ..self }
     }
 
-    /// Adds a callback after each pass before the picture.
+    /// Adds a callback after each pass that runs before the picture.
     pub fn mark(self, mark: &'a mut Mark<'a>) -> Self {
         Self { mark: Some(mark), ..self }
     }

@@ -20,13 +20,13 @@ pub enum Motion {
         /// Time in seconds. The pose holds before the first and after the last key; looping is up to the caller.
         time_s: f32,
     },
-    /// Several moments blended in order, of the same or different clips: a transition from one motion to the next.
+    /// Several poses blended in order, from the same or different clips, such as a transition between two motions.
     Blend(
-        /// Layers in order; each blends by its share from the result of the layers before it. At most
+        /// Layers in order. Each blends, by its share, from the result of the layers before it to its own pose. At most
         /// [`Motion::MAX_LAYERS`].
         Vec<ClipLayer>,
     ),
-    /// Animation computed by the application.
+    /// Pose computed by the application.
     Joints(
         /// Transforms from mesh space to model space, one per joint of the package's skeleton.
         Vec<Mat4>,
@@ -34,10 +34,10 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// Maximum number of layers of a [`Motion::Blend`]: each is a whole pose.
+    /// Maximum number of layers of a [`Motion::Blend`]; each costs the evaluation of a whole pose.
     pub const MAX_LAYERS: usize = 16;
 
-    /// Returns the fault of the motion for that skeleton, as found and expected values.
+    /// Returns the fault of the motion for that skeleton, as found and expected values; `None` if it is valid.
     fn fault(&self, animation: &Animation) -> Option<(String, String)> {
         let moment = |clip: Option<usize>, time_s: f32| {
             if !time_s.is_finite() {
@@ -69,7 +69,7 @@ impl Motion {
     }
 }
 
-/// Copy of a model drawn in one frame: its owner, transform and pose. It holds no GPU resources: keep and change it, or
+/// Copy of a model drawn in one frame: owner, transform and pose. It holds no GPU resources. Keep and change it, or
 /// create it for every frame from the application's own data.
 ///
 /// The [`crate::Renderer`] stores state that lasts between frames, such as posed vertices, under `owner`.
@@ -77,30 +77,31 @@ impl Motion {
 #[non_exhaustive]
 pub struct Instance {
     /// Identity chosen by the application: constant between frames, and unique among the instances of a frame. Any
-    /// number but [`Instance::NO_OWNER`].
+    /// number except [`Instance::NO_OWNER`].
     pub owner: u64,
     /// Model that is drawn.
     pub model: Model,
-    /// Model to world space: any invertible affine matrix; mirrored copies are allowed. The fur height scales with the
-    /// cube root of the volume's scale.
+    /// Transform from model to world space: any invertible affine matrix, mirroring included. The fur height scales
+    /// with the cube root of the absolute determinant.
     pub transform: Mat4,
-    /// Pose; no effect on models without skeleton.
+    /// Pose; has no effect on models without a skeleton.
     pub motion: Motion,
-    /// Morph targets that the application sets itself, such as a speaking face: index into [`Model::morph_targets`],
-    /// and weight. The others follow the motion. If one appears twice, the last one counts.
+    /// Morph targets that the application sets itself, such as those of a speaking face: index into
+    /// [`Model::morph_targets`], and weight. The other targets follow the motion. If a target appears twice, the last
+    /// weight applies.
     pub morphs: Vec<(usize, f32)>,
-    /// Revision of the hair motion: any number, constant between frames. A change resets hair to its groomed state
-    /// instead of dragging it along. Increment it when the instance is teleported or a shot begins.
+    /// Revision of the hair motion: any number, constant between frames. A change resets the hair to its groomed state
+    /// instead of dragging it along. Increment it when the instance is teleported or a new shot begins.
     pub hair_revision: u32,
-    /// Colliders for the hair besides the instance's own body, in world space. Their number must stay constant between
-    /// frames, or the hair is reset. At most [`Instance::MAX_COLLIDERS`].
+    /// Colliders for the hair in addition to the instance's own body, in world space. If their number changes between
+    /// frames, the hair is reset. At most [`Instance::MAX_COLLIDERS`].
     pub colliders: Vec<Capsule>,
 }
 
 impl Instance {
-    /// Reserved number that no owner may have.
+    /// Reserved number that is not valid as an owner.
     pub const NO_OWNER: u64 = u64::MAX;
-    /// Maximum number of colliders of the application; each point of each guide tests all of them.
+    /// Maximum number of colliders set by the application; each point of each guide tests all of them.
     pub const MAX_COLLIDERS: usize = 64;
 
     /// Creates an instance at the origin, in the rest pose.
@@ -131,19 +132,20 @@ impl Instance {
         Self { morphs, ..self }
     }
 
-    /// Whether a frame reads hair self-shadow from the instance's package.
+    /// Whether a frame uses the self-shadow of hair that is baked into the instance's package.
     pub(crate) fn reads_baked_shadow(&self, params: &FrameParams) -> bool {
         let may = matches!(params.self_shadow_form(), SelfShadow::Auto | SelfShadow::Baked);
         may && self.model.has_baked_visibility()
     }
 
-    /// Returns the scattering mode of its hair by tables of its fibres; `None` if lit without them.
+    /// Returns the scattering mode of the instance's hair, lit with the tables of its fibres; `None` if lit without
+    /// them.
     pub(crate) fn scattering(&self, params: &FrameParams) -> Option<Scattering> {
         let asked = params.style.fur().map_or(Scattering::Off, |fur| fur.scattering);
         (asked != Scattering::Off && self.model.fibres().is_some()).then_some(asked)
     }
 
-    /// Returns the scale of lengths: the cube root of the volume's scale.
+    /// Returns the length scale: the cube root of the transform's absolute determinant.
     pub(crate) fn scale(&self) -> f32 {
         Mat3::from_mat4(self.transform).determinant().abs().cbrt()
     }

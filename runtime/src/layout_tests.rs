@@ -1,4 +1,4 @@
-//! Tests that all shaders are valid, and that their structs match the Rust ones byte for byte.
+//! Tests that all shaders are valid, and that their structs match the Rust structs byte for byte.
 
 use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
@@ -45,7 +45,8 @@ fn wgsl_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Files of which a build includes one of the two: the default form, and the form used by studies.
+/// Pairs of alternative shader files: the default form, and the form used by studies. A build includes one of each
+/// pair.
 const FORMS: [[&str; 2]; 4] = [
     [include_str!("light/forms.wgsl"), include_str!("study/light/forms.wgsl")],
     [include_str!("light/deep_forms.wgsl"), include_str!("study/light/deep_forms.wgsl")],
@@ -53,7 +54,7 @@ const FORMS: [[&str; 2]; 4] = [
     [include_str!("ink/surface_forms.wgsl"), include_str!("study/ink/surface_forms.wgsl")],
 ];
 
-/// Returns all shaders of the passes and of the application, for this build and for the other one.
+/// Returns all shaders of the passes and of the application, for this build and with the alternative forms.
 fn sources() -> Vec<(String, String)> {
     let mut sources = vec![("the application's own shaders".to_string(), receiver::WGSL.to_string())];
     for shader in PASSES.iter().flat_map(|pass| pass.shaders) {
@@ -100,7 +101,7 @@ fn wgsl_code() -> Vec<(PathBuf, String)> {
     files.into_iter().map(read).collect()
 }
 
-/// Checks parentheses between adjacent shift and bitwise operators: browsers require them, naga does not.
+/// Checks that nested shift and bitwise operators are parenthesised: browsers require it, naga does not.
 #[test]
 fn shifts_in_wgsl_are_parenthesised() {
     for (file, code) in wgsl_code() {
@@ -115,7 +116,7 @@ fn shifts_in_wgsl_are_parenthesised() {
     }
 }
 
-/// Checks parentheses between "and" and "or", also in statements of several lines.
+/// Checks that `&&` within `||` is parenthesised, also in statements of several lines.
 #[test]
 fn ands_among_ors_in_wgsl_are_parenthesised() {
     for (file, code) in wgsl_code() {
@@ -147,8 +148,8 @@ fn mixes_logic(code: &str) -> bool {
     })
 }
 
-/// Whether operators of both kinds occur between two brackets or `ends`. `kind`: 0 or 1 if a letter and the one before
-/// it end an operator.
+/// Whether operators of both kinds occur between two brackets or `ends`. `kind` gets two adjacent letters; it returns 0
+/// or 1 if they end an operator of that kind.
 fn side_by_side(code: &str, ends: &[char], kind: impl Fn(char, char) -> Option<usize>) -> bool {
     // Kinds seen in each open bracket.
     let mut open = vec![[false; 2]];
@@ -312,7 +313,7 @@ fn uniform_structs_match_wgsl() {
     for source in [&strand_gather::SHADER.wgsl(), &strand_blend::SHADER.wgsl()] {
         assert_eq!(members(source, "NearestHair"), fields!(NearestHairBlock, area, size, pieces, round));
     }
-    // These shaders read only the part of the frame that places corners.
+    // These shaders declare only the part of the frame block that positions corners.
     for source in [&strands::SHADER.wgsl(), &strand_gather::SHADER.wgsl()] {
         let (frame, _) = members(source, "Frame");
         assert_eq!(frame[..], fields!(frame::Frame, clip_from_world).0[..]);
@@ -341,7 +342,7 @@ fn storage_structs_match_wgsl() {
         );
     }
     assert_eq!(members(&fins::SHADER.wgsl(), "Fin"), fields!(Fin, a, b, start, length, slab, opacity));
-    // Four bytes are one word in the shader.
+    // Four bytes in Rust are one 32-bit word in the shader.
     assert_eq!(
         members(&fins::SHADER.wgsl(), "AttributeVertex"),
         fields!(AttributeVertex, tile_uv, base_uv, color, groom)
@@ -536,8 +537,8 @@ fn workgroup_sizes_match_wgsl() {
     }
 }
 
-/// Checks that debug views and the study name shaders of passes. They select pipelines by shader name, so an unknown
-/// name would change nothing.
+/// Checks that debug views and the study name existing shaders of passes. They select pipelines by shader name, so an
+/// unknown name would change nothing.
 #[test]
 fn amended_pipelines_name_shaders_that_passes_have() {
     let names: Vec<_> = PASSES.iter().flat_map(|pass| pass.shaders).map(|shader| shader.name).collect();

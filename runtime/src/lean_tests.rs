@@ -1,4 +1,4 @@
-//! Tests that fur leans on the GPU as its Rust counterpart in `pelage-formats` does, vertex for vertex.
+//! Tests that the fur lean computed on the GPU matches its Rust counterpart in `pelage-formats`, vertex for vertex.
 
 use crate::camera::Camera;
 use crate::frame_tests::gpu;
@@ -19,7 +19,7 @@ const WETNESS: [u8; 6] = [0, 0, 0, 0, 200, 0];
 const TIPS: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
 const WIND: Wind = Wind { velocity: Vec3::new(3.0, 0.0, -1.0), gust: 0.5, gust_s: 0.7, turbulence: 0.4, eddy_m: 0.3 };
 
-/// Returns a package of an octahedron with hair of many kinds.
+/// Returns a package of an octahedron with several kinds of hair.
 fn package() -> Vec<u8> {
     let sides = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
     let vertex = |i: usize| GeometryVertex {
@@ -53,7 +53,7 @@ fn package() -> Vec<u8> {
     PackageWriter::new(manifest).mesh(&mesh).finish().unwrap()
 }
 
-/// Returns the transform at a time: rotated, scaled and moving.
+/// Returns a rotated, scaled and moving transform at a time.
 fn at(time_s: f32) -> Mat4 {
     let turn = Quat::from_rotation_z(0.8 * (3.0 * time_s).sin());
     let place = Vec3::new(0.08 * (7.0 * time_s).sin(), 0.02, 40.0 + 2.0 * time_s);
@@ -80,7 +80,7 @@ fn drawn(gpu: &Gpu, frames: u32, fps: f32, at: &dyn Fn(f32) -> Mat4, wind: Wind)
     renderer.leaned(1).map(|buffer| read(gpu, buffer))
 }
 
-/// Returns the world-space normal of each vertex as the Rust counterpart computes it.
+/// Returns the world-space normal of each vertex as computed by the Rust counterpart.
 fn twin(frames: u32, fps: f32) -> Vec<Vec3> {
     let axis = |i: usize| {
         let (size, place) = (HEIGHTS_M[i] * 1.2, |t: f32| at(t).transform_point3(TIPS[i] * 0.1));

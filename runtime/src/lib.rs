@@ -102,7 +102,7 @@ pub use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 pub use pelage_formats::meaning::hair_motion::Capsule;
 pub use wgpu;
 
-/// Rust code of the Markdown documents, compiled together with the examples in these comments.
+/// Rust code of the Markdown documents, compiled as doc tests together with the examples in these comments.
 #[cfg(doctest)]
 mod documents {
     #[doc = include_str!("../../README.md")]

@@ -1,4 +1,4 @@
-//! Test that hair is lit in a single function, from the parsed shaders.
+//! Tests, on the parsed shaders, that hair is lit in a single function.
 
 use crate::frame::PASSES;
 use naga::{Expression, Function, Handle, Module, Statement, Type};
@@ -57,7 +57,7 @@ fn hair_is_lit_in_one_function() {
         let module = naga::front::wgsl::parse_str(&shader.wgsl()).unwrap();
         for entry in module.entry_points.iter().filter(|e| e.stage == naga::ShaderStage::Fragment) {
             let reached = reaches(&module, &entry.function);
-            // Every entry point that reaches `fibre` also reaches `light_hair`.
+            // Every entry point that calls `fibre` must also call `light_hair`.
             if reached.contains("fibre") {
                 assert!(reached.contains("light_hair"), "{}: {}", shader.name, entry.name);
                 geometries.insert(entry.name.clone());
@@ -68,8 +68,8 @@ fn hair_is_lit_in_one_function() {
             assert!(!has("fibre"), "{}", shader.name);
             continue;
         }
-        // The functions of the lights are called by it alone, and only they call `fibre` (except in the study of light
-        // at vertices).
+        // Only `light_hair` may call the functions of the lights, and only they may call `fibre`, except in the study
+        // of lighting at vertices.
         for light in ["key_light_on_hair", "fill_lights_on_hair"] {
             assert_eq!(callers(&module, light), set(["light_hair"]), "{}", shader.name);
         }
@@ -77,7 +77,7 @@ fn hair_is_lit_in_one_function() {
         of_fibre.remove("half_or_factors");
         assert_eq!(of_fibre, set(["fill_lights_on_hair", "key_fibre"]), "{}", shader.name);
         assert_eq!(callers(&module, "key_fibre"), set(["key_light_on_hair"]), "{}", shader.name);
-        // Every function that builds a `HairPoint`, at once or member by member, passes it to `light_hair`.
+        // Every function that builds a `HairPoint`, at once or member by member, must pass it to `light_hair`.
         let is_point = |ty: Handle<Type>| module.types[ty].name.as_deref() == Some("HairPoint");
         for (_, function) in module.functions.iter() {
             let composes = function.expressions.iter().any(|(_, e)| match e {

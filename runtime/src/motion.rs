@@ -12,7 +12,7 @@ use pelage_formats::Pose;
 use pelage_formats::meaning::fur_motion::rest_s;
 use std::collections::HashMap;
 
-/// Frames after which the state of an unused owner is dropped.
+/// Number of frames after which the state of an unused owner is dropped.
 const DROPPED_AFTER: u64 = 256;
 
 /// State of an owner.
@@ -21,17 +21,17 @@ struct OwnerState {
     model: Model,
     /// Posed vertices, if the model has a skeleton.
     posed: Option<wgpu::Buffer>,
-    /// Motion and morph target weights of the posed vertices.
+    /// Motion and morph target weights with which the vertices were posed.
     motion: Option<(Motion, Vec<(usize, f32)>)>,
-    /// Whether to recompute the posed vertices even if the motion has not changed.
+    /// Whether to recompute the posed vertices even if the motion is unchanged.
     is_stale: bool,
     pose: Pose,
-    /// Hair motion state, if its hair moves.
+    /// Hair motion state, if the hair of the model moves.
     past: Option<GuideMotionState>,
-    /// Fur motion state, if the fur has ever leaned, and whether it leans now.
+    /// Fur motion state, if the fur has ever leaned. The next field tells whether it leans now.
     fur: Option<FurState>,
     is_leaning: bool,
-    /// Revision; changed whenever the shape in model space changes, and unique among all owners.
+    /// Revision; changes whenever the shape in model space changes. Unique among all owners.
     revision: u64,
     last_frame: u64,
 }
@@ -40,7 +40,7 @@ struct OwnerState {
 #[derive(Debug, Default)]
 pub(crate) struct OwnerStates {
     owners: HashMap<u64, OwnerState>,
-    /// State by owner and strand set, only for recently drawn ones: many owners are never near enough.
+    /// State by owner and strand set. Kept only for recently drawn sets, because many owners are never near enough.
     strands: HashMap<(u64, usize), StrandState>,
     frame: u64,
     revisions: u64,
@@ -51,7 +51,7 @@ pub(crate) struct OwnerStates {
 /// Posed instance of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PosedInstance {
-    /// First vertex stream as drawn: posed if the model has a skeleton, and leaned if its fur leans.
+    /// First vertex stream as drawn: posed if the model has a skeleton, leaned if the fur leans.
     pub(crate) geometry: wgpu::Buffer,
     /// First vertex stream without leaning.
     pub(crate) posed: wgpu::Buffer,
@@ -71,7 +71,7 @@ pub(crate) struct PosedInstance {
 pub(crate) struct PoseInputs {
     /// Transforms from mesh space to model space, one per joint.
     pub(crate) joints: Vec<Mat4>,
-    /// Difference between the weight of each morph target and its rest weight.
+    /// Difference between the current weight of each morph target and its rest weight.
     pub(crate) shifts: Vec<f32>,
 }
 
@@ -81,12 +81,12 @@ struct StrandState {
     points: wgpu::Buffer,
     /// Guide points, if the strands follow guides.
     guides: Option<wgpu::Buffer>,
-    /// Guide particles, if they may move, and the last motion update applied to them.
+    /// Guide particles, if they may move. The next field is the last motion update applied to them.
     particles: Option<wgpu::Buffer>,
     life: Option<u64>,
     /// Revision of both buffers; 0 if they are empty.
     revision: u64,
-    /// Share of the strands that is posed.
+    /// Share of the strands that are posed.
     share: f32,
     last_frame: u64,
 }
@@ -101,16 +101,16 @@ pub(crate) struct PosedStrands {
     pub(crate) particles: Option<wgpu::Buffer>,
     /// The particles do not continue the previous update: hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
-    /// The particles already went through this update in an earlier frame of the same moment.
+    /// An earlier frame of the same moment has already applied this update to the particles.
     pub(crate) is_updated: bool,
-    /// The points have another pose, or too few of them are posed.
+    /// The stored points have another pose, or are too few.
     pub(crate) stale: bool,
-    /// Share of the strands that is posed.
+    /// Share of the strands that are posed.
     pub(crate) share: f32,
 }
 
 impl PosedStrands {
-    /// Whether the guides are moved by hair motion; otherwise they are as groomed.
+    /// Whether hair motion moves the guides; otherwise they keep their groomed shape.
     pub(crate) fn is_moved(&self, moved: &PosedInstance, guided: &Guided) -> bool {
         let swing = moved.swing.as_ref().filter(|_| guided.motion.is_some());
         swing.is_some_and(|swing| !swing.is_fresh && !self.is_fresh)
@@ -118,7 +118,7 @@ impl PosedStrands {
 }
 
 impl OwnerStates {
-    /// Updates the owners of `instances`, which were validated, to their poses in this frame.
+    /// Updates the owners of `instances`, which must be valid, to their poses in this frame.
     pub(crate) fn pose_instances(
         &mut self,
         gpu: &Gpu,
@@ -162,7 +162,7 @@ impl OwnerStates {
         });
         state.last_frame = frame;
         let mut pose = None;
-        // A model without skeleton does not move.
+        // A model without a skeleton is not posed.
         let (motion, morphs) = match model.skeleton() {
             Some(_) => (&instance.motion, &instance.morphs[..]),
             None => (&Motion::Rest, &[][..]),
@@ -211,7 +211,7 @@ impl OwnerStates {
             )
         });
         let (swing, past) = lives.unzip();
-        // Hair that starts moving, moves or stops moving has a new shape.
+        // The shape of hair changes when its motion starts, continues or stops.
         let mut is_other = match &swing {
             Some(swing) => swing.update == self.updates && !swing.is_at_rest,
             None => state.past.is_some(),
@@ -246,7 +246,7 @@ impl OwnerStates {
         PosedInstance { geometry, posed, lean, pose, revision: state.revision, swing, hull }
     }
 
-    /// Returns the buffers for posing a strand set of an instance, of which this frame draws `share`.
+    /// Returns the buffers for posing a strand set of an instance, of which this frame draws the share `share`.
     pub(crate) fn pose_strands(
         &mut self,
         gpu: &Gpu,
@@ -280,24 +280,24 @@ impl OwnerStates {
         }
     }
 
-    /// Returns the guide buffer of an owner.
+    /// Returns the guide buffer of an owner's strand set.
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
         self.strands.get(&(owner, set))?.guides.as_ref()
     }
 
-    /// Returns the buffer of an owner's leaned vertices.
+    /// Returns the buffer of an owner's leaned vertices, if its fur has ever leaned.
     #[cfg(test)]
     pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
         Some(self.owners.get(&owner)?.fur.as_ref()?.leaned())
     }
 
-    /// Marks all poses to be recomputed.
+    /// Marks all poses as stale, so that they are recomputed.
     pub(crate) fn invalidate(&mut self) {
         self.owners.values_mut().for_each(|state| state.is_stale = true);
     }
 
-    /// Invalidates all poses and resets the hair motion, for use when the device may have missed the last update.
+    /// Invalidates all poses and resets the hair motion. Used when the device may have missed the last update.
     pub(crate) fn invalidate_motion(&mut self) {
         self.invalidate();
         self.owners.values_mut().for_each(|state| state.past = None);
@@ -309,7 +309,7 @@ impl OwnerStates {
         self.strands.retain(|(of, _), _| *of != owner);
     }
 
-    /// Returns the size on the GPU in bytes.
+    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let of_skin = |state: &OwnerState| {
             state.posed.as_ref().map_or(0, wgpu::Buffer::size) + state.fur.as_ref().map_or(0, FurState::gpu_bytes)

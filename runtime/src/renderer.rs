@@ -15,14 +15,14 @@ use crate::surface::Surfaces;
 use glam::Vec3;
 use pelage_formats::{Limits, Package};
 
-/// Draws models into the application's own render pass. Create one per device and kind of pass.
+/// Draws models into the application's own render pass. Create one renderer per device and kind of pass.
 #[derive(Debug)]
 pub struct Renderer {
     state: RendererState,
 }
 
 impl Renderer {
-    /// Creates a renderer after checking the options. Pipelines are not compiled until a frame first needs them, or in
+    /// Creates a renderer after checking the options. Pipelines are compiled when a frame first needs them, or by
     /// [`Renderer::prepare_pipelines`]. The application still owns device and queue; the renderer keeps handles to
     /// them.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &RendererOptions) -> Result<Self, RuntimeError> {
@@ -51,7 +51,7 @@ impl Renderer {
 
     /// Uploads a package directly from the slices that it borrows. The package's bytes may be dropped afterwards.
     ///
-    /// Fails if a section is damaged, if a texture needs a feature that the device was created without, or if something
+    /// Fails if a section is damaged, if a texture needs a feature that is not enabled on the device, or if a resource
     /// exceeds the device's limits.
     pub fn load(&self, package: &Package<'_>) -> Result<Model, RuntimeError> {
         model::load(&self.state.gpu, &self.state.options, &self.state.surfaces, package)
@@ -62,9 +62,9 @@ impl Renderer {
         self.load(&Package::open(bytes, &Limits::default())?)
     }
 
-    /// Compiles the pipelines for drawing `model` with `params`, so that the first frame does not wait for them. More
-    /// may be compiled on first use for mirrored instances, parameters of another style or with other lighting
-    /// constants, and frames with models of different layer counts.
+    /// Compiles the pipelines for drawing `model` with `params`, so that the first frame does not wait for them. Some
+    /// are still compiled on first use: for mirrored instances, for another style or other lighting constants, and for
+    /// frames with models of different layer counts.
     ///
     /// It prepares frames of one instance, for every level of detail that `params` may choose, and drops them without
     /// drawing.
@@ -77,14 +77,14 @@ impl Renderer {
             let level = |k: usize| Detail::Level(0.5 * k as f32);
             variants = (0..(2 * levels).max(1)).map(|k| params.clone().with_fur(|f| f.detail = level(k))).collect();
         }
-        // Variants that explicit levels leave out, because those draw layers.
+        // Add the strand variants: explicit levels do not include them, because explicit levels draw layers.
         if params.style.fur().is_some_and(|fur| fur.hair == HairGeometry::Auto) && model.fur_strands().is_some() {
             variants.push(params.clone().with_fur(|fur| fur.hair = HairGeometry::Strands));
         }
         if params.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended) && !model.strands().is_empty()
         {
             let strands = params.clone().with_fur(|fur| fur.hair = HairGeometry::Strands);
-            // The choice depends on the size of the picture and on the device.
+            // The variant depends on the size of the picture and on the device.
             variants.push(strands.clone().with(|p| p.viewport = [64; 2]));
             variants.push(strands.with_fur(|fur| fur.strand_edges = StrandEdges::Samples));
         }
@@ -92,14 +92,14 @@ impl Renderer {
             self.invalidate();
             self.state.states.invalidate_motion();
         }
-        // State left behind by these frames is dropped with them.
+        // These frames change the state; the changes are dropped with them.
         let shadows = std::mem::take(&mut self.state.shadows);
         let ribbons = std::mem::take(&mut self.state.ribbons);
         let nearest = std::mem::take(&mut self.state.nearest);
         let targets = std::mem::take(&mut self.state.cache.targets);
         let bind_groups = std::mem::take(&mut self.state.cache.bind_groups);
         let mut encoder = self.state.gpu.device.create_command_encoder(&Default::default());
-        // The instance must not be culled, wherever the camera looks.
+        // The instance must not be culled, whatever the camera's direction.
         let bounds = model.manifest().bounds;
         let radius = bounds.radius.max(1e-6) + model.manifest().fur.height_m;
         let unseen = Instance::new(Instance::NO_OWNER, model);
@@ -116,12 +116,12 @@ impl Renderer {
         self.state.cache.targets = targets;
         self.state.cache.bind_groups = bind_groups;
         drop(encoder);
-        // Dropping this encoder loses no work that is needed.
+        // Reset the flag: the work lost by dropping this encoder is not needed.
         self.state.ring.lost_work();
         prepared
     }
 
-    /// Prepares a frame: compiles missing pipelines, uploads what changed, and records the passes that run before the
+    /// Prepares a frame: compiles missing pipelines, uploads changed data, and records the passes that run before the
     /// application's render pass into `encoder`.
     ///
     /// The encoder must be submitted before, or together with, the pass that the frame is drawn into. Submit encoders
@@ -146,7 +146,7 @@ impl Renderer {
         self.prepare_with(encoder, params, instances, Hooks::default())
     }
 
-    /// Prepares a frame as [`Self::prepare`] does, with hooks of the application.
+    /// Prepares a frame as [`Self::prepare`] does, with the application's hooks.
     pub fn prepare_with<I>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -164,20 +164,20 @@ impl Renderer {
         frame::prepare(&mut self.state, encoder, params, &instances, hooks)
     }
 
-    /// Returns the guide buffer of an owner.
+    /// Returns the guide buffer of an owner's strand set.
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
         self.state.states.posed_guides(owner, set)
     }
 
-    /// Returns the buffer of an owner's leaned vertices.
+    /// Returns the buffer of an owner's leaned vertices, if its fur has ever leaned.
     #[cfg(test)]
     pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
         self.state.states.leaned(owner)
     }
 
-    /// Drops poses and shadow maps, so that the next frame recreates them, and frees the maps' memory. Not needed after
-    /// an encoder is dropped instead of submitted; the renderer detects that.
+    /// Drops poses and shadow maps, so that the next frame recreates them, and frees the memory of the maps. Not needed
+    /// after an encoder was dropped unsubmitted; the renderer detects that.
     pub fn invalidate(&mut self) {
         self.state.states.invalidate();
         self.state.shadows = Pool::default();
@@ -192,7 +192,7 @@ impl Renderer {
         self.state.states.forget(owner);
     }
 
-    /// Returns the size on the GPU in bytes of the state of all owners: posed vertices, leaned fur and posed strands.
+    /// Returns the size of the state of all owners in GPU memory, bytes: posed vertices, leaned fur and posed strands.
     pub fn owners_gpu_bytes(&self) -> u64 {
         self.state.states.gpu_bytes()
     }

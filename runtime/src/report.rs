@@ -6,16 +6,16 @@
 pub struct FrameReport {
     /// Report of each pass, in order.
     pub passes: Vec<PassReport>,
-    /// Level of detail of each instance, in the given order.
+    /// Level of detail of each instance, in the order in which the instances were given.
     pub instances: Vec<InstanceDetail>,
-    /// Whether hair is still moving: a frame at a later time differs even if nothing else changes.
+    /// Whether hair is still moving. If so, a frame at a later time differs even if nothing else changes.
     pub hair_moves: bool,
-    /// Objects created for the frame.
+    /// Number of GPU objects that were created for the frame.
     pub created: CreatedObjects,
-    /// Bytes of uniforms and storage uploaded; 0 if nothing changed since an earlier frame.
+    /// Bytes of uniforms and storage that were uploaded; 0 if nothing has changed since an earlier frame.
     pub uploaded_bytes: u64,
-    /// Bytes on the GPU of textures of the picture's size that passes share, and of the per-pixel lists for blended
-    /// strand edges. The renderer keeps them for later frames of the same size.
+    /// Bytes in GPU memory of the textures of the picture's size that passes share, and of the per-pixel lists for
+    /// blended strand edges. The renderer keeps them for later frames of the same size.
     pub target_bytes: u64,
 }
 
@@ -24,13 +24,13 @@ pub struct FrameReport {
 pub struct PassReport {
     /// Name of the pass: [`crate::PassId::name`].
     pub name: &'static str,
-    /// Whether the pass does anything in this frame.
+    /// Whether the pass had work in this frame.
     pub ran: bool,
-    /// Description of what it does, or the reason why it was skipped.
+    /// Description of what the pass did, or the reason why it was skipped.
     pub reason: String,
 }
 
-/// Number of GPU objects created for a frame: none if nothing is new since earlier frames.
+/// Number of GPU objects created for a frame; all 0 if nothing is new since earlier frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct CreatedObjects {
@@ -45,7 +45,7 @@ pub struct CreatedObjects {
 }
 
 impl CreatedObjects {
-    /// Returns the number of objects created between two counts.
+    /// Returns the number of objects created since the count `before`.
     pub(crate) fn since(self, before: Self) -> Self {
         Self {
             buffers: self.buffers - before.buffers,
@@ -60,7 +60,7 @@ impl CreatedObjects {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InstanceDetail {
-    /// Whether any of it may be in the picture. Otherwise it is not drawn, but still casts its shadow.
+    /// Whether any part of the instance may be in the picture. Otherwise it is not drawn, but still casts its shadow.
     pub in_picture: bool,
     /// Index into the package's levels of detail.
     pub level: u32,
@@ -70,18 +70,18 @@ pub struct InstanceDetail {
     pub layers: u32,
     /// Number of layers in the package, skin excluded.
     pub of_layers: u32,
-    /// Triangle count of the drawn index list: the mesh's own, or a simplified one of the package.
+    /// Triangle count of the drawn index list: that of the mesh, or a simplified one of the package.
     pub triangles: u32,
-    /// Share of the fins' opacity, 0..=1.
+    /// Factor on the opacity of fins, 0..=1.
     pub fins: f32,
     /// Progress of the transition to the far fur layer, 0..=1.
     pub coat: f32,
-    /// Share of the single fur strands that is drawn, 0..=1; if there are none, of the first group of guided hair.
-    /// Layers are drawn as well while `layers` is not 0: they fade once all strands are drawn.
+    /// Share of single fur strands that are drawn, 0..=1. If the model has none: share of the first group of guided
+    /// hair. Layers are also drawn while `layers` is not 0: they fade after all strands have appeared.
     pub strands: f32,
-    /// Segments per single strand: fewer if it is small on screen; 0 if no strands are drawn.
+    /// Number of segments per strand, reduced if the hair is small on screen; 0 if no strands are drawn.
     pub strand_pieces: u32,
-    /// Height of the fur on screen, pixels, at the nearest point of the model; `None` if nothing depends on it.
-    /// Infinite if the eye is within the model's bounds.
+    /// Height of the fur on screen at the nearest point of the model, pixels; `None` if the detail does not depend on
+    /// it. Infinite if the eye is within the model's bounds.
     pub fur_px: Option<f32>,
 }

@@ -1,4 +1,5 @@
-//! Test that hair moves on the GPU as its Rust counterpart in `pelage-formats` does, particle for particle.
+//! Tests that the hair motion computed on the GPU matches its Rust counterpart in `pelage-formats`, particle for
+//! particle.
 
 use crate::camera::Camera;
 use crate::frame_tests::gpu;
@@ -20,7 +21,7 @@ use pelage_stage::Gpu;
 const POINTS: usize = 9;
 const MOTION: GroupMotion =
     GroupMotion { held: 0.1, free: 0.5, drag_per_s: 1.5, shape_hz: 0.8, bend_hz: 1.5, friction: 0.3 };
-/// Freedom of movement of each of its guides: the first follows the surface.
+/// Freedom of movement of each guide, 0..=255; the first one follows the surface.
 const FREEDOM: [u8; 8] = [0, 128, 250, 255, 255, 255, 255, 255];
 const WIND: Wind = Wind { velocity: Vec3::new(2.0, 0.0, -1.0), gust: 0.5, gust_s: 0.7, turbulence: 0.4, eddy_m: 0.3 };
 
@@ -35,7 +36,7 @@ pub fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&gpu.read_buffer(&copy).unwrap())
 }
 
-/// Octahedron with a guide on each side.
+/// Octahedron with one guide on each side.
 struct Scene {
     corners: Vec<[Vec3; 3]>,
     points: Vec<Vec<Vec3>>,
@@ -77,7 +78,7 @@ impl Scene {
             ..HairGroup::default()
         };
         group.set_guides(&guides);
-        // As in the package: quantised, and resampled.
+        // The guides are quantised and resampled, as in the package.
         let points = (0..8).map(|side| smoothed(&group.guide(side), POINTS)).collect();
         let manifest = Manifest {
             materials: vec![Material {
@@ -104,8 +105,8 @@ impl Scene {
         RootFrame { root: transform.transform_point3(root), frame }
     }
 
-    /// Returns the final points of each guide as the Rust counterpart computes them, in model space relative to its
-    /// root.
+    /// Returns the final points of each guide as computed by the Rust counterpart, in model space, relative to the
+    /// guide's root.
     fn twin(&self, frames: u32, fps: f32, at: &dyn Fn(u32) -> (Mat4, Vec<Capsule>), wind: Wind) -> Vec<Vec3> {
         let springs = Springs {
             drag_per_s: MOTION.drag_per_s,
@@ -140,7 +141,7 @@ impl Scene {
         all
     }
 
-    /// Returns the guide points as the GPU computes them.
+    /// Returns the guide points as computed on the GPU.
     fn drawn(
         &self,
         gpu: &Gpu,
@@ -155,7 +156,7 @@ impl Scene {
         for frame in 0..frames {
             let (transform, colliders) = at(frame);
             let mut instance = Instance::new(1, &model).at(transform);
-            // The first is the body's own.
+            // The first collider belongs to the body itself.
             instance.colliders = colliders[1..].to_vec();
             let blown = HairMotionParams::default().with(|p| p.wind = wind);
             let time_s = f64::from(frame) / f64::from(fps);
@@ -176,7 +177,7 @@ fn gpu_hair_motion_matches_the_cpu() {
     let Some(gpu) = gpu("gpu_hair_motion_matches_the_cpu") else { return };
     let body = BodyCollider { joint: 0, from: [0.0; 3], to: [0.0, 0.03, 0.0], radius: 0.06 };
     let scene = Scene::new(vec![body]);
-    // Moves, turns and grows, among colliders that come from the side.
+    // The body moves, turns and grows, among colliders that come from the side.
     let at = |frame: u32| {
         let t = frame as f32 / 60.0;
         let turn = Quat::from_rotation_z(0.8 * (3.0 * t).sin());
@@ -200,7 +201,7 @@ fn gpu_hair_motion_matches_the_cpu() {
     }
 }
 
-/// Checks that hair blown aside returns to its groomed shape, and that no step moves it from there.
+/// Checks that hair blown aside returns to its groomed shape, and that further steps do not move it.
 #[test]
 fn hair_comes_to_rest_in_its_groomed_shape() {
     let Some(gpu) = gpu("hair_comes_to_rest_in_its_groomed_shape") else { return };

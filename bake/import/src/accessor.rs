@@ -5,7 +5,7 @@ use super::json::JsonNode;
 use super::source::Source;
 use crate::BakeError;
 
-/// Maximum size of an accessor without data, bytes: as many positions as a package may have vertices.
+/// Maximum size of an accessor without data, bytes: 12 bytes for each vertex that a package may have.
 const MAX_ZEROS: u64 = 12 << 24;
 
 impl<'a> Source<'a, '_> {
@@ -17,7 +17,8 @@ impl<'a> Source<'a, '_> {
 
     /// Reads the accessor that `reference` names.
     ///
-    /// Errors point at the accessor; a type that does not match `widths` and `components` is reported at the reference.
+    /// Errors give the position of the accessor. If its type is not in `widths` and `components`, the error gives the
+    /// position of the reference.
     pub fn accessor(
         &mut self,
         reference: &JsonNode<'a>,
@@ -56,7 +57,8 @@ impl<'a> Source<'a, '_> {
                 }
                 packed(view.bytes, offset, stride, size, count).map_err(|reason| at.fault(reason))?
             }
-            // Without a view the elements are zero. The file's size does not limit their number, so `MAX_ZEROS` does.
+            // Without a buffer view all elements are zero. The file's size then does not limit their number, so
+            // `MAX_ZEROS` does.
             None => {
                 let bytes = count.checked_mul(size as u64).filter(|bytes| *bytes <= MAX_ZEROS);
                 let limit = MAX_ZEROS / size as u64;

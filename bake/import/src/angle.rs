@@ -1,4 +1,4 @@
-//! Angles between vectors with the same bits on every platform: glam uses `std`, which uses the system's math library.
+//! Angles between vectors, bit-identical on every platform. glam is not: with `std` it uses the system's math library.
 
 use glam::{DVec3, Mat2, Vec2};
 

@@ -1,4 +1,4 @@
-//! Assembly of the meshes of all nodes into one mesh: in world space if nothing moves, else bound to joints.
+//! Assembly of the meshes of all nodes into one mesh. It is in world space if nothing moves, else bound to joints.
 
 use super::clips;
 use super::comb_lines;
@@ -19,19 +19,19 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A mesh as shown by one node.
+/// A mesh that a node shows.
 struct Instance<'a> {
     /// Node of the document; `None` in a document without nodes.
     node: Option<usize>,
     /// Index of the skin.
     skin: Option<usize>,
-    /// Names of the node and the mesh, without empty ones.
+    /// Names of the node and the mesh; empty names are omitted.
     names: Vec<String>,
     primitives: Rc<Vec<Primitive<'a>>>,
 }
 
 impl Instance<'_> {
-    /// Adds the instance's morph targets to those of the model and returns the index of the first; `None` without a
+    /// Adds the instance's morph targets to those of the model. Returns the index of the first, or `None` without a
     /// node or targets.
     fn first_target(
         &self,
@@ -69,7 +69,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         within_limits(&primitive.at, vertices, indices)?;
     }
 
-    // Every node that a vertex may follow if the model moves.
+    // Collects every node that a vertex may follow if the model moves.
     let mut followed = Vec::new();
     for instance in &instances {
         for primitive in instance.primitives.iter() {
@@ -136,7 +136,7 @@ fn named_nodes(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPosition> {
     tree.order.iter().filter(of_document).map(place).filter(is_one).collect()
 }
 
-/// Reads the mesh of each node of the scene; a mesh that several nodes show in the same form is read once.
+/// Reads the mesh of each node of the scene. If several nodes show a mesh in the same form, it is read once.
 fn instances<'a>(
     source: &mut Source<'a, '_>,
     tree: &Tree<'a>,
@@ -181,10 +181,10 @@ fn names<const N: usize>(names: [&str; N]) -> Vec<String> {
     names.into_iter().filter(|name| !name.is_empty()).map(str::to_owned).collect()
 }
 
-/// Reads all meshes of a document without nodes, where they are.
+/// Reads all meshes of a document without nodes, without a transform.
 ///
 /// By the specification such a document is a library of meshes and shows nothing. A file with one animal and no scene
-/// more likely comes from a careless exporter.
+/// is more likely the output of a careless exporter.
 fn all_meshes<'a>(source: &mut Source<'a, '_>, gathered: &mut MeshTotals) -> Result<Vec<Instance<'a>>, BakeError> {
     let Some(meshes) = source.root.get("meshes") else { return Ok(Vec::new()) };
     source.warn("the file has no nodes; all its meshes are shown without transforms");
@@ -213,8 +213,8 @@ fn joint_range<'a>(
     }
 }
 
-/// Numbers the nodes of the joints and their ancestors, parents first. A unit other than a metre adds a root node of
-/// its own.
+/// Numbers the nodes of the joints and their ancestors, parents first. Adds a root node if the model's unit is not the
+/// metre.
 fn number_nodes(tree: &Tree<'_>, joints: &Joints, options: &ImportOptions) -> (Vec<Option<u32>>, Vec<Node>) {
     let mut kept = vec![false; tree.nodes.len()];
     for (node, _) in &joints.list {
@@ -261,7 +261,7 @@ struct Builder<'a> {
     mesh: Mesh,
     /// Primitive and vertex range of each part.
     places: Vec<(JsonNode<'a>, Range<usize>)>,
-    /// Whether the normals of each part come from the file.
+    /// Whether the normals of each part are stored in the file.
     authored: Vec<bool>,
 }
 
@@ -330,7 +330,7 @@ fn bind(primitive: &Primitive<'_>, first: usize, count: usize, skin: &mut Vec<Sk
     Ok(())
 }
 
-/// Checks that all positions at rest are finite: transforms of finite numbers may overflow.
+/// Checks that all positions at rest are finite: a transform of finite numbers may overflow.
 fn check_finite(rest: &RestPose, places: &[(JsonNode<'_>, Range<usize>)]) -> Result<(), BakeError> {
     for (at, vertices) in places {
         let positions = &rest.positions[vertices.clone()];

@@ -7,20 +7,20 @@ use crate::BakeError;
 use pelage_formats::{Channel, Clip, Interpolation, Limits, MorphChannel, Property};
 use std::collections::BTreeMap;
 
-/// Clips, and their curves that drive morph weights.
+/// Animation clips, and the channels that drive morph weights.
 pub(super) type Clips = (Vec<Clip>, Vec<MorphChannel>);
 
-/// Reads all clips. Clips without any kept channel are dropped. Kept channels move:
+/// Reads all clips. Clips without any kept channel are dropped. A channel is kept if it moves:
 ///
-/// * a node with a number in `numbers` (document index to package index)
-/// * the weights of a node in `morphed` (document node, index of its first target, number of targets)
+/// * a node with an entry in `numbers` (document index to package index)
+/// * the morph weights of a node in `morphed` (document node, index of its first target, number of targets)
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
     numbers: &[Option<u32>],
     morphed: &[(usize, u32, u32)],
 ) -> Result<Clips, BakeError> {
     let Some(list) = source.root.get("animations") else { return Ok(Clips::default()) };
-    // Channels may share accessors, so a small file can unfold into any number of curves.
+    // Channels may share accessors, so a small file can expand to any number of curves.
     let mut budget = Limits::default().animation_bytes;
     let (mut clips, mut morphs) = (Vec::new(), Vec::new());
     for (index, at) in list.entries()?.enumerate() {
@@ -109,7 +109,7 @@ struct Curve {
     values: Vec<f32>,
 }
 
-/// Returns the target node (document index) and property of a channel, or `None` if the channel is left out.
+/// Returns the target node (document index) and property of a channel, or `None` if the channel is ignored.
 fn target<'a>(
     source: &mut Source<'a, '_>,
     channel: &JsonNode<'a>,
@@ -128,7 +128,7 @@ fn target<'a>(
             return Ok(None);
         }
     };
-    // "When node isn't defined, channel SHOULD be ignored."
+    // glTF 2.0: "When node isn't defined, channel SHOULD be ignored."
     let Some(reference) = target.get("node") else { return Ok(None) };
     Ok(Some((source.root.follow("nodes", &reference)?.0, moves)))
 }

@@ -15,21 +15,21 @@ use crate::BakeError;
 use crate::mesh::CombLine;
 use glam::{Mat4, Vec3};
 
-/// Prefix of the names of such nodes and meshes, in any case.
+/// Prefix of the names of such nodes and meshes; upper and lower case are equal.
 const COMB: &str = "comb";
 
-/// Returns whether lines of a node or mesh with this name define the comb direction.
+/// Returns whether a node or mesh with this name defines the comb direction by its lines.
 pub(super) fn is_comb_name(name: &str) -> bool {
     name.get(..COMB.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(COMB))
 }
 
-/// Returns whether an empty node with this name defines the comb direction; stricter than `combs`, because a joint of a
-/// cock's comb may begin with the same word.
+/// Returns whether an empty node with this name defines the comb direction. Stricter than `is_comb_name`, because the
+/// name of a joint in a cock's comb may begin with the same word.
 fn is_comb_marker_name(name: &str) -> bool {
     is_comb_name(name) && name.chars().nth(COMB.len()).is_none_or(|next| matches!(next, '_' | '.' | '-' | ' '))
 }
 
-/// Reads the comb lines and empties of a document, in world space at rest.
+/// Reads the comb lines and empty comb nodes of a document, in world space at rest.
 ///
 /// * `world`: transforms of all nodes at rest
 pub(super) fn drawn<'a>(
@@ -42,7 +42,7 @@ pub(super) fn drawn<'a>(
     let mut found = Vec::new();
     let mut counted = LineTotals::default();
     if tree.nodes.is_empty() {
-        // Without nodes all meshes are shown where they are, as in the rest of the import.
+        // In a document without nodes every mesh is shown without a transform, as in the rest of the import.
         let meshes = source.root.get("meshes").map(|meshes| meshes.entries()).transpose()?;
         for mesh in meshes.into_iter().flatten().filter(|mesh| is_comb_name(mesh.name())) {
             let place = |_: usize, p: Vec3| Some(root.transform_point3(p));
@@ -141,12 +141,12 @@ fn read_lines<'a>(
     Ok(())
 }
 
-/// Returns the points with the direction of the line at each, from first to last; `None` if the line has no length.
+/// Returns the points with the direction of the line at each, from first to last. `None` if the line has no length.
 fn with_directions(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
     let last = points.len().checked_sub(1).filter(|last| *last > 0)?;
     let mut directions = (0..=last).map(|i| (points[(i + 1).min(last)] - points[i.saturating_sub(1)]).try_normalize());
     let first = directions.clone().flatten().next()?;
-    // Where a line doubles back on itself, the previous direction is kept.
+    // Where a line doubles back on itself, the previous direction is used.
     let mut before = first;
     let directions: Vec<Vec3> = directions
         .by_ref()
@@ -158,8 +158,8 @@ fn with_directions(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
     Some(points.iter().copied().zip(directions).collect())
 }
 
-/// Returns for each vertex of a primitive the matrix of its joints at rest; `None` if the primitive has no joints and
-/// follows its node.
+/// Returns for each vertex of a primitive the blended matrix of its joints at rest. `None` if the primitive has no
+/// joints and follows its node.
 fn rest_matrices<'a>(
     source: &mut Source<'a, '_>,
     at: &JsonNode<'a>,

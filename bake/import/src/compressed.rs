@@ -7,8 +7,8 @@ use crate::BakeError;
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
 use pelage_formats::Limits;
 
-/// Decodes the primitive at `primitive`, whose extension is at `at`. Puts the elements of its accessors into
-/// [`Source::supplied`] and returns the corners of its triangles.
+/// Decodes the Draco data of the primitive at `primitive`; the extension is at `at`. Stores the elements of its
+/// accessors in [`Source::supplied`] and returns the corners of its triangles.
 pub(super) fn unpack_primitive<'a>(
     source: &mut Source<'a, '_>,
     primitive: &JsonNode<'a>,
@@ -43,7 +43,8 @@ pub(super) fn unpack_primitive<'a>(
             )));
         }
         source.count_unpacked(at, (points * width * 4) as u64)?;
-        // Floats represent all integers that glTF uses here exactly: joints, and normalized fractions of 16 bits.
+        // An f32 represents all integers that glTF uses here exactly: joint indices, and normalized fractions of 16
+        // bits.
         let values = attribute.read_f32s(points, width);
         source.supplied.insert(index, Elements::from_reals(&values, width, component, accessor.flag("normalized")?));
     }

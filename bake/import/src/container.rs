@@ -1,7 +1,8 @@
 //! Detection of the file format, and the two chunks of a GLB (glTF 2.0, chapter 4 "GLB File Format Specification").
 //!
-//! The contents decide, not the name: files are often named wrongly. The extension `.obj` counts only if the beginning
-//! of a text does not identify it (a comment, an empty line, a mistake in its first statement).
+//! The format is detected from the contents, because files are often named wrongly. The extension `.obj` counts only if
+//! the beginning of a text does not identify it. Examples are a comment, an empty line, or a mistake in its first
+//! statement.
 
 use super::notes::Notes;
 use super::obj;
@@ -67,7 +68,7 @@ fn has_extension(file: &str, extension: &str) -> bool {
     Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// Type and contents of a GLB chunk.
+/// Type (four bytes) and contents of a GLB chunk.
 type Chunk<'a> = ([u8; 4], &'a [u8]);
 
 fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (usize, String)> {
@@ -103,7 +104,7 @@ fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (u
     }
     let mut at = 20 + json.len();
     let mut bin = None;
-    // The binary chunk must come second; unknown chunk types are skipped anywhere.
+    // The binary chunk must be the second; chunks of unknown type are skipped wherever they are.
     while at < length {
         let (kind, body) = chunk(at)?;
         match &kind {
@@ -115,7 +116,7 @@ fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (u
         }
         at += 8 + body.len();
     }
-    // The standard pads with spaces; some exporters pad with zeros.
+    // The standard pads JSON with spaces; some exporters pad with zeros.
     let padding = json.iter().rev().take_while(|b| **b == 0).count();
     Ok(Container { json: &json[..json.len() - padding], json_offset: 20, bin })
 }

@@ -1,4 +1,4 @@
-//! Elements of an accessor after reading: tightly packed, as stored.
+//! Elements read from an accessor, tightly packed, in the component type of the file.
 
 use super::json::JsonNode;
 use crate::BakeError;
@@ -47,7 +47,7 @@ impl Component {
     }
 }
 
-/// Elements of an accessor, tightly packed, as stored.
+/// Elements of an accessor, tightly packed, in the component type of the file.
 #[derive(Debug)]
 pub(super) struct Elements {
     pub count: usize,
@@ -65,7 +65,8 @@ pub(super) const REAL: &[Component] = &[Component::F32, Component::I8, Component
 pub(super) const WHOLE: &[Component] = &[Component::U8, Component::U16, Component::U32];
 
 impl Elements {
-    /// Packs elements of `width` numbers each, stored as `component`: integers are stored by value, not as fractions.
+    /// Packs elements of `width` numbers each, stored as `component`. Integers hold the number itself, not a fraction
+    /// of their maximum.
     pub fn from_reals(values: &[f32], width: usize, component: Component, normalized: bool) -> Self {
         let bytes = match component {
             Component::F32 => values.iter().flat_map(|v| v.to_le_bytes()).collect(),
@@ -78,7 +79,7 @@ impl Elements {
         Self { count: values.len() / width, width, component, normalized, bytes }
     }
 
-    /// Returns all components as floats. Integers are divided by their maximum if the accessor says `normalized` or if
+    /// Returns all components as floats. Integers are divided by their maximum if the accessor is `normalized` or if
     /// `always` is set (glTF 2.0, section 3.11).
     pub fn to_f32s(&self, always: bool) -> Vec<f32> {
         let fraction = self.normalized || always;
@@ -93,7 +94,7 @@ impl Elements {
         }
     }
 
-    /// Returns all components as whole numbers; only for the types in [`WHOLE`].
+    /// Returns all components as whole numbers. Requires a component type in [`WHOLE`].
     pub fn to_u32s(&self) -> Vec<u32> {
         match self.component {
             Component::U8 | Component::I8 => self.map(|b| u8::from_le_bytes(b).into()),
@@ -121,7 +122,7 @@ pub(super) fn width_of(at: &JsonNode<'_>) -> Result<usize, BakeError> {
         "VEC3" => 3,
         "VEC4" => 4,
         "MAT4" => 16,
-        // Columns of these types are padded to four bytes; no attribute read here uses them.
+        // The columns of these matrix types are padded to four bytes. No attribute that is read here uses them.
         "MAT2" | "MAT3" => return Err(at.unexpected("SCALAR, VEC2, VEC3, VEC4 or MAT4 here")),
         _ => return Err(at.unexpected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
     })

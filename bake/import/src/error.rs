@@ -3,7 +3,7 @@
 use pelage_formats::FormatError;
 use std::path::PathBuf;
 
-/// Error of an offline crate, by cause. Each variant says which file, where in it, what was found and what was
+/// Error of an offline crate, by cause. Each variant gives the file, the position in it, the value found and the value
 /// expected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -26,7 +26,7 @@ pub enum BakeError {
         /// Position in the file: byte offset (`byte 20`), JSON pointer (`/meshes/0/primitives/1`), line of an OBJ
         /// (`line 7`), or recipe key with line (`line 3, hair.length_m`).
         place: String,
-        /// Found and expected, and a remedy where there is one.
+        /// Reason: the value found, the value expected, and a remedy if there is one.
         reason: String,
     },
     /// A package is damaged, too new, or not a package (exit code 3).
@@ -34,15 +34,15 @@ pub enum BakeError {
     Package {
         /// File as named by the user.
         file: String,
-        /// Section, offset, found and expected.
+        /// Error of the package format: section, offset, value found and value expected.
         source: FormatError,
     },
     /// A stage was called with parameters outside their range (exit code 3 if they came from a recipe).
     #[error("{what}: {reason}")]
     Params {
-        /// Parameter as in the recipe: `hair.length_m`.
+        /// Name of the parameter as in the recipe: `hair.length_m`.
         what: &'static str,
-        /// Found and expected.
+        /// Reason: the value found and the value expected.
         reason: String,
     },
     /// Internal error, independent of the input (exit code 5).

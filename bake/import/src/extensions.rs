@@ -1,9 +1,9 @@
-//! Required extensions: which can be read, and how to convert the others.
+//! Required extensions: a list of those that can be read, and advice on how to convert the others.
 
 use super::source::Source;
 use crate::BakeError;
 
-/// Extensions that are read, or that do not affect shape, base colour and motion.
+/// Extensions that are read, or that do not affect shape, base colour or motion.
 const READABLE: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -34,7 +34,7 @@ pub(super) fn conversion(name: &str) -> &'static str {
 }
 
 impl Source<'_, '_> {
-    /// Fails if the model requires extensions that cannot be read; names each.
+    /// Fails if the model requires extensions that cannot be read. The error names each of them.
     pub fn check_extensions(&mut self) -> Result<(), BakeError> {
         let Some(list) = self.root.get("extensionsRequired") else { return Ok(()) };
         let mut unreadable = Vec::new();

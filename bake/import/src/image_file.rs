@@ -4,8 +4,8 @@ use crate::mesh::Image;
 use pelage_formats::Limits;
 use std::io::Cursor;
 
-/// Maximum number of texels of all images of a model together (one image of 16 384², or sixteen of 4096²): 1 GiB
-/// decoded. PNG files of a few kilobytes can claim as much.
+/// Maximum number of texels of all images of a model together; 1 GiB decoded. Equals one image of 16 384² or sixteen of
+/// 4096². PNG files of a few kilobytes can claim as much.
 pub const MAX_TEXELS: u64 = 1 << 28;
 
 /// Decodes a PNG or JPEG of at most `texels_left` texels. The error continues a sentence that begins with the image's
@@ -35,11 +35,13 @@ fn broken(error: image::ImageError) -> String {
 
 type Reader<'a> = image::ImageReader<Cursor<&'a [u8]>>;
 
-/// Returns a decoder with limited memory, and the image's width and height. Errors read as those of [`decode_image`].
+/// Returns a decoder with limited memory, and the image's width and height. Errors have the form of those of
+/// [`decode_image`].
 pub fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reader<'_>, u32, u32), String> {
     let side = Limits::default().texture_size;
     let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
-    // Reads the header only; errors of the decoder's own limits would be less precise than those below.
+    // This first reader reads only the header. Errors from the decoder's own limits would be less precise than those
+    // below.
     let mut header = reader();
     header.no_limits();
     let (width, height) = header.into_dimensions().map_err(broken)?;

@@ -1,9 +1,9 @@
 //! JSON values that know their position, so that every error can name a JSON pointer (RFC 6901).
 //!
-//! The importer walks the plain JSON tree instead of a typed glTF document. A typed document is rejected as a whole,
-//! without a pointer, for a mistake in a camera or light that fur never uses. Nor can it represent all files that the
-//! specification allows (an animation channel without a target node, a scene without nodes). Only what is used is read,
-//! and it is checked as it is read.
+//! The importer walks the plain JSON tree instead of a typed glTF document. A mistake in a camera or light, which fur
+//! never uses, makes a typed parser reject the whole document, without a pointer. A typed document also cannot
+//! represent all files that the specification allows, such as an animation channel without a target node or a scene
+//! without nodes. The importer reads only what it uses, and checks it while reading.
 
 use crate::BakeError;
 use serde_json::Value;
@@ -32,7 +32,7 @@ impl<'a> JsonNode<'a> {
         BakeError::Input { file: self.file.to_owned(), place, reason: reason.into() }
     }
 
-    /// Returns the member `key`, if present. `null` counts as absent: some exporters write it for "none".
+    /// Returns the member `key`, if present. `null` counts as absent, because some exporters write it for "none".
     pub fn get(&self, key: &str) -> Option<JsonNode<'a>> {
         let value = self.value.get(key).filter(|v| !v.is_null())?;
         let key = key.replace('~', "~0").replace('/', "~1");
@@ -72,12 +72,12 @@ impl<'a> JsonNode<'a> {
         Ok(values.iter().enumerate().map(move |(i, value)| JsonNode { file, value, place: format!("{place}/{i}") }))
     }
 
-    /// Reads a non-negative whole number. `5.0` counts as 5, as in JSON Schema.
+    /// Reads a non-negative whole number. Accepts `5.0` as 5, as JSON Schema does.
     pub fn unsigned(&self) -> Result<u64> {
         if let Some(n) = self.value.as_u64() {
             return Ok(n);
         }
-        // Above 2^53 a float no longer represents each whole number.
+        // Above 2^53 not every whole number is a float.
         let whole = self.value.as_f64().filter(|f| f.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(f));
         whole.map(|f| f as u64).ok_or_else(|| self.unexpected("a whole number >= 0"))
     }
@@ -116,13 +116,14 @@ impl<'a> JsonNode<'a> {
         self.get(key).map_or(Ok(false), |at| at.value.as_bool().ok_or_else(|| at.unexpected("true or false")))
     }
 
-    /// Returns the member `name`, or an empty string if it is absent or not a string: names are labels and never cause
+    /// Returns the member `name`, or an empty string if it is absent or not a string. Names are labels and never cause
     /// an error.
     pub fn name(&self) -> &'a str {
         self.value.get("name").and_then(Value::as_str).unwrap_or_default()
     }
 
-    /// Returns the index in `reference`, and the entry of the (root) object's array `list` at that index.
+    /// Reads an index from `reference`. Returns it and the entry at that index in the array `list` of this object, the
+    /// root.
     pub fn follow(&self, list: &str, reference: &JsonNode<'a>) -> Result<(usize, JsonNode<'a>)> {
         let index = reference.unsigned()?;
         let array = self.get(list);
@@ -131,7 +132,7 @@ impl<'a> JsonNode<'a> {
         found.ok_or_else(|| reference.fault(format!("is {index}, expected less than {count}, the number of {list}")))
     }
 
-    /// Returns an error that says what was found instead of `expected`.
+    /// Returns an error with the value found and the value `expected`.
     pub fn unexpected(&self, expected: &str) -> BakeError {
         let found = match self.value {
             Value::Null => "null".to_owned(),
@@ -155,7 +156,7 @@ pub(super) fn shorten(text: &str) -> String {
     out
 }
 
-/// Parses `json`, which begins `offset` bytes into the file.
+/// Parses `json`, which begins at byte `offset` of the file.
 pub(super) fn parse(file: &str, json: &[u8], offset: usize) -> Result<Value> {
     serde_json::from_slice(json).map_err(|error| {
         let mut at = json.len();
@@ -165,7 +166,7 @@ pub(super) fn parse(file: &str, json: &[u8], offset: usize) -> Result<Value> {
             let start = line_starts.take(error.line()).last().unwrap_or(0);
             at = (start + error.column().saturating_sub(1)).min(json.len());
         }
-        // The parser appends line and column. In a text of one line only the byte offset helps.
+        // The parser appends line and column. In a text of one line only a byte offset is useful.
         let text = error.to_string();
         let text = text.split(" at line ").next().unwrap_or_default();
         let place = format!("byte {}", offset + at);

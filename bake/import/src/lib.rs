@@ -1,25 +1,25 @@
 //! Import of model files: glTF 2.0, as `.gltf` or `.glb`, and Wavefront OBJ.
 //!
-//! [`import`] reads bytes and accesses no file; buffers, images and material files that the model names come through a
-//! callback. From an OBJ it reads the shape at rest, with base colours (`obj`). From a glTF it reads, in this order:
+//! [`import`] reads bytes and accesses no file. A callback provides the buffers, images and material files that the
+//! model names. From an OBJ it reads the shape at rest, with base colours (`obj`). From a glTF it reads, in this order:
 //! the container, required extensions, the node tree, the meshes of the scene with their materials, skins and clips.
 //! The result is a [`Model`].
 //!
-//! * If a mesh of the scene has a skin, or a clip moves a mesh, every vertex gets joints and stays in mesh space. Rigid
-//!   parts have their node as the only joint. Else everything is placed in world space, without animation.
-//! * Missing normals are computed smooth, without creases (glTF requires flat ones, which would split the fur at every
-//!   edge).
-//! * Vertices of a skin without any weight follow the first joint that they name; of more than four weights, the
+//! * If a mesh of the scene has a skin, or a clip moves a mesh, every vertex is bound to joints and stays in mesh
+//!   space. The only joint of a rigid part is its node. Otherwise all vertices are in world space, without animation.
+//! * If normals are missing, smooth ones without creases are computed. glTF requires flat normals, which would split
+//!   the fur at every edge.
+//! * Vertices of a skin without any weight follow the first joint that they name. Of more than four weights, the
 //!   largest four are kept.
-//! * Parts that are mirrored by the scene or the rest pose, or that face against their normals, are flipped.
+//! * Parts are flipped if the scene or the rest pose mirrors them, or if they face against their normals.
 //! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, define the comb
-//!   direction ([`crate::mesh::CombLine`]); other lines are left out.
-//! * Morph targets are applied at their default weights, and the remaining deltas are kept
-//!   ([`crate::mesh::MorphRows`]); then every vertex has joints. In a document without nodes morph targets do not move.
+//!   direction ([`crate::mesh::CombLine`]). Other lines are ignored.
+//! * Morph targets are applied at their default weights. The remaining deltas are kept ([`crate::mesh::MorphRows`]),
+//!   and then every vertex has joints. In a document without nodes morph targets do not move.
 //!
-//! Repairs, omissions and guesses are reported in [`Model::warnings`]. Invalid input is an error that names its
-//! position (byte offset, JSON pointer or line), what was found and what was expected. Every number of a file is
-//! checked against the available bytes, or against [`pelage_formats::Limits`], before it is used.
+//! Repairs, omissions and guesses are reported in [`Model::warnings`]. Invalid input is an error with its position
+//! (byte offset, JSON pointer or line), the value found and the value expected. Every number of a file is checked
+//! against the available bytes, or against [`pelage_formats::Limits`], before it is used.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "packages made by tests are never kept"))]
 
@@ -71,13 +71,13 @@ pub use source::{Resolve, path_as_uri};
 /// Reads a glTF 2.0 or OBJ model from `bytes`. The format is detected from the contents, and from the name only if they
 /// are ambiguous.
 ///
-/// `file` is the name for messages. `resolve` fetches the bytes behind a relative URI (percent-encoded: as written in a
-/// glTF); if there are more than the given number, it returns only that many.
+/// `file` is the name for messages. `resolve` fetches the contents of a relative URI, percent-encoded as in a glTF. Its
+/// second argument is the maximum number of bytes: of longer contents it returns the first that many.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] with byte offset, JSON pointer or line for everything wrong with the model or a file that it
-/// names, [`BakeError::Params`] for options outside their range.
+/// [`BakeError::Input`] with byte offset, JSON pointer or line for any fault in the model or in a file that it names.
+/// [`BakeError::Params`] for options outside their range.
 pub fn import<'r>(
     file: &str,
     bytes: &[u8],
@@ -101,16 +101,16 @@ pub fn import<'r>(
     Ok(model)
 }
 
-/// Reads the lines of a glTF 2.0 scene as strands, with the records of all files that were read. Lines that share
-/// vertices form one strand, in the direction of its lines.
+/// Reads the line segments of a glTF 2.0 scene as strands, with the records of all files that were read. Segments that
+/// share vertices form one strand; its direction is theirs.
 ///
-/// The arguments are those of [`import`]. Positions are in world space and in the file's unit; the attributes `_RADIUS`
-/// and `COLOR_0` are read if all lines have them.
+/// The arguments are those of [`import`]. Positions are in world space and in the file's unit. The attributes `_RADIUS`
+/// and `COLOR_0` are read if all line primitives have them.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] as for [`import`], also for a scene without lines, an odd number of line ends, and a point that
-/// is not finite.
+/// [`BakeError::Input`] as for [`import`], and also for a scene without lines, an odd number of line ends, or a point
+/// that is not finite.
 pub fn import_strands<'r>(
     file: &str,
     bytes: &[u8],

@@ -11,7 +11,7 @@ use crate::guides::Guides;
 use crate::guides::lines::join_lines;
 use glam::{DMat4, Mat4, Vec3};
 
-/// Topologies of a primitive (glTF 2.0, section 3.7.2.1).
+/// Topology of a primitive: separate lines (glTF 2.0, section 3.7.2.1; the other modes follow).
 const LINES: u64 = 1;
 const LINE_LOOP: u64 = 2;
 const LINE_STRIP: u64 = 3;
@@ -24,7 +24,8 @@ pub(super) struct LineTotals {
 }
 
 impl LineTotals {
-    /// Counts a primitive before any of it is read: many primitives may share accessors, and many nodes a mesh.
+    /// Counts a primitive before any of it is read: many primitives may share accessors, and many nodes may share a
+    /// mesh.
     pub(super) fn count_primitive<'a>(
         &mut self,
         source: &Source<'a, '_>,
@@ -45,7 +46,7 @@ struct LineStrands {
     counted: LineTotals,
     /// Number of primitives that are not lines.
     others: usize,
-    /// Whether any primitive lacks radii, and colours.
+    /// Whether any primitive lacks radii (first entry) or colours (second).
     lacks: [bool; 2],
 }
 
@@ -55,7 +56,7 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
     let world = tree.world(Mat4::IDENTITY);
     let mut found = LineStrands::default();
     if tree.nodes.is_empty() {
-        // Without nodes all meshes are shown where they are, as in models.
+        // In a document without nodes every mesh is shown without a transform, as in models.
         if let Some(meshes) = source.root.get("meshes") {
             for at in meshes.entries()? {
                 read_mesh(source, &mut found, &at, Mat4::IDENTITY)?;
@@ -66,8 +67,8 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
         let (_, mesh) = source.root.follow("meshes", &reference)?;
-        // A skin places vertices itself (glTF 2.0, section 3.7.3.3). At rest that is mostly where they are, so its
-        // joints are ignored.
+        // A skin determines the positions of vertices, whatever the node's transform (glTF 2.0, section 3.7.3.3). At
+        // rest it mostly leaves them in place, so its joints are ignored.
         let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[node] };
         read_mesh(source, &mut found, &mesh, placed)?;
     }
@@ -158,7 +159,7 @@ fn read_primitive<'a>(
     Ok(())
 }
 
-/// Returns the vertices of each strand of a primitive.
+/// Returns the vertex indices of each strand of a primitive.
 pub(super) fn strands_of(
     at: &JsonNode<'_>,
     mode: u64,
@@ -175,8 +176,8 @@ pub(super) fn strands_of(
     }
     let mut lines = pairs.to_vec();
     if at.get("indices").is_none() {
-        // Without indices no two lines share a vertex: a line continues the previous one if it begins at exactly the
-        // same position.
+        // Without indices no two segments share a vertex. A segment then continues the previous one if it begins at
+        // exactly the same position.
         for k in 1..lines.len() {
             if points[lines[k - 1][1] as usize] == points[lines[k][0] as usize] {
                 lines[k][0] = lines[k - 1][1];

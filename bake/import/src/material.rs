@@ -1,4 +1,4 @@
-//! Materials: base-colour factor, texture and its coordinates, cut-out alpha, roughness and metalness.
+//! Materials: base-colour factor, texture and texture coordinates, alpha cutoff, roughness and metalness.
 
 use super::extensions::conversion;
 use super::json::JsonNode;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Texture coordinates of a material: set and transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TextureCoords {
-    /// Index `n` of the set `TEXCOORD_<n>`; `None` for a material without texture, which accepts any set.
+    /// Index `n` of the set `TEXCOORD_<n>`. `None` for a material without texture, for which any set will do.
     pub set: Option<u32>,
     /// KHR_texture_transform of the coordinates.
     pub transform: Affine2,
@@ -25,7 +25,7 @@ pub(super) struct Materials {
     pub materials: Vec<Material>,
     pub images: Vec<Image>,
     texels: u64,
-    /// Document index (`None`: the default material) to index in `materials`.
+    /// Index in `materials` and texture coordinates, by document index (`None`: the default material).
     known: BTreeMap<Option<usize>, (usize, TextureCoords)>,
     known_images: BTreeMap<usize, usize>,
 }
@@ -91,7 +91,7 @@ impl Materials {
         Ok(coords)
     }
 
-    /// Returns the index of the decoded image behind the texture that `reference` names.
+    /// Returns the index of the decoded image of the texture that `reference` names.
     fn image<'a>(&mut self, source: &mut Source<'a, '_>, reference: &JsonNode<'a>) -> Result<usize, BakeError> {
         let (_, texture) = source.root.follow("textures", reference)?;
         let Some(reference) = texture.get("source") else {
@@ -125,11 +125,11 @@ impl Materials {
     }
 }
 
-/// Reads roughness and metalness; both stay unknown if a texture provides them, because the factors are then only upper
+/// Reads roughness and metalness. Both stay unknown if a texture provides them, because the factors are then only upper
 /// bounds.
 ///
-/// A material without `pbrMetallicRoughness` also keeps both unknown: by the specification it would be metal, which no
-/// author intends.
+/// Both also stay unknown for a material without `pbrMetallicRoughness`. By the specification it would be metal, which
+/// no author intends.
 fn gloss(at: &JsonNode<'_>, material: &mut Material) -> Result<(), BakeError> {
     let Some(base) = at.get("pbrMetallicRoughness") else { return Ok(()) };
     if base.get("metallicRoughnessTexture").is_none() {

@@ -1,4 +1,4 @@
-//! Output of `import`: one triangle mesh, its materials, images and motions.
+//! Output of `import`: one triangle mesh, with its materials, images and animation.
 
 use glam::{Mat3, Vec2, Vec3};
 use pelage_formats::meaning::{skin_matrix, transform_normal};
@@ -17,7 +17,7 @@ pub struct Model {
     pub nodes: Vec<NamedPosition>,
     /// Comb lines and comb markers drawn in the model. Empty for an OBJ.
     pub combs: Vec<CombLine>,
-    /// Skeleton and clips. Present if anything moves; then every vertex has an entry in [`Mesh::skin`].
+    /// Skeleton and clips; `None` if nothing moves. If present, every vertex has an entry in [`Mesh::skin`].
     pub animation: Option<Animation>,
     /// Morph target deltas of the vertices; empty if [`Animation::morphs`] has no targets.
     pub morph_rows: MorphRows,
@@ -36,13 +36,12 @@ pub struct NamedPosition {
     pub position_ws: Vec3,
 }
 
-/// A line along which hair is combed, or one position and direction given by an empty node.
+/// A line along which hair is combed; or a single position and direction, given by an empty node.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CombLine {
     /// Name of the node or mesh.
     pub name: String,
-    /// Positions along the line with the comb direction at each, world space at rest, metres; at least one, directions
-    /// of unit length.
+    /// Positions along the line, at least one, each with the unit comb direction there. World space at rest, metres.
     pub places: Vec<(Vec3, Vec3)>,
 }
 
@@ -51,17 +50,17 @@ pub struct CombLine {
 pub struct Mesh {
     /// Positions: in mesh space if `skin` is not empty, else in world space.
     pub positions: Vec<Vec3>,
-    /// Unit normals in the same space, outward.
+    /// Unit normals, outward, in the space of `positions`.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates of the model; zero in parts without.
+    /// Texture coordinates of the model; zero in parts without any.
     pub uvs: Vec<Vec2>,
-    /// Vertex colours, linear RGBA 0..=255; white in parts without.
+    /// Vertex colours, linear RGBA 0..=255; white in parts without any.
     pub colors: Vec<[u8; 4]>,
-    /// Joints and weights (normalised), or empty.
+    /// Joints and normalised weights; empty if nothing moves.
     pub skin: Vec<SkinVertex>,
-    /// Index of each vertex into [`MorphRows`]. Empty without morph targets.
+    /// Row of each vertex in [`MorphRows`]. Empty without morph targets.
     pub morph_rows: Vec<u32>,
-    /// Corner indices, counter-clockwise seen from outside in the posed rest state.
+    /// Corner indices of each triangle, counter-clockwise seen from outside, in the rest pose.
     pub triangles: Vec<[u32; 3]>,
     /// Ranges of triangles with one material, covering `triangles` in order.
     pub parts: Vec<MeshPart>,
@@ -84,7 +83,7 @@ impl Mesh {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphRows(pub Vec<Vec<RowDelta>>);
 
-/// Delta that a morph target of weight 1 adds to a vertex stored at weight 0.
+/// Delta that a morph target adds to a vertex at weight 1. The stored vertex has weight 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowDelta {
     /// Index into the targets of [`Animation::morphs`].
@@ -100,7 +99,7 @@ pub struct RowDelta {
 pub struct MeshPart {
     /// Location in the input, for messages: `mesh 0 "body", primitive 1`.
     pub source: String,
-    /// Names of the part's node and mesh (OBJ: object and group), without empty ones.
+    /// Names of the part's node and mesh (OBJ: object and group); empty names are omitted.
     pub names: Vec<String>,
     /// Index into [`Model::materials`].
     pub material: usize,
@@ -125,15 +124,17 @@ pub struct Material {
     pub alpha_cutoff: Option<f32>,
     /// Whether back faces are visible.
     pub double_sided: bool,
-    /// Roughness, 0 (mirror) to 1 (dull), glTF `roughnessFactor`. `None` if the file does not give it as one number.
+    /// Roughness, 0 (mirror) to 1 (dull), glTF `roughnessFactor`. `None` if the file does not give a single number.
     pub roughness: Option<f32>,
-    /// Metalness, 0..=1 (glTF `metallicFactor`). `None` if the file does not give it as one number.
+    /// Metalness, 0..=1 (glTF `metallicFactor`). `None` if the file does not give a single number.
     pub metallic: Option<f32>,
-    /// Part of the file's material that this one covers; `None` for all of it, or the rest.
+    /// Feature that this material covers, cut out of a material of the file. `None` if it covers all of the file's
+    /// material, or its remainder.
     pub feature: Option<Feature>,
 }
 
-/// A hairless part of a body that shares its material with other parts, or whose material's name does not identify it.
+/// A hairless feature of a body, which shares its material with other parts or has a material whose name does not
+/// identify it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Feature {
     /// The tip of the nose.
@@ -147,7 +148,7 @@ pub enum Feature {
 }
 
 impl Feature {
-    /// Returns the suffix that identifies the feature in a material's name.
+    /// Returns the suffix of the material's name that identifies the feature.
     pub fn name(&self) -> &str {
         match self {
             Self::Nose => "nose",
@@ -159,7 +160,7 @@ impl Feature {
 }
 
 impl Material {
-    /// Returns the material's name, with its feature after a slash: `Black/nose`.
+    /// Returns the material's name. A feature is appended after a slash: `Black/nose`.
     pub fn full_name(&self) -> String {
         self.feature.as_ref().map_or_else(|| self.name.clone(), |feature| format!("{}/{}", self.name, feature.name()))
     }
@@ -188,7 +189,7 @@ pub struct Image {
     pub width: u32,
     /// Height, texels.
     pub height: u32,
-    /// Pixels: `width * height` RGBA8 texels, straight alpha, row-major from the top; colours are sRGB-encoded.
+    /// Pixels: `width * height` RGBA8 texels, straight alpha, row-major from the top. Colours are sRGB-encoded.
     pub rgba: Vec<u8>,
 }
 

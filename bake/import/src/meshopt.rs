@@ -1,10 +1,10 @@
-//! EXT_meshopt_compression: the codecs for vertices, triangles and index lists, and the filters (the extension's
-//! appendices A and B).
+//! EXT_meshopt_compression: the codecs for vertices, triangles and index lists, and the filters (appendices A and B of
+//! the extension).
 //!
-//! Every read is checked: any bytes give an error or a result. The input bounds the output: a byte of input yields at
-//! most 64 bytes of vertices, or one triangle.
+//! Every read is checked: any input gives an error or a result. The size of the input bounds that of the output: one
+//! byte yields at most 64 bytes of vertices, or one triangle.
 
-/// Reason why bytes cannot be decoded; continues "is compressed with meshopt".
+/// Reason why bytes cannot be decoded. It continues a sentence that ends in "is compressed with meshopt".
 pub(super) type Fault = String;
 
 /// Cursor over bytes, read from the front.
@@ -26,7 +26,7 @@ impl<'a> Reader<'a> {
         Ok(self.take(1)?[0])
     }
 
-    /// Reads a number in groups of seven bits, lowest first; 32 bits need five groups.
+    /// Reads a number stored in groups of seven bits, lowest first. 32 bits need five groups.
     fn varint(&mut self) -> Result<u32, Fault> {
         let mut value = 0;
         for shift in (0..35).step_by(7) {
@@ -40,7 +40,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Strips the header byte and the last `tail` bytes, and returns the reader and these bytes.
+/// Strips the header byte and the last `tail` bytes. Returns a reader of the rest, and the bytes of the tail.
 fn frame<'a>(bytes: &'a [u8], header: u8, tail: usize) -> Result<(Reader<'a>, &'a [u8]), Fault> {
     let Some((found, rest)) = bytes.split_first() else { return Err("and empty".into()) };
     if *found != header {
@@ -65,15 +65,15 @@ fn unzigzag(v: u32) -> u32 {
     (v >> 1) ^ (v & 1).wrapping_neg()
 }
 
-/// Limits of vertex blocks: a block has a multiple of `GROUP` elements (the last is padded), at most 256, in at most 8
-/// KiB.
+/// Limits of a vertex block: at most 256 elements and at most 8 KiB. The number of elements is a multiple of `GROUP`;
+/// the last block is padded.
 const BLOCK_BYTES: usize = 8192;
 const BLOCK_ELEMENTS: usize = 256;
 const GROUP: usize = 16;
 
 /// Decodes `count` elements of `stride` bytes (mode `ATTRIBUTES`). `stride` is a multiple of 4, 4..=256.
 pub(super) fn decode_vertices(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8>, Fault> {
-    // The first element, from which all deltas start, is at the very end, after zeros that pad it to 32 bytes.
+    // The first element, from which all deltas start, is at the very end. Zeros before it pad it to 32 bytes.
     let (mut reader, tail) = frame(bytes, 0xa0, stride.max(32))?;
     let mut last = tail[tail.len() - stride..].to_vec();
     let most = ((BLOCK_BYTES / stride) & !(GROUP - 1)).min(BLOCK_ELEMENTS);
@@ -85,7 +85,7 @@ pub(super) fn decode_vertices(bytes: &[u8], count: usize, stride: usize) -> Resu
         let start = out.len();
         for k in 0..stride {
             decode_bytes(&mut reader, &mut deltas[..elements.next_multiple_of(GROUP)])?;
-            // Allocated only after the first channel was read: its bytes bound the allocation.
+            // Allocate only after the first channel was read: its bytes bound the allocation.
             out.resize(start + elements * stride, 0);
             for (element, delta) in out[start..].chunks_exact_mut(stride).zip(&deltas) {
                 last[k] = last[k].wrapping_add(unzigzag((*delta).into()) as u8);
@@ -98,7 +98,7 @@ pub(super) fn decode_vertices(bytes: &[u8], count: usize, stride: usize) -> Resu
     Ok(out)
 }
 
-/// Decodes one byte of each element of a block, in groups of 16 with 0, 2, 4 or 8 bits per byte.
+/// Decodes one byte of each element of a block, in groups of 16. Each group stores 0, 2, 4 or 8 bits per byte.
 fn decode_bytes(reader: &mut Reader<'_>, out: &mut [u8]) -> Result<(), Fault> {
     let groups = out.len() / GROUP;
     let header = reader.take(groups.div_ceil(4))?;
@@ -119,7 +119,7 @@ fn decode_bytes(reader: &mut Reader<'_>, out: &mut [u8]) -> Result<(), Fault> {
         for (i, slot) in group.iter_mut().enumerate() {
             let shift = 8 - bits * (1 + (i % per_byte) as u32);
             let value = (packed[i / per_byte] >> shift) & escape;
-            // The largest value is an escape: the byte itself follows the group.
+            // The largest value is an escape: the byte itself is stored after the group.
             *slot = if value == escape { reader.byte()? } else { value };
         }
     }
@@ -170,8 +170,8 @@ impl Triangles<'_> {
         Ok(self.last)
     }
 
-    /// Returns a vertex by its code: new, explicit, or a recent one. The flag says whether to push it to the recent
-    /// ones.
+    /// Returns the vertex that `code` stands for: a new, an explicit or a recent one. The flag says whether to push it
+    /// to the recent ones.
     fn vertex(&mut self, code: u8) -> Result<(u32, bool), Fault> {
         Ok(match code {
             0 => (self.fresh(), true),
@@ -180,7 +180,7 @@ impl Triangles<'_> {
         })
     }
 
-    /// Decodes a triangle on a recent edge.
+    /// Decodes a triangle that shares a recent edge.
     fn on_edge(&mut self, code: u8) -> Result<[u32; 3], Fault> {
         let [a, b] = self.edges.get(usize::from(code >> 4));
         let (c, new) = match code & 15 {
@@ -204,9 +204,9 @@ impl Triangles<'_> {
         Ok([a, b, c])
     }
 
-    /// Decodes a triangle without a recent edge, from the codes of its corners.
+    /// Decodes a triangle that shares no recent edge, from the codes of its corners.
     fn without_edge(&mut self, a: u8, b: u8, c: u8) -> Result<[u32; 3], Fault> {
-        // New vertices are numbered before any explicit index is read.
+        // All new vertices of the triangle are numbered before any explicit index is read.
         let mut corners = [(0, false); 3];
         for (corner, code) in corners.iter_mut().zip([a, b, c]).filter(|(_, code)| *code != 15) {
             *corner = self.vertex(code)?;
@@ -261,7 +261,7 @@ pub(super) fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, F
 
 /// Decodes `count` indices in any order (mode `INDICES`).
 pub(super) fn decode_indices(bytes: &[u8], count: usize) -> Result<Vec<u32>, Fault> {
-    // Four bytes of padding at the end.
+    // The data ends with four bytes of padding.
     let (mut reader, _) = frame(bytes, 0xd1, 4)?;
     let mut last = [0_u32; 2];
     let mut out = Vec::new();
@@ -278,8 +278,8 @@ pub(super) fn decode_indices(bytes: &[u8], count: usize) -> Result<Vec<u32>, Fau
 /// Undoes a filter on decoded vertices, in place.
 ///
 /// * `OCTAHEDRAL`, stride 4 or 8: unit vectors of signed normalized integers; the fourth component is unchanged
-/// * `QUATERNION`, stride 8
-/// * `EXPONENTIAL`, any stride: floats as 24 bits of mantissa and 8 of exponent
+/// * `QUATERNION`, stride 8: rotations as four 16-bit integers
+/// * `EXPONENTIAL`, any stride: floats with 24 bits of mantissa and 8 of exponent
 pub(super) fn unfilter(name: &str, stride: usize, bytes: &mut [u8]) -> Result<(), Fault> {
     match (name, stride) {
         ("NONE", _) => {}
@@ -301,7 +301,7 @@ pub(super) fn unfilter(name: &str, stride: usize, bytes: &mut [u8]) -> Result<()
             for v in bytes.as_chunks_mut::<4>().0 {
                 let bits = i32::from_le_bytes(*v);
                 let (exponent, mantissa) = (bits >> 24, (bits << 8) >> 8);
-                // 2^e is not a float for the smallest exponents; the extension forbids encoders to use them.
+                // For the smallest exponents this expression is not 2^e; the extension forbids encoders to use them.
                 *v = (mantissa as f32 * f32::from_bits(((exponent + 127) as u32) << 23)).to_le_bytes();
             }
         }
@@ -323,11 +323,11 @@ fn from_shorts(v: [i16; 4]) -> [u8; 8] {
     [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]]
 }
 
-/// Returns a unit vector times `max`, rounded, from its octahedral projection; `one` is the value of 1 in the same
-/// units.
+/// Returns a unit vector, scaled by `max` and rounded, from its octahedral projection. `one` is the number that
+/// represents 1 in `x` and `y`.
 fn octahedral([x, y, one]: [f32; 3], max: f32) -> [f32; 3] {
     let z = one - x.abs() - y.abs();
-    // The lower half is folded outwards.
+    // The lower half of the octahedron is folded outwards.
     let fold = z.min(0.0);
     let fold_back = |c: f32| if c < 0.0 { c - fold } else { c + fold };
     let (x, y) = (fold_back(x), fold_back(y));
@@ -335,9 +335,10 @@ fn octahedral([x, y, one]: [f32; 3], max: f32) -> [f32; 3] {
     [x, y, z].map(|c| (c * scale).round())
 }
 
-/// Returns a quaternion of 16-bit integers from its three smallest components.
+/// Returns a quaternion of 16-bit integers, decoded from its three smallest components.
 fn quaternion([x, y, z, w]: [i16; 4]) -> [u8; 8] {
-    // The two lowest bits of `w` say which component is missing; with both set, `w` is the unit of the others.
+    // The two lowest bits of `w` say which component is omitted. With both bits set, `w` is the number that represents
+    // 1 in the others.
     let unit = f32::from(w | 3);
     let scale = std::f32::consts::FRAC_1_SQRT_2 / unit;
     let parts = [x, y, z].map(|c| f32::from(c) * scale);

@@ -1,4 +1,4 @@
-//! Morph targets (glTF 2.0, section 3.7.2.2): applied at their default weights, with the deltas that each weight adds.
+//! Morph targets (glTF 2.0, section 3.7.2.2): applies the default weights, and reads the deltas that each weight adds.
 
 use super::json::{JsonNode, shorten};
 use super::per_vertex::read_per_vertex;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// Maximum number of morph targets of a model: the limit of a package.
 const MOST_TARGETS: usize = 1 << 12;
-/// Maximum number of deltas of all targets: the limit of a section.
+/// Maximum number of deltas of all targets: the limit of a section of a package.
 const MOST_ENTRIES: u64 = (256 << 20) / size_of::<MorphDelta>() as u64;
 
 /// Names and default weights of the morph targets of a mesh as shown by a node.
@@ -29,7 +29,7 @@ impl TargetInfo {
             Some(list) => list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>()?,
             None => Vec::new(),
         };
-        // Not part of glTF itself, but written by all exporters.
+        // `targetNames` is not part of glTF, but all exporters write it.
         let names = mesh.get("extras").and_then(|extras| extras.get("targetNames"));
         let names =
             names.and_then(|list| Some(list.entries().ok()?.map(|name| name.string().unwrap_or_default().to_owned())));
@@ -43,12 +43,12 @@ pub(super) struct Morph {
     pub(super) targets: TargetInfo,
     /// Number of targets.
     pub(super) count: usize,
-    /// Deltas of each vertex; target indices are those of the mesh.
+    /// Deltas of each vertex; they index the targets of the mesh.
     rows: Vec<Vec<RowDelta>>,
 }
 
-/// Applies the morph targets of a primitive at their default weights, and returns their deltas from there. `entries`
-/// counts the deltas of the whole model.
+/// Applies the morph targets of a primitive at their default weights. Returns the deltas relative to that state.
+/// `entries` counts the deltas of the whole model.
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
     at: &JsonNode<'a>,
@@ -103,7 +103,7 @@ pub(super) fn read<'a>(
                 normals[v] += normal * weight;
             }
         }
-        // Normals are normalised later; their deltas are scaled by the same factor.
+        // Normals are normalised later, so their deltas are divided by the length of the normal.
         let length = normals.as_deref().map_or(1.0, |normals| normals[v].length());
         if length > 0.0 && length.is_finite() {
             row.iter_mut().for_each(|delta| delta.normal = delta.normal.map(|normal| normal / length));
@@ -122,9 +122,9 @@ pub(super) struct ModelMorphs {
     /// Targets in the order of the package.
     pub(super) targets: Vec<MorphTarget>,
     rows: MorphRows,
-    /// Indices of existing rows, by their bits.
+    /// Index of each row, by the bits of its contents.
     known: BTreeMap<Vec<u32>, u32>,
-    /// Document node, index of its first target, and number of targets.
+    /// Nodes with targets: document node, index of its first target, and number of targets.
     pub(super) of_nodes: Vec<(usize, u32, u32)>,
 }
 

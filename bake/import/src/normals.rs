@@ -1,17 +1,17 @@
-//! Computation of normals where the file has none, or unusable ones.
+//! Computation of normals that are missing or unusable in the file.
 //!
 //! glTF 2.0 requires flat normals on a primitive without any. Fur shells grow along the normals, so creases would split
-//! the fur along every edge. The importer computes smooth normals without any creases instead, from all triangles that
-//! meet in a position (also across primitives of a mesh). Each is weighted by its angle there: the result does not
-//! depend on the triangulation of polygons. Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal
-//! Facets", Journal of Graphics Tools 3(1), 1998.
+//! the fur along every edge. The importer therefore computes smooth normals without any creases. A normal is the sum
+//! over all triangles that share the position, across primitives of a mesh too. Each is weighted by its angle there, so
+//! the result does not depend on the triangulation of polygons. Source: Thürmer and Wüthrich, "Computing Vertex Normals
+//! from Polygonal Facets", Journal of Graphics Tools 3(1), 1998.
 
 use super::notes::Notes;
 use crate::angle::between;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// Tolerance for the length of the file's normals (quantised to 8 bits) before a warning.
+/// Maximum deviation of a normal's length from 1 without a warning: the rounding of 8-bit normals.
 const ROUNDING: f64 = 0.02;
 
 /// Part of a mesh whose normals are to be completed.
@@ -20,7 +20,7 @@ pub(super) struct NormalInput<'m> {
     pub label: &'m str,
     pub positions: &'m [Vec3],
     pub triangles: &'m [[u32; 3]],
-    /// Normals of the file, or empty; afterwards one unit normal per position. Zero marks a missing one.
+    /// Normals of the file, or empty. Afterwards there is one unit normal per position. Zero marks a missing one.
     pub normals: &'m mut Vec<Vec3>,
 }
 
@@ -67,7 +67,7 @@ pub(super) fn complete_normals(notes: &mut Notes, shapes: &mut [NormalInput<'_>]
     }
     for i in &wanted {
         let shape = &mut shapes[*i];
-        // Where the sum vanishes (both sides of a sheet meet in one position), the widest corner at the vertex itself
+        // The sum vanishes if both sides of a sheet meet in one position. Then the widest corner at the vertex itself
         // is used.
         let mut own = vec![DVec3::ZERO; shape.positions.len()];
         for triangle in shape.triangles {
@@ -81,16 +81,16 @@ pub(super) fn complete_normals(notes: &mut Notes, shapes: &mut [NormalInput<'_>]
         for (v, normal) in shape.normals.iter_mut().enumerate().filter(|(_, n)| **n == Vec3::ZERO) {
             let sum = welded.get(&key(shape.positions[v])).copied().unwrap_or_default();
             let sum = if sum.length() > 1e-6 * own[v].length() { sum } else { own[v] };
-            // A vertex of degenerate triangles only has no direction of its own, and covers no area.
+            // A vertex whose triangles are all degenerate has no direction of its own, and covers no area.
             *normal = sum.try_normalize().unwrap_or(DVec3::Y).as_vec3();
         }
     }
 }
 
-/// Returns the normal of a triangle at each of its corners, scaled by the angle there; zero if the triangle has no
+/// Returns the normal of a triangle at each of its corners, scaled by the angle there. Zero if the triangle has no
 /// area.
 ///
-/// Computes in f64: squared lengths of triangles in animals stored a hundred times too small approach the limit of f32.
+/// Computes in f64: if an animal is stored at a hundredth of its size, squared lengths approach the limit of f32.
 fn corner_normals(positions: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
     let p = triangle.map(|i| positions[i as usize].as_dvec3());
     let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else { return [DVec3::ZERO; 3] };
@@ -100,7 +100,7 @@ fn corner_normals(positions: &[Vec3], triangle: &[u32; 3]) -> [DVec3; 3] {
     })
 }
 
-/// Returns the bits of a position, equal for 0 and −0.
+/// Returns the bits of a position; 0 and −0 give the same bits.
 fn key(position: Vec3) -> [u32; 3] {
     position.to_array().map(|x| (x + 0.0).to_bits())
 }

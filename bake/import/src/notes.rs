@@ -1,4 +1,4 @@
-//! Messages of an import besides the model: warnings, and records of the files that were read.
+//! Output of an import other than the model: warnings, and records of the files that were read.
 
 use crate::BakeError;
 use pelage_formats::InputRecord;
@@ -11,14 +11,14 @@ pub(super) struct Notes {
     inputs: Vec<InputRecord>,
 }
 
-/// Maximum number of warnings kept; more are only counted, because a file can have one error per vertex.
+/// Maximum number of warnings kept. All others are dropped, because a file can have one error per vertex.
 const MAX_WARNINGS: usize = 100;
 
 impl Notes {
-    /// Records a repair, omission or guess. Duplicate sentences are kept once.
+    /// Records a repair, omission or guess. Stores identical texts once.
     pub fn warn(&mut self, text: impl Into<String>) {
         let text = text.into();
-        // The list grows one past the limit only for the count that `finish` writes.
+        // The list may exceed the limit by one entry, which tells `finish` that warnings were dropped.
         if self.warnings.len() <= MAX_WARNINGS && !self.warnings.contains(&text) {
             self.warnings.push(text);
         }
@@ -39,15 +39,15 @@ impl Notes {
     }
 }
 
-/// Returns the record of a file that a package stores. Folders in `name` are removed: they would tie the package to a
+/// Returns the record of a file that a package stores. Removes folders from `name`: they would tie the package to a
 /// machine.
 pub fn input_record(role: &str, name: &str, bytes: &[u8]) -> InputRecord {
     let name = name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
     InputRecord { role: role.into(), name, bytes: bytes.len() as u64, sha256: Sha256::digest(bytes).into() }
 }
 
-/// Returns the reason why a file named by the model could not be read, to follow its name in a sentence. The error may
-/// concern the name itself or the file behind it.
+/// Returns the reason why a file that the model names could not be read. In a message it follows the file's name. The
+/// error may concern the name or the file.
 pub(super) fn why_unreadable(error: BakeError) -> String {
     match error {
         BakeError::Input { reason, .. } => reason,

@@ -1,4 +1,4 @@
-//! Orientation of triangles once posed: outward, as their normals say.
+//! Orientation of the triangles in the rest pose: outward, as their normals point.
 
 use super::notes::Notes;
 use super::scene::mirrors;
@@ -10,9 +10,9 @@ use pelage_formats::{Animation, Pose};
 
 /// Flips parts that the skeleton's rest pose mirrors, then parts whose triangles still face against their normals.
 ///
-/// glTF 2.0 (section 3.5.2) flips the winding by the sign of the node's determinant. It says nothing about joints; the
-/// determinant of the blended matrix plays the same role for a skin. `authored` says for each part whether its normals
-/// come from the file: computed ones follow the winding and cannot contradict it.
+/// In glTF 2.0 (section 3.5.2) the sign of the node's determinant flips the winding. The specification is silent about
+/// joints; for a skin, the determinant of the blended matrix has the same role. `authored` says for each part whether
+/// its normals come from the file. Computed normals follow the winding and cannot contradict it.
 pub(super) fn face_outward(
     notes: &mut Notes,
     mesh: &mut Mesh,
@@ -44,7 +44,7 @@ pub(super) fn face_outward(
     }
 }
 
-/// Threshold of the mean cosine below which a part is flipped; two-sided sheets stay near 0.
+/// Mean cosine below which a part is flipped. Two-sided sheets have a mean cosine near 0.
 const AGAINST: f64 = -0.25;
 
 fn flip(triangles: &mut [[u32; 3]]) {
@@ -53,8 +53,8 @@ fn flip(triangles: &mut [[u32; 3]]) {
     }
 }
 
-/// Returns the area-weighted mean cosine between triangles and the normals of their corners: 1 if they agree, -1 if
-/// opposite.
+/// Returns the area-weighted mean cosine between the normals of triangles and those of their corners: 1 if they agree,
+/// -1 if opposite.
 fn facing(triangles: &[[u32; 3]], rest: &RestPose) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
     for triangle in triangles {

@@ -1,4 +1,4 @@
-//! Checks of the number of elements of attributes: one per vertex.
+//! Checks that attributes have one element per vertex.
 
 use super::elements::REAL;
 use super::json::JsonNode;

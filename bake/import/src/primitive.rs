@@ -22,7 +22,7 @@ pub(super) struct Primitive<'a> {
     pub positions: Vec<Vec3>,
     /// Unit normals.
     pub normals: Vec<Vec3>,
-    /// Whether the normals come from the file; else the importer computed them.
+    /// Whether the normals come from the file; if not, the importer computed them.
     pub has_normals: bool,
     pub uvs: Vec<Vec2>,
     pub has_uvs: bool,
@@ -30,7 +30,7 @@ pub(super) struct Primitive<'a> {
     /// Four joints of the skin per vertex, with their weights; `None` for a primitive that follows its node.
     pub influences: Option<Vec<weights::Influence>>,
     pub triangles: Vec<[u32; 3]>,
-    /// Deltas of its morph targets; `None` without targets.
+    /// Morph targets of the primitive; `None` without any.
     pub morph: Option<morphs::Morph>,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct MeshUse<'a> {
 #[derive(Debug, Default)]
 pub(super) struct MeshTotals {
     pub materials: Materials,
-    /// Number of primitives left out.
+    /// Number of primitives that were ignored.
     pub skipped: usize,
     vertices: u64,
     indices: u64,
@@ -58,7 +58,7 @@ pub(super) struct MeshTotals {
 }
 
 impl MeshTotals {
-    /// Counts a primitive before any of it is read: primitives may share accessors, so a small file can expand to any
+    /// Counts a primitive before any of it is read. Primitives may share accessors, so a small file can expand to any
     /// amount of memory.
     fn count_primitive<'a>(&mut self, source: &Source<'a, '_>, at: &JsonNode<'a>) -> Result<(), BakeError> {
         let position = at.get("attributes").and_then(|a| a.get("POSITION"));
@@ -69,7 +69,7 @@ impl MeshTotals {
     }
 }
 
-/// Returns whether primitives of that mode hold lines (glTF 2.0, section 3.7.2.1, "Topology").
+/// Returns whether `mode` is a topology of lines (glTF 2.0, section 3.7.2.1, "Topology").
 pub(super) fn are_lines(mode: u64) -> bool {
     (1..=3).contains(&mode)
 }
@@ -84,7 +84,7 @@ pub(super) fn within_limits(at: &JsonNode<'_>, vertices: u64, indices: u64) -> R
     Err(at.fault(format!("takes the model to {vertices} vertices and {indices} indices, expected at most {v} and {i}")))
 }
 
-/// Reads all primitives of a mesh that hold triangles; others are counted and reported.
+/// Reads all primitives of a mesh that hold triangles. Others are counted and reported.
 pub(super) fn read_mesh<'a>(
     source: &mut Source<'a, '_>,
     gathered: &mut MeshTotals,
@@ -144,7 +144,7 @@ fn read_primitive<'a>(
         return Ok(None);
     };
     let mut positions = vectors(&source.accessor(&position_at, &[3], REAL)?.to_f32s(false));
-    // Draco data holds triangles, whatever the original mode.
+    // Draco data always holds triangles, whatever mode the primitive states.
     let mode = if unpacked.is_some() { 4 } else { mode };
     let indices = match unpacked {
         Some(indices) => in_range(at, indices, positions.len())?,
@@ -197,7 +197,7 @@ fn draco_only<'a>(source: &Source<'a, '_>, at: &JsonNode<'a>) -> Option<JsonNode
     (!plain).then_some(extension)
 }
 
-/// Returns the vertices of a primitive in index order.
+/// Returns the vertex indices of a primitive, in the order of its index list.
 pub(super) fn indices_of<'a>(
     source: &mut Source<'a, '_>,
     at: &JsonNode<'a>,
@@ -223,7 +223,8 @@ pub(super) fn vectors(flat: &[f32]) -> Vec<Vec3> {
 fn triangulate(mode: u64, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         5 => {
-            // The last two corners of every second triangle of a strip are swapped, so that all face the same side.
+            // In a strip the winding alternates: two corners of every second triangle are swapped, so that all face the
+            // same side.
             let corner = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
             indices.windows(3).enumerate().map(corner).collect()
         }
@@ -235,7 +236,8 @@ fn triangulate(mode: u64, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// Reads the transformed texture coordinates of the material; without a texture the first set present.
+/// Reads the transformed texture coordinates of the material. For a material without texture reads the first set
+/// present.
 fn read_uvs<'a>(
     source: &mut Source<'a, '_>,
     attributes: &JsonNode<'a>,
@@ -282,13 +284,13 @@ fn read_colors<'a>(
     })
 }
 
-/// Returns the width and the numbers of a colour attribute.
+/// Reads a colour attribute: returns the number of components and all numbers.
 pub(super) fn color_reals<'a>(
     source: &mut Source<'a, '_>,
     reference: &JsonNode<'a>,
 ) -> Result<(usize, Vec<f32>), BakeError> {
     let elements = source.accessor(reference, &[3, 4], REAL)?;
-    // Integer colours are fractions of 1, even if the file, against the rules, does not say `normalized`.
+    // Integer colours are fractions of 1, even if the accessor lacks `normalized`, which the specification requires.
     Ok((elements.width, elements.to_f32s(elements.component != Component::F32)))
 }
 

@@ -1,4 +1,4 @@
-//! The node tree: parents, order, transforms.
+//! The node tree: parents, order and transforms.
 
 use super::elements::Component;
 use super::json::JsonNode;
@@ -13,7 +13,7 @@ pub(super) struct TreeNode<'a> {
     pub parent: Option<usize>,
     /// Transform to the parent's space.
     pub local: Mat4,
-    /// `local` as translation, rotation and scale; without shear.
+    /// `local` as translation, rotation and scale; shear is dropped.
     pub trs: (Vec3, Quat, Vec3),
     /// Visibility of its mesh.
     pub shows: MeshVisibility,
@@ -26,7 +26,7 @@ pub(super) enum MeshVisibility {
     Mesh,
     /// Shown by the node's instances only.
     Instances,
-    /// Shown by this node, an instance: a child of the node with the mesh, not a node of the document.
+    /// Shown by this node, an instance. It is a child of the node with the mesh, but not a node of the document.
     Instance,
 }
 
@@ -109,7 +109,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Returns the depth-first order below `roots`, without recursion: trees may be deep.
+/// Returns the nodes below `roots` in depth-first order. Does not recurse, because trees may be deep.
 fn walk(roots: &[usize], children: &[Vec<usize>]) -> Vec<usize> {
     let mut order = Vec::new();
     let mut open: Vec<usize> = roots.iter().rev().copied().collect();
@@ -120,8 +120,8 @@ fn walk(roots: &[usize], children: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// Returns the roots of the default scene, or of the first; `None` without scenes: then all roots of the document are
-/// shown.
+/// Returns the roots of the default scene, or of the first scene if none is the default. `None` without scenes: then
+/// all roots of the document are shown.
 fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Result<Option<Vec<usize>>, BakeError> {
     let root = source.root.clone();
     let scene = match root.get("scene") {
@@ -148,15 +148,15 @@ fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Resul
     Ok(Some(roots))
 }
 
-/// A matrix and its decomposition into translation, rotation and scale, without shear.
+/// A matrix, and its decomposition into translation, rotation and scale (shear is dropped).
 type Transform = (Mat4, (Vec3, Quat, Vec3));
 
-/// Maximum number of mesh instances in a document. Each may follow a joint of its own, and a skin has at most as many
-/// joints.
+/// Maximum number of mesh instances in a document: the maximum number of joints of a skin, because each instance may
+/// follow its own joint.
 const MOST_INSTANCES: usize = 1 << 16;
 
-/// Reads the transforms of a node's instances (`EXT_mesh_gpu_instancing`), in the node's space; more than `most` are an
-/// error. `None` without the extension, without a mesh, and with a skin.
+/// Reads the transforms of a node's instances (`EXT_mesh_gpu_instancing`), in the node's space. More than `most` are an
+/// error. `None` if the node lacks the extension or a mesh, or has a skin.
 fn instances<'a>(
     source: &mut Source<'a, '_>,
     node: &JsonNode<'a>,
@@ -174,7 +174,7 @@ fn instances<'a>(
         return Ok(None);
     }
     let attributes = at.require("attributes")?;
-    // Other attributes, such as `_ID`, are left to the application.
+    // The extension leaves other attributes, such as `_ID`, to the application.
     let [translation, rotation, scale] = ["TRANSLATION", "ROTATION", "SCALE"].map(|name| attributes.get(name));
     let mut count: Option<(u64, &'static str)> = None;
     for (reference, name) in [(&translation, "TRANSLATION"), (&rotation, "ROTATION"), (&scale, "SCALE")] {
@@ -214,8 +214,8 @@ fn instances<'a>(
     Ok(Some(places.collect()))
 }
 
-/// Returns a rotation normalised to length 1, and its previous length; `None` if it has none. Computes in f64: squares
-/// of small numbers vanish in f32.
+/// Returns a rotation normalised to length 1, and its previous length; `None` if that is 0. Computes in f64, because
+/// squares of small numbers underflow in f32.
 fn unit(q: [f32; 4]) -> Option<(Quat, f64)> {
     let length = q.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
     (length > 1e-12).then(|| (Quat::from_array(q.map(|x| (f64::from(x) / length) as f32)), length))
@@ -256,7 +256,7 @@ fn transform(at: &JsonNode<'_>, source: &mut Source<'_, '_>) -> Result<Transform
     Ok((Mat4::from_scale_rotation_translation(scale, rotation, translation), (translation, rotation, scale)))
 }
 
-/// Decomposes an affine matrix. A reflection is assigned to the z axis; a collapsed axis gets a scale of zero and an
+/// Decomposes an affine matrix. A reflection becomes a negative z scale. A collapsed axis gets a scale of zero and an
 /// arbitrary direction.
 fn decompose(matrix: Mat4) -> (Vec3, Quat, Vec3) {
     let m = DMat4::from_cols_array(&matrix.to_cols_array().map(f64::from));
@@ -267,7 +267,7 @@ fn decompose(matrix: Mat4) -> (Vec3, Quat, Vec3) {
         .or_else(|| unit(cy.any_orthogonal_vector()))
         .or_else(|| unit(cz.any_orthogonal_vector()));
     let x = x.unwrap_or(DVec3::X);
-    // Rest of y after removing its part along x; if nothing remains, derived from z.
+    // Gram-Schmidt: y minus its component along x. If nothing remains, y is derived from z.
     let y = unit_or_none(cy - x * x.dot(cy), cy.length()).or_else(|| unit_or_none(cz.cross(x), cz.length()));
     let y = y.unwrap_or_else(|| x.any_orthonormal_vector());
     let z = x.cross(y);
@@ -280,7 +280,7 @@ fn unit_or_none(v: DVec3, of: f64) -> Option<DVec3> {
     if v.length() > 1e-9 * of { v.try_normalize() } else { None }
 }
 
-/// Returns the difference between the parts and the matrix, relative to its largest axis.
+/// Returns the difference between the matrix and its recomposed parts, relative to its longest axis.
 fn shear(matrix: Mat4, (translation, rotation, scale): (Vec3, Quat, Vec3)) -> f32 {
     let back = Mat3::from_mat4(Mat4::from_scale_rotation_translation(scale, rotation, translation));
     let linear = Mat3::from_mat4(matrix);
@@ -289,7 +289,7 @@ fn shear(matrix: Mat4, (translation, rotation, scale): (Vec3, Quat, Vec3)) -> f3
     if size > 0.0 { difference / size } else { 0.0 }
 }
 
-/// Returns whether a matrix mirrors. Computes in f64: the product of three small scales vanishes in f32.
+/// Returns whether a matrix mirrors. Computes in f64, because the product of three small scales underflows in f32.
 pub(super) fn mirrors(matrix: &Mat4) -> bool {
     DMat4::from_cols_array(&matrix.to_cols_array().map(f64::from)).determinant() < 0.0
 }

@@ -41,7 +41,7 @@ impl Skin {
                     return Err(reference.fault(format!("element {i} is not finite, expected finite numbers")));
                 }
                 *slot = matrix;
-                // The last row is [0, 0, 0, 1] by definition; some files have rounding errors there.
+                // The last row is [0, 0, 0, 1] by definition; some files have rounding errors in it.
                 (slot[3], slot[7], slot[11], slot[15]) = (0.0, 0.0, 0.0, 1.0);
             }
         }
@@ -49,12 +49,12 @@ impl Skin {
     }
 }
 
-/// Owner of joints that a vertex can follow.
+/// Owner of a range of joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Owner {
-    /// A skin, with all its joints.
+    /// A skin; owns all its joints.
     Skin(usize),
-    /// A node, followed rigidly.
+    /// A node whose rigid mesh follows it.
     Node(usize),
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Joints {
 }
 
 impl Joints {
-    /// Reads the skin that `reference` names, once, and returns its index.
+    /// Returns the index of the skin that `reference` names; reads it on first use.
     pub fn skin<'a>(&mut self, source: &mut Source<'a, '_>, reference: &JsonNode<'a>) -> Result<usize, BakeError> {
         let (index, at) = source.root.follow("skins", reference)?;
         if let Entry::Vacant(slot) = self.skins.entry(index) {
@@ -77,7 +77,7 @@ impl Joints {
         Ok(index)
     }
 
-    /// Returns the joints of a skin that was read: document node and inverse bind matrix.
+    /// Returns the joints of a skin that was already read: document node and inverse bind matrix of each.
     pub fn binds(&self, skin: usize) -> Vec<(usize, [f32; 16])> {
         let skin = self.skins.get(&skin);
         skin.into_iter().flat_map(|s| s.joints.iter().copied().zip(s.inverse_binds.iter().copied())).collect()

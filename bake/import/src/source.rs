@@ -1,4 +1,4 @@
-//! Binary data of a model: buffers, buffer views, URIs, and the record of what was read.
+//! Binary data of a model: buffers and URIs, and the record of the files that were read.
 
 use super::elements::Elements;
 use super::json::{JsonNode, shorten};
@@ -11,7 +11,7 @@ use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_perc
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Bytes that are percent-encoded in a path of a URI (RFC 3986, section 2.3).
+/// Bytes that are percent-encoded in the path of a URI (RFC 3986, section 2.3).
 const OUTSIDE_PATHS: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'-').remove(b'.').remove(b'_').remove(b'~');
 
 /// Returns a relative path with slashes as a URI.
@@ -19,16 +19,18 @@ pub fn path_as_uri(path: &str) -> String {
     utf8_percent_encode(path, OUTSIDE_PATHS).to_string()
 }
 
-/// Maximum size of all decompressed data of a model, bytes: many views can name the same compressed bytes.
+/// Maximum size of all decompressed data of a model, bytes. A limit is needed because many views can name the same
+/// compressed bytes.
 pub(super) const MAX_UNPACKED: u64 = 1 << 30;
 
-/// Callback that fetches the bytes of a relative URI, at most the given number.
+/// Callback that fetches the contents of a relative URI; the second argument is the maximum number of bytes.
 pub type Resolve<'r> = dyn FnMut(&str, u64) -> Result<Vec<u8>, BakeError> + 'r;
 
-/// Maximum size of a file beside the model whose length the model does not declare, bytes: an image or a material file.
+/// Maximum size of an external file whose length the model does not declare, bytes: an image or a material file.
 pub(super) const MAX_BESIDE: u64 = 256 << 20;
 
-/// Maximum size of all files beside a glTF, bytes: many buffers can name the same large file.
+/// Maximum size of all external files of a glTF, bytes. A limit is needed because many buffers can name the same large
+/// file.
 const MAX_FILES: u64 = 2 << 30;
 
 /// Fetches a file of at most [`MAX_BESIDE`] bytes. The error continues a sentence that begins with the file's name.
@@ -49,7 +51,7 @@ pub(super) struct Source<'a, 'r> {
     buffers: BTreeMap<usize, Cow<'a, [u8]>>,
     /// Buffer views that were decompressed.
     pub unpacked: BTreeMap<usize, Vec<u8>>,
-    /// Elements of accessors without bytes of their own; the next read of an accessor removes its entry.
+    /// Decoded elements of accessors that have no bytes of their own. The next read of an accessor removes its entry.
     pub supplied: BTreeMap<usize, Elements>,
     /// Size of all decompressed data, bytes.
     unpacked_bytes: u64,
@@ -59,7 +61,8 @@ pub(super) struct Source<'a, 'r> {
     pub notes: Notes,
 }
 
-// Encoders differ in padding and in the unused bits of the last character; neither makes the data ambiguous.
+// Encoders differ in padding and in the unused bits of the last character. Both are accepted, because the data stays
+// unambiguous.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &alphabet::STANDARD,
     GeneralPurposeConfig::new()
@@ -93,8 +96,8 @@ impl<'a, 'r> Source<'a, 'r> {
         self.notes.record(role, name, bytes);
     }
 
-    /// Returns the data in `uri`, or the contents of the file that it names, at most `declared` bytes if the model
-    /// gives a length. `role` is stored in the record.
+    /// Returns the data of a `data:` URI, or the contents of the file that the URI names. If the model declares a
+    /// length, at most `declared` bytes are returned. `role` is stored in the record.
     pub fn uri(&mut self, at: &JsonNode<'a>, role: &str, declared: Option<u64>) -> Result<Vec<u8>, BakeError> {
         let uri = at.string()?;
         if let Some(data) = uri.get(..5).filter(|s| s.eq_ignore_ascii_case("data:")).and_then(|_| uri.get(5..)) {
@@ -115,7 +118,7 @@ impl<'a, 'r> Source<'a, 'r> {
         };
         let bytes =
             fetched.map_err(|cause| at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri))))?;
-        // Images are dropped after decoding; buffers are kept.
+        // Only buffers have a declared length and stay in memory; images are dropped after decoding.
         self.file_bytes += declared.map_or(0, |_| bytes.len() as u64);
         let name = percent_decode_str(uri).decode_utf8().unwrap_or(Cow::Borrowed(uri));
         self.record(role, &name, &bytes);
@@ -146,11 +149,11 @@ impl<'a, 'r> Source<'a, 'r> {
         Ok(index)
     }
 
-    /// Adds to the size of the model's decompressed data, bytes.
+    /// Adds `bytes` to the size of the model's decompressed data.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] at `at` above `MAX_UNPACKED`.
+    /// [`BakeError::Input`] at `at` if the sum exceeds `MAX_UNPACKED`.
     pub fn count_unpacked(&mut self, at: &JsonNode<'_>, bytes: u64) -> Result<(), BakeError> {
         self.unpacked_bytes = self.unpacked_bytes.saturating_add(bytes);
         if self.unpacked_bytes > MAX_UNPACKED {
@@ -159,7 +162,7 @@ impl<'a, 'r> Source<'a, 'r> {
         Ok(())
     }
 
-    /// Returns the bytes that `at` names by `buffer`, `byteOffset` and `byteLength`.
+    /// Returns the bytes that the object `at` names by `buffer`, `byteOffset` and `byteLength`.
     pub fn buffer_range(&mut self, at: &JsonNode<'a>) -> Result<&[u8], BakeError> {
         let index = self.buffer(&at.require("buffer")?)?;
         let (offset, length) = (at.unsigned_or("byteOffset", 0)?, at.require("byteLength")?.unsigned()?);
@@ -169,7 +172,8 @@ impl<'a, 'r> Source<'a, 'r> {
         }
         let end = offset.saturating_add(length);
         if end > have {
-            // The missing bytes may be unused: each accessor is checked against the available ones.
+            // The missing bytes may be unused, so this is only a warning: each accessor is checked against the
+            // available bytes.
             self.warn(format!("{} extends to byte {end} of buffer {index}, which has {have} bytes", at.place));
         }
         let buffer = self.buffers.get(&index).map(Cow::as_ref).unwrap_or_default();

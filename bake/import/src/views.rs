@@ -27,7 +27,7 @@ impl<'a> Source<'a, '_> {
     }
 }
 
-/// Decompresses a buffer view by its extension (at `at`); `length` is the size that the view declares.
+/// Decompresses a buffer view whose extension is at `at`. `length` is the size that the view declares.
 fn unpack_view<'a>(source: &mut Source<'a, '_>, at: &JsonNode<'a>, length: u64) -> Result<Vec<u8>, BakeError> {
     let count_at = at.require("count")?;
     let (count, stride) = (count_at.unsigned()?, at.require("byteStride")?.unsigned()?);

@@ -1,4 +1,4 @@
-//! Skin weights of a primitive: reads any number of sets, keeps four joints per vertex.
+//! Skin weights of a primitive: reads any number of sets and keeps four joints per vertex.
 
 use super::elements::{WHOLE, grouped};
 use super::json::JsonNode;
@@ -9,11 +9,11 @@ use crate::BakeError;
 /// Four joints of a skin (indices into its `joints`) and their weights, which sum to 1.
 pub(super) type Influence = ([u32; 4], [f32; 4]);
 
-/// Deviation of a vertex's weight sum from 1 that counts as rounding (u8 weights: four halves of 1/255) and causes no
-/// warning.
+/// Maximum deviation of a vertex's weight sum from 1 without a warning. It allows for the rounding of u8 weights: four
+/// halves of 1/255.
 const ROUNDING: f64 = 0.01;
 
-/// Maximum number of sets of four that are read: 32 joints per vertex.
+/// Maximum number of weight sets that are read. A set has four weights, so this allows 32 joints per vertex.
 const MAX_SETS: u32 = 8;
 
 /// Reads `JOINTS_n` and `WEIGHTS_n`, keeps the four largest weights of each vertex and scales them to sum to 1.

@@ -1,4 +1,4 @@
-//! Camera of a traced picture: rays from pixels, and projection of points back into the picture.
+//! Camera of a ray-traced picture: rays through pixels, and projection of points into the picture.
 
 use glam::{DVec2, DVec3, Mat4, Vec3};
 
@@ -11,7 +11,7 @@ pub struct TrueCamera {
     pub target_ws: Vec3,
     /// Up direction of the picture; must not be parallel to the view.
     pub up_ws: Vec3,
-    /// Projection, with the height of the view.
+    /// Projection and height of the view.
     pub lens: Lens,
 }
 
@@ -31,7 +31,8 @@ pub enum Lens {
 }
 
 impl TrueCamera {
-    /// Returns the camera of a view matrix: world to view space, y up and −z forward, without scale.
+    /// Returns the camera of a view matrix. The matrix maps world to view space, with y up and −z forward, without
+    /// scale.
     pub fn from_view(view_from_world: Mat4, lens: Lens) -> Self {
         let world_from_view = view_from_world.inverse();
         let eye_ws = world_from_view.w_axis.truncate();
@@ -49,7 +50,7 @@ impl TrueCamera {
 pub struct ViewDirections(RayCaster);
 
 impl ViewDirections {
-    /// Returns the unit vector from the eye through a point of the picture, pixels from its upper left corner.
+    /// Returns the unit vector from the eye through point `at` of the picture, in pixels from its upper left corner.
     pub fn direction_at(&self, at: DVec2) -> DVec3 {
         self.0.ray(at).1
     }
@@ -59,8 +60,8 @@ impl ViewDirections {
 pub struct RayCaster {
     origin: DVec3,
     forward: DVec3,
-    /// Vectors from the middle of the picture to its right and upper edge: at distance 1 for a perspective, in metres
-    /// for a parallel projection.
+    /// Vectors from the centre of the picture to the middle of its right edge and of its upper edge. A perspective has
+    /// them at distance 1, a parallel projection in metres.
     right: DVec3,
     up: DVec3,
     size: DVec2,
@@ -68,7 +69,7 @@ pub struct RayCaster {
 }
 
 impl RayCaster {
-    /// Prepares rays of a camera through a picture of that size, pixels.
+    /// Prepares the rays of a camera for a picture of `width` by `height` pixels.
     pub fn new(camera: &TrueCamera, (width, height): (u32, u32)) -> Self {
         let origin = camera.eye_ws.as_dvec3();
         let forward = (camera.target_ws.as_dvec3() - origin).normalize_or(DVec3::NEG_Z);
@@ -82,7 +83,8 @@ impl RayCaster {
         Self { origin, forward, right: right * half * aspect, up: right.cross(forward) * half, size, parallel }
     }
 
-    /// Returns the ray through a point of the picture, pixels from its upper left corner: origin and unit direction.
+    /// Returns the ray through point `at` of the picture, in pixels from its upper left corner: origin and unit
+    /// direction.
     pub fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
         let at = at / self.size * 2.0 - 1.0;
         let aside = self.right * at.x - self.up * at.y;
@@ -93,8 +95,8 @@ impl RayCaster {
         }
     }
 
-    /// Projects a point into the picture: pixels from its upper left corner, and depth along the view, metres; `None`
-    /// for a point not in front of a perspective camera.
+    /// Projects a point into the picture. Returns its position, in pixels from the upper left corner, and its depth
+    /// along the view, metres. `None` for a point that is not in front of a perspective camera.
     pub fn project(&self, point_ws: DVec3) -> Option<(DVec2, f64)> {
         let from = point_ws - self.origin;
         let depth = self.depth(point_ws);
@@ -107,7 +109,7 @@ impl RayCaster {
         Some(((at + 1.0) * 0.5 * self.size, depth))
     }
 
-    /// Returns the ray that meets a point: origin, unit direction, and distance to the point, metres.
+    /// Returns the ray from the camera through a point: origin, unit direction, and distance to the point, metres.
     pub fn ray_to(&self, point_ws: DVec3) -> (DVec3, DVec3, f64) {
         let from = point_ws - self.origin;
         if self.parallel {

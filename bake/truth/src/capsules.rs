@@ -1,13 +1,14 @@
-//! Intersection of rays with tapering hairs: the hull of two balls.
+//! Intersection of rays with tapering hair segments: the convex hull of two balls.
 
 use glam::{DVec3, Vec3};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
-/// A straight piece of a strand: the union of all balls with centre and radius interpolated between the two ends.
+/// A straight segment of a strand: the union of all balls whose centre and radius are interpolated between the two
+/// ends.
 ///
-/// Stored in f32 and tested in f64: in f32 the ray of a far camera misses a thin hair, and the test does not dominate
-/// the time.
+/// Stored in f32. Intersected in f64, because in f32 the ray of a distant camera misses a thin hair; the extra cost is
+/// small.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Capsule {
     pub(super) from: Vec3,
@@ -18,7 +19,7 @@ pub(super) struct Capsule {
 
 impl Boundable for Capsule {
     fn aabb(&self) -> Aabb {
-        // Rays come in f32; the padding keeps their rounding from missing the box.
+        // Rays have f32 precision; the padding keeps their rounding from missing the box.
         let pad = |p: Vec3, radius: f32| radius + 1e-6 * (1.0 + p.abs().max_element());
         let (a, b) = (pad(self.from, self.from_radius), pad(self.to, self.to_radius));
         Aabb::new((self.from - a).min(self.to - b).to_vec3a(), (self.from + a).max(self.to + b).to_vec3a())
@@ -26,14 +27,14 @@ impl Boundable for Capsule {
 }
 
 impl Capsule {
-    /// Returns the distance along the unit vector `way` at which a ray enters; infinity if it misses, starts inside, or
-    /// starts beyond.
+    /// Returns the distance at which a ray enters the capsule, along the unit vector `way`. Infinity if the ray misses
+    /// it, or starts inside or beyond it.
     ///
-    /// The sides are the cone that touches both balls (after Quilez, "round cone intersection").
+    /// The side of the capsule is the cone that touches both balls (after Quilez, "round cone intersection").
     pub(super) fn intersect(&self, origin: DVec3, way: DVec3) -> f64 {
         let (a, b) = (self.from.as_dvec3(), self.to.as_dvec3());
         let (ra, rb) = (f64::from(self.from_radius), f64::from(self.to_radius));
-        // Measured from the ray's point nearest to the first end, to reduce cancellation below.
+        // Distances are relative to the ray's point closest to the first end, which reduces cancellation below.
         let start = (a - origin).dot(way);
         let from = origin + way * start;
         let (axis, oa, ob) = (b - a, from - a, from - b);
@@ -47,7 +48,7 @@ impl Capsule {
             if rest > 0.0 { -half - rest.sqrt() } else { f64::INFINITY }
         };
         if slant <= 0.0 {
-            // One ball contains the other.
+            // One ball contains the other, so only the larger one is intersected.
             let enter = if ra > rb { ball(oa, ra) } else { ball(ob, rb) };
             return positive_or_infinity(start + enter);
         }
@@ -66,7 +67,7 @@ impl Capsule {
         positive_or_infinity(start + ball(oa, ra).min(ball(ob, rb)))
     }
 
-    /// Returns the position of `point` along the axis, 0..=1, by orthogonal projection.
+    /// Returns the orthogonal projection of `point` on the axis as a fraction of its length, clamped to 0..=1.
     pub(super) fn share_at(&self, point: DVec3) -> f64 {
         let (a, axis) = (self.from.as_dvec3(), (self.to - self.from).as_dvec3());
         let length = axis.length_squared();
@@ -85,9 +86,9 @@ fn positive_or_infinity(distance: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Returns the distance from a point to the hull of the two balls: the minimum over all balls between them.
+    /// Returns the signed distance from a point to the capsule: the minimum over all balls between the two ends.
     ///
-    /// Along the axis the distance to a ball's centre is convex and its radius is linear, so ternary search finds the
+    /// Along the axis the distance to a ball's centre is convex and its radius is linear, so a ternary search finds the
     /// minimum.
     fn distance_to_hull(capsule: &Capsule, p: DVec3) -> f64 {
         let ball = |t: f64| {
@@ -124,7 +125,7 @@ mod tests {
                 if enter.is_finite() {
                     hits += 1;
                     assert!(distance_to_hull(capsule, origin + way * enter).abs() < 1e-4, "{capsule:?}, ray {i}");
-                    // No part of the capsule is before the entry point.
+                    // Points on the ray before the entry are outside the capsule.
                     let before =
                         (0..50).map(|k| distance_to_hull(capsule, origin + way * (enter * f64::from(k) / 50.0)));
                     assert!(before.fold(f64::INFINITY, f64::min) > -1e-9, "{capsule:?}, ray {i}");

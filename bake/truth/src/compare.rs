@@ -1,9 +1,9 @@
 //! Comparison of two pictures: FLIP, RMSE, PSNR and the difference of coverage.
 //!
-//! FLIP estimates the difference that a person sees who alternates between the two: P. Andersson, J. Nilsson, T.
-//! Akenine-Möller, M. Oskarsson, K. Åström, M. Fairchild, *FLIP: A Difference Evaluator for Alternating Images*, HPG
-//! 2020, by its authors' own code. FLIP compares opaque 8-bit pictures, so both are laid over a background first. The
-//! other figures compare the pictures as they are, in linear light.
+//! FLIP estimates the difference that a person sees who alternates between the two pictures: P. Andersson, J. Nilsson,
+//! T. Akenine-Möller, M. Oskarsson, K. Åström, M. Fairchild, *FLIP: A Difference Evaluator for Alternating Images*, HPG
+//! 2020. The authors' own code computes it. FLIP compares opaque 8-bit pictures, so both are composited over a
+//! background first. The other figures compare the pictures as they are, in linear light.
 
 use image::{Rgb, RgbImage, RgbaImage};
 use nv_flip::FlipImageRgb8;
@@ -14,11 +14,11 @@ use serde::Serialize;
 /// Viewing conditions of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompareParams {
-    /// Background of transparent pictures for FLIP, sRGB-encoded (default middle grey 128, 128, 128). The more its
-    /// brightness differs from the fur, the more outline errors count.
+    /// Background on which transparent pictures are composited for FLIP, sRGB-encoded (default middle grey 128, 128,
+    /// 128). The more it differs from the fur in brightness, the more errors of the outline count.
     pub over: [u8; 3],
     /// Pixels per degree of the viewer's field of view, above 0 (default 67: a 4K screen 0.7 m wide, seen from 0.7 m).
-    /// Fewer mean coarser pixels, whose errors are more visible.
+    /// A smaller number means coarser pixels, whose errors are more visible.
     pub pixels_per_degree: f32,
 }
 
@@ -28,16 +28,16 @@ impl Default for CompareParams {
     }
 }
 
-/// FLIP of all pixels, each 0 (the same) to 1 (black against white).
+/// Statistics of FLIP over all pixels. Each is 0 (equal) to 1 (black against white).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FlipFigures {
     /// Mean over the picture, the figure that FLIP's authors recommend.
     pub mean: f64,
-    /// Mean over the pixels that either picture covers, independent of the empty part of the picture. 0 if neither
-    /// covers any.
+    /// Mean over the pixels that at least one of the pictures covers; independent of the empty background. 0 if there
+    /// are none.
     pub covered: f64,
-    /// Weighted median: half of the sum of all errors comes from pixels with a larger error.
+    /// Weighted median: pixels with a larger error than this contribute half of the sum of all errors.
     pub weighted_median: f64,
     /// Maximum over all pixels.
     pub max: f64,
@@ -52,7 +52,8 @@ pub struct Comparison {
     /// Root mean square difference of premultiplied linear red, green and blue over all pixels; 1 for black against
     /// white.
     pub rmse: f64,
-    /// Peak signal-to-noise ratio, decibels: −20 log10 of `rmse`. Infinite for equal pictures; null in JSON.
+    /// Peak signal-to-noise ratio, decibels: −20 log10 of `rmse`. Infinite for equal pictures, which JSON stores as
+    /// null.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub psnr_db: f64,
     /// Mean absolute difference of alpha, 0..=1.
@@ -92,11 +93,11 @@ impl FlipMap {
 }
 
 /// Compares two pictures of sRGB-encoded bytes with straight alpha, as stored in PNG, at the default pixels per degree.
-/// Swapping the two changes figures only by rounding.
+/// If the arguments are swapped, the figures change only by rounding.
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] if their sizes differ.
+/// [`BakeError::Params`] if the sizes differ.
 pub fn compare(a: &RgbaImage, b: &RgbaImage, over: [u8; 3]) -> Result<(Comparison, FlipMap), BakeError> {
     compare_pictures(&a.into(), &b.into(), &CompareParams { over, ..CompareParams::default() })
 }
@@ -105,7 +106,7 @@ pub fn compare(a: &RgbaImage, b: &RgbaImage, over: [u8; 3]) -> Result<(Compariso
 ///
 /// # Errors
 ///
-/// [`BakeError::Params`] if their sizes differ, or they have no pixels.
+/// [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
 pub fn compare_pictures(a: &Picture, b: &Picture, params: &CompareParams) -> Result<(Comparison, FlipMap), BakeError> {
     if (a.width, a.height) != (b.width, b.height) || a.pixels.len() != b.pixels.len() || a.pixels.is_empty() {
         let size = |p: &Picture| format!("{}x{}", p.width, p.height);
@@ -137,7 +138,7 @@ fn flip(a: &Picture, b: &Picture, params: &CompareParams) -> FlipMap {
     FlipMap { width, height, values: map.to_vec() }
 }
 
-/// Computes the figures of a map, summed in f64: the library's f32 sums lose digits over a large picture.
+/// Computes the figures of a map. Sums in f64, because the f32 sums of the library lose digits over a large picture.
 fn figures(map: &FlipMap, covered: impl Fn(usize) -> bool) -> FlipFigures {
     let values = || map.values.iter().map(|v| f64::from(*v));
     let mean = |sum: f64, count: usize| sum / count.max(1) as f64;

@@ -29,20 +29,20 @@ fn black_against_white_is_one() {
     let of = |byte: u8| RgbaImage::from_pixel(40, 30, Rgba([byte, byte, byte, 255]));
     let (c, map) = compare(&of(0), &of(255), GREY).unwrap();
     assert!((c.rmse - 1.0).abs() < 1e-6 && c.psnr_db.abs() < 1e-5 && c.coverage == 0.0, "{c:?}");
-    // The measure reaches its own bound for an error that no eye can miss.
+    // FLIP reaches its upper bound for the largest possible error.
     assert!(c.flip.mean > 0.95 && c.flip.max <= 1.0 && c.flip.covered == c.flip.mean, "{c:?}");
     let yellow = map.magma().get_pixel(20, 15).0;
     assert!(yellow[0] > 240 && yellow[1] > 220 && yellow[2] > 150, "{yellow:?}");
 }
 
-/// Checks, as a negative control, that each kind of error raises the figures that it concerns.
+/// Negative control: checks that each kind of error raises the figures that should respond to it.
 #[test]
 fn differences_raise_the_error() {
     let a = strokes(96, 64, 0);
     let figures = |b: &RgbaImage| compare(&a, b, GREY).unwrap().0;
     let moved = figures(&strokes(96, 64, 1));
     assert!(moved.flip.mean > 0.05 && moved.rmse > 0.02 && moved.psnr_db < 35.0, "{moved:?}");
-    // Pixels empty in both do not count in `covered`; a quarter of the picture is covered.
+    // `covered` ignores pixels that are empty in both pictures; here a quarter of the picture is covered.
     let ratio = moved.flip.covered / moved.flip.mean;
     assert!((1.2..1.4).contains(&ratio), "{ratio}");
     assert!(moved.flip.mean < moved.flip.weighted_median && moved.flip.weighted_median < moved.flip.max);
@@ -54,7 +54,7 @@ fn differences_raise_the_error() {
     one.put_pixel(50, 30, Rgba([255, 0, 0, 255]));
     let one = figures(&one);
     assert!(one.flip.max > 0.2 && one.flip.mean < 0.01 && one.rmse > 0.0 && one.psnr_db.is_finite(), "{one:?}");
-    // A small error is visible, a larger one more so.
+    // A small error raises FLIP, and a larger error raises it further.
     let brighter = |by: u8| {
         let mut b = a.clone();
         b.pixels_mut().for_each(|p| (0..3).for_each(|i| p.0[i] = p.0[i].saturating_add(by)));
@@ -83,7 +83,7 @@ fn background_affects_only_transparent_pixels() {
 fn flip_figures_match_the_library() {
     let (c, map) = compare(&strokes(120, 80, 0), &strokes(120, 80, 2), GREY).unwrap();
     let mut pool = FlipPool::from_image(&FlipImageFloat::with_data(map.width, map.height, &map.values));
-    // The library sums in f32.
+    // The tolerance allows for the library's f32 sums.
     assert!((c.flip.mean - f64::from(pool.mean())).abs() < 1e-5);
     assert!((c.flip.weighted_median - f64::from(pool.get_percentile(0.5, true))).abs() < 1e-3);
     assert_eq!(c.flip.max, f64::from(pool.max_value()));

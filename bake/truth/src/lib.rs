@@ -1,16 +1,16 @@
-//! Reference renderings of light in fur, slow, for comparison. No bake depends on them.
+//! Slow reference renderings of light in fur, for comparison. No bake depends on them.
 //!
-//! * [`TrueScene`]: the strands of [`pelage_bake::strands`], ray traced: the correct picture, by Yang's equation or,
+//! * [`TrueScene`]: the strands of [`pelage_bake::strands`], ray traced. The picture is correct by Yang's equation or,
 //!   with [`TrueScattering`], by light paths from fibre to fibre.
-//! * [`compare`], [`likeness`]: error of a picture against its reference. [`decide`]: the search for a setting within
+//! * [`compare`], [`likeness`]: error of a picture against its reference. [`decide`]: search for a setting within
 //!   limits.
-//! * [`doctor`]: the cost of a package, and advice.
+//! * [`doctor`]: predicted cost of a package, and advice.
 //!
-//! The laboratory (`bake/lab`) has further references that only charts need.
+//! The crate `bake/lab` has further references that only charts need.
 //!
-//! They share with the fast paths the strands, the layers and the mesh that both read, and the definitions of
-//! `pelage_formats::meaning`: the position of a posed vertex, and of a point of its hair. They share no other code: an
-//! error in shared code would not show.
+//! References and fast paths read the same strands, layers and mesh. They share the definitions of
+//! `pelage_formats::meaning`: the position of a posed vertex, and of a point of its hair. They share no other code,
+//! because an error in shared code would not show.
 
 mod camera;
 mod capsules;
@@ -51,7 +51,7 @@ pub fn stratified(seed: u64, samples: u32) -> impl ExactSizeIterator<Item = DVec
     })
 }
 
-/// Returns the side of the grid: at least 1, and small enough that its square is a `u32`.
+/// Returns the number of cells along a side of the grid: at least 1, and small enough that its square is a `u32`.
 fn samples_per_side(samples: u32) -> u32 {
     (f64::from(samples).sqrt().ceil() as u32).clamp(1, 1 << 12)
 }
@@ -67,8 +67,8 @@ pub fn disc(square: DVec2) -> DVec2 {
     radius * DVec2::from_angle(angle)
 }
 
-/// Returns a seed for a position. Neighbouring positions must not share their jitter, which would show as a pattern
-/// instead of noise.
+/// Returns a seed for a position. Neighbouring positions need different seeds: with equal ones, noise would form a
+/// pattern.
 pub fn seed_of(place: &[f64]) -> u64 {
     place.iter().fold(0x5eed, |seed, x| hash(seed, x.to_bits()))
 }

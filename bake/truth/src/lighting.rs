@@ -1,13 +1,13 @@
-//! Yang 2006, eq. (3), at a ray's hit point, implemented from the paper, without the runtime's code.
+//! Yang 2006, eq. (3), evaluated where a ray hits. Implemented from the paper, independently of the runtime's code.
 //!
-//! Hair gets ka · γ(h) · C + (kd · C · sin^pd(T, L) + ks · sin^ps(T, H)) · Attenu_Back · V. T is the direction of the
-//! strand itself, h its exact share of the fur's height. V is the visibility of the light past all strands and the mesh
-//! surface: 0 or 1 for one point of the light.
+//! Light of a hair: ka · γ(h) · C + (kd · C · sin^pd(T, L) + ks · sin^ps(T, H)) · Attenu_Back · V. T is the direction
+//! of the strand, h its exact height as a fraction of the fur's height. V is the visibility of the light past all
+//! strands and the mesh surface: 0 or 1 for one point of the light.
 //!
-//! **Furred surface.** Between the hairs the undercoat is visible, which bake paints as layer 0: hair of the roots'
-//! colour, too short to be seen one by one. Each sample of it is lit as the root of one random strand of the tile, so
-//! that the mean over samples is the mean over strands. Where the groom thins hair out or it has no length, bare
-//! surface shows in proportion. Without the undercoat pale surface would shine through the fur, which no package shows.
+//! **Furred surface.** Between the hairs the undercoat is visible, which the bake paints as layer 0: hair of the roots'
+//! colour, too short to be seen singly. Each sample of it is lit as the root of a random strand of the tile, so that
+//! the mean over samples is the mean over strands. Where the groom thins hair out or shortens it to zero, bare surface
+//! shows in proportion. Without the undercoat pale surface would shine through the fur, which no package shows.
 //!
 //! **Bare surface** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C
 //! + kd · C · max(N·L, 0) · V.
@@ -23,7 +23,7 @@ use pelage_bake::strands::PosedMesh;
 use pelage_formats::Shading;
 use pelage_formats::meaning::tile_axes_f64;
 
-/// A light of a traced picture.
+/// A light of a ray-traced picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TrueLight {
     /// Distant light with one direction everywhere.
@@ -68,35 +68,35 @@ impl TrueLight {
 pub struct TrueLighting {
     /// Light that casts shadows; ambient light has its colour.
     pub key: TrueLight,
-    /// Width of a penumbra divided by the distance from the occluder, 0..: the key light is a disc of that size. Shadow
-    /// rays go to a random point of it for each sample; directions in the equation go to its middle.
+    /// Width of a penumbra divided by the distance from the occluder, 0..: the key light is a disc of that size. Each
+    /// sample's shadow ray goes to a random point of the disc. The equation uses the direction to its centre.
     pub penumbra: f64,
-    /// Further lights, shadowed only by strands, and only with `fill_shadows`.
+    /// Further lights. They cast shadows of strands only if `fill_shadows` is set.
     pub fill: Vec<TrueLight>,
     /// Whether ambient light fades towards the roots: γ.
     pub ambient_attenuation: bool,
-    /// Whether light fades behind the body: Attenu_Back.
+    /// Whether light fades on the side of the body away from the light: Attenu_Back.
     pub back_attenuation: bool,
     /// Whether strands cast shadows from the key light.
     pub hair_shadows: bool,
-    /// Whether strands cast shadows from the other lights; the mesh surface never does.
+    /// Whether strands cast shadows from the fill lights. The mesh surface never does.
     pub fill_shadows: bool,
     /// Whether the mesh surface casts shadows from the key light.
     pub skin_shadows: bool,
-    /// Whether the light of bare surface is rolled off, for pictures that show nothing else.
+    /// Whether highlights on bare surface are compressed, for pictures that show nothing else.
     ///
-    /// If F is more than 1, the light is divided by 1 + L (F − 1) / F, so that a white surface is at most 1. L is its
-    /// strongest channel, F that of all lights from straight above.
+    /// If F is more than 1, the light is divided by 1 + L (F − 1) / F, so that a white surface is at most 1. L is the
+    /// strongest channel of the light. F is that of all lights together when they shine from straight above.
     pub rolled_off: bool,
-    /// Scattering from hair to hair along light paths, in place of this equation. Attenuations, and constants other
+    /// Scattering between hairs, traced along light paths; replaces Yang's equation. Attenuations, and constants other
     /// than ka, are then unused.
     pub scattering: Option<TrueScattering>,
-    /// Environment map, in place of ambient light. Strands and surface cast its shadows.
+    /// Environment map; replaces ambient light. Strands and mesh surface cast shadows from it.
     pub sky: Option<TrueSky>,
 }
 
 impl TrueLighting {
-    /// Returns a light as in the papers, with all shadows and attenuations, and nothing else.
+    /// Returns the lighting of the papers: one light, with all shadows and attenuations.
     pub fn of(key: TrueLight) -> Self {
         Self {
             key,
@@ -133,7 +133,7 @@ pub(super) fn root_directions(strands: &Strands) -> Vec<DVec3> {
     (0..strands.len()).filter_map(direction).collect()
 }
 
-/// Light sample: scene, lighting, and the seed of its random numbers.
+/// A light sample: scene, lighting, and seed of its random numbers.
 pub(super) struct Sample<'a> {
     pub(super) tracer: &'a Tracer,
     pub(super) material: &'a TileShading,
@@ -215,7 +215,7 @@ impl Sample<'_> {
         self.tracer.skin.material(triangle).furred && !self.material.roots[0].is_empty()
     }
 
-    /// Returns the share of a surface point that the undercoat hides, and the wet share of that, 0..=1.
+    /// Returns the fraction of a surface point that the undercoat covers, and the wet fraction of that, 0..=1.
     pub(super) fn undercoat(&self, triangle: usize, weights: DVec3) -> (f64, f64) {
         if !self.has_undercoat(triangle) {
             return (0.0, 0.0);
@@ -261,7 +261,7 @@ impl Sample<'_> {
         if self.lighting.sky.is_some() { DVec3::ZERO } else { self.lighting.key.color() }
     }
 
-    /// Returns a light equivalent to one random direction of the environment map, and its visibility, 1 or 0.
+    /// Returns a light in one random direction that represents the environment map, and its visibility, 1 or 0.
     fn sample_sky(&self, place_ws: DVec3, start: RayOrigin) -> Option<(TrueLight, f64)> {
         let sky = self.lighting.sky.as_ref()?;
         let (way, likely) = sky.sample([self.random(4), self.random(5)])?;
@@ -289,7 +289,7 @@ impl Sample<'_> {
         color * sum / (1.0 + rolled)
     }
 
-    /// Returns the visibility of this sample's point of the key light: 1 or 0.
+    /// Returns the visibility of the point of the key light that this sample chose: 1 or 0.
     fn visibility(&self, place_ws: DVec3, start: RayOrigin, shadow_rays: &mut u64) -> f64 {
         let past = (self.lighting.hair_shadows, self.lighting.skin_shadows);
         if past == (false, false) {
@@ -302,14 +302,15 @@ impl Sample<'_> {
         f64::from(self.tracer.is_lit(place_ws, way, reach, start, past))
     }
 
-    /// Returns the direction to a point of the key light's disc, whose middle is along `axis`.
+    /// Returns the direction to a point of the key light's disc, whose centre is along `axis`. `even` selects the
+    /// point.
     pub(super) fn on_disc(&self, axis: DVec3, even: DVec2) -> DVec3 {
         let (side, up) = axis.any_orthonormal_pair();
         let on_disc = disc(even) * (0.5 * self.lighting.penumbra);
         (axis + side * on_disc.x + up * on_disc.y).normalize_or(axis)
     }
 
-    /// Returns random number `what` of this sample, uniform in 0..1.
+    /// Returns the random number with index `what` of this sample, uniform in 0..1.
     fn random(&self, what: u64) -> f64 {
         f64::from(uniform(hash(self.seed, 0x71a5), what))
     }

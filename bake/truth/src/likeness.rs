@@ -1,16 +1,16 @@
-//! Error of a picture of fur against the true one, in one figure that rises when hair is lost.
+//! Error of a fur picture against the true one, as a single figure that rises when hair is lost.
 //!
-//! Mean FLIP alone cannot detect lost hair: a bare body under a ghost of an outline has the right colours on average,
-//! and was once ranked above four times the layers with fins. Three quantities are therefore measured, each against the
-//! true picture:
+//! Mean FLIP alone cannot detect lost hair. A bare body under a ghost of an outline has the right colours on average;
+//! FLIP ranked it above a picture with four times the layers and fins. Three quantities are therefore measured against
+//! the true picture:
 //!
 //! * `flip`: mean FLIP over all pixels ([`super::compare`]), 0..=1
-//! * `outline`: mean absolute difference of coverage, pixel by pixel, in the ring: the pixels within the fur's
-//!   projected height of the true outline, on either side of it; 0..=1. A comparison pixel by pixel is needed because a
-//!   line detached from the body covers as much on average as hair does
-//! * `contrast`: local contrast of the picture over that of the truth; 1 is the same, less is blurred or bare. Local
-//!   contrast is the standard deviation of luminance in the 9 by 9 pixels around a pixel, of those that both pictures
-//!   cover by half; the mean of it over all such pixels
+//! * `outline`: mean absolute difference of coverage, pixel by pixel, in the ring, 0..=1. The ring contains the pixels
+//!   within the fur's projected height of the true outline, on either side. Pixel by pixel, because a line detached
+//!   from the body covers as much on average as hair does
+//! * `contrast`: local contrast of the picture divided by that of the truth; 1 is equal, less is blurred or bare. Local
+//!   contrast is the standard deviation of luminance in the 9 by 9 pixels around a pixel, restricted to pixels that
+//!   both pictures cover by half. It is averaged over all such pixels
 //!
 //! The error is the mean over all pixels of the sum:
 //!
@@ -18,16 +18,16 @@
 //! error = 0.4 · flip + 1.6 · ring · outline + 0.2 · covered · (1 − min(contrast, 1 / contrast))
 //! ```
 //!
-//! `ring` and `covered` are the shares of the picture, 0..=1, in the ring and covered by half in both. The error has no
-//! unit and is in 0..=2.2; faithful pictures of a whole animal have 0.01 to 0.06. Like mean FLIP it falls with the
-//! share of the picture that the animal covers.
+//! `ring` is the fraction of the picture in the ring, 0..=1. `covered` is the fraction that both pictures cover by
+//! half, 0..=1. The error has no unit and is in 0..=2.2; faithful pictures of a whole animal have 0.01 to 0.06. Like
+//! mean FLIP it is proportional to the fraction of the picture that the animal covers.
 //!
 //! The weights are calibrated on pairs of pictures that a person ranks at a glance (`tests/golden/likeness/pairs.txt`).
-//! A missing pixel of outline weighs as much as four of the largest FLIP. Complete strands that cover other pixels
-//! leave 0.02 to 0.1 in the ring; a ghost leaves only a third more, while its FLIP can be a sixth smaller. Contrast
-//! distinguishes blurred fur from crisp fur with the same outline. It may not compensate for a lost outline: few layers
-//! of a fine tile are crisp. The weights are scaled so that the built-in hare with its recipe has the same error as
-//! mean FLIP, 0.018. A limit found with mean FLIP thus means much the same if no hair is lost.
+//! A missing pixel of outline weighs as much as four times the largest FLIP. Strands that are complete but cover other
+//! pixels leave 0.02 to 0.1 in the ring; a ghost leaves only a third more, while its FLIP can be a sixth smaller.
+//! Contrast distinguishes blurred fur from crisp fur with the same outline. It may not compensate for a lost outline:
+//! few layers of a fine tile are crisp. The weights are scaled so that the built-in hare with its recipe has the same
+//! error as mean FLIP, 0.018. A limit found with mean FLIP thus means much the same if no hair is lost.
 
 use super::compare::{CompareParams, Comparison, compare_pictures};
 use pelage_bake::mask::Mask;
@@ -41,11 +41,11 @@ const OUTLINE: f64 = 1.6;
 /// Weight of contrast in a pixel that both pictures cover.
 const CONTRAST: f64 = 0.2;
 
-/// Distance from the middle of a window to its edge, pixels.
+/// Half width of the window, without its middle pixel, pixels.
 const REACH: usize = 4;
 /// Coverage from which a pixel belongs to the animal.
 const COVERED: f32 = 0.5;
-/// Minimum width of the ring on either side, pixels: the outline of short fur is not sharp either.
+/// Minimum width of the ring on either side, pixels, because the outline of short fur is not sharp either.
 const LEAST_RING_PX: f64 = 2.0;
 
 /// Error of a picture against the truth, with its components.
@@ -57,7 +57,7 @@ pub struct Likeness {
     pub flip: f64,
     /// Mean absolute difference of coverage in the ring, 0..=1; 0 without a ring.
     pub outline: f64,
-    /// Local contrast over that of the truth, above 0; 1 if there is none to compare.
+    /// Local contrast divided by that of the truth, above 0; 1 if there is none to compare.
     pub contrast: f64,
 }
 
@@ -71,14 +71,14 @@ impl Likeness {
     ///
     /// # Errors
     ///
-    /// [`BakeError::Params`] if their sizes differ, or they have no pixels.
+    /// [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
     pub fn of(picture: &Picture, truth: &Picture, fur_px: f64) -> Result<Self, BakeError> {
         let (compared, _) = compare_pictures(picture, truth, &CompareParams::default())?;
         Ok(Self::of_compared(&compared, picture, truth, fur_px))
     }
 
-    /// Computes [`Self::of`] for two pictures whose comparison, with [`CompareParams::default`], is already known: FLIP
-    /// takes longest.
+    /// Computes [`Self::of`] for two pictures whose comparison with [`CompareParams::default`] is already known. Saves
+    /// time, because FLIP takes longest.
     pub fn of_compared(compared: &Comparison, picture: &Picture, truth: &Picture, fur_px: f64) -> Self {
         let flip = compared.flip.mean;
         let pixels = truth.pixels.len() as f64;
@@ -126,17 +126,19 @@ fn ring(truth: &Picture, reach: f64) -> Vec<bool> {
     far_from(true).iter().zip(far_from(false)).map(|(outside, inside)| outside.max(inside) <= reach).collect()
 }
 
-/// Returns the ratio of two contrasts, each at least one 8-bit step: flat colour has no contrast to compare.
+/// Returns the ratio of two contrasts. Each is clamped to at least one 8-bit step, because flat colour has no contrast
+/// to compare.
 fn ratio(found: f64, expected: f64) -> f64 {
     const STEP: f64 = 1.0 / 255.0;
     found.max(STEP) / expected.max(STEP)
 }
 
-/// Returns the mean local contrast over the pixels of `inside`: the standard deviation of luminance, sRGB-encoded,
-/// 0..=1, over the pixels of the window around each that are inside. Windows with less than half inside are left out.
+/// Returns the mean local contrast over the pixels in the mask `inside`. Local contrast is the standard deviation of
+/// sRGB-encoded luminance, 0..=1, over the pixels of the window that are in the mask. Windows with less than half of
+/// their pixels in the mask are skipped.
 fn local_contrast(picture: &Picture, inside: &[bool]) -> f64 {
     let (width, height) = (picture.width as usize, picture.height as usize);
-    // At most half of a pixel is background; the same for both pictures.
+    // At most half of a pixel's colour is background, and the background is the same for both pictures.
     let bytes = picture.over(CompareParams::default().over);
     let luminance = |c: &[u8]| {
         let [r, g, b] = [c[0], c[1], c[2]].map(|byte| f64::from(byte) / 255.0);
@@ -157,7 +159,7 @@ fn local_contrast(picture: &Picture, inside: &[bool]) -> f64 {
     total / f64::from(count.max(1))
 }
 
-/// Returns the sum of each value's window of `2 * REACH + 1` values each way, clipped to the picture.
+/// Returns the sum over each value's window of `2 * REACH + 1` by `2 * REACH + 1` values, clipped to the picture.
 fn window_sums(values: &[[f64; 3]], width: usize, height: usize) -> Vec<[f64; 3]> {
     let add = |a: [f64; 3], b: &[f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
     let window = |at: usize, length: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(length);
@@ -173,8 +175,8 @@ mod tests {
     use super::*;
     use pelage_bake::noise::uniform;
 
-    /// Draws a disc of noisy fur with a border of single hairs, 64 by 64 pixels; `texel`: colour and coverage by pixel
-    /// index and distance from the middle.
+    /// Draws a disc of noisy fur with a border of single hairs, 64 by 64 pixels. `texel` returns colour and coverage
+    /// for a pixel index and the distance from the centre.
     fn disc(texel: impl Fn(u64, f64) -> (f32, f32)) -> Picture {
         let pixels = (0..64 * 64_u32).map(|i| {
             let (x, y) = (f64::from(i % 64) - 31.5, f64::from(i / 64) - 31.5);
@@ -207,7 +209,7 @@ mod tests {
         assert!(Likeness::of(&nothing, &other, 8.0).is_err());
     }
 
-    /// Checks what each component measures, and that it has the documented weight.
+    /// Checks that each term responds to its kind of loss, with the documented weight.
     #[test]
     fn each_likeness_term_responds_to_its_own_loss() {
         let bald = against_fur(|i, r| (fur(i, r).0, if r < 18.0 { 1.0 } else { 0.0 }));
@@ -216,7 +218,7 @@ mod tests {
         assert!(flat.outline == 0.0 && flat.contrast < 0.2, "{flat:?}");
         let noisy = against_fur(|i, r| (0.1 + 0.4 * uniform(1, i), hairs(i, r)));
         assert!(noisy.contrast > 1.3 && noisy.outline == 0.0, "{noisy:?}");
-        // The formula, with counts by hand.
+        // The expected error is computed from pixel counts.
         let truth = disc(fur);
         let share = |of: &dyn Fn(&[f32; 4]) -> bool| {
             truth.pixels.iter().filter(|p| of(p)).count() as f64 / truth.pixels.len() as f64
@@ -228,7 +230,7 @@ mod tests {
         }
         let skin = disc(|_, r| (0.0, if r < 18.0 { 1.0 } else { 0.0 }));
         let missing = covered - skin.pixels.iter().filter(|p| p[3] > 0.0).count() as f64 / skin.pixels.len() as f64;
-        // The ring ends eight pixels inside the outline of single hairs, so it contains all of the missing hair.
+        // The ring extends eight pixels inside the outline of single hairs, so it contains all of the missing hair.
         let expected = 0.4 * bald.flip + 1.6 * missing;
         assert!((bald.error - expected).abs() < 0.003, "{bald:?}, {expected}");
     }

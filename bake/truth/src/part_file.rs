@@ -1,8 +1,8 @@
-//! File format for a part of a traced picture, so that several machines can trace one.
+//! File format for a part of a ray-traced picture, so that several machines can trace one picture.
 //!
 //! A file has a line with the format's name, a line of JSON that identifies the picture, the pixels of its squares, and
-//! a SHA-256 of all that. A pixel is the traced value, four floats, and its value in a PNG, four bytes. Parts can thus
-//! be joined without knowing the background.
+//! a SHA-256 of all that. A pixel has two values: the traced value, four floats, and its value in a PNG, four bytes.
+//! Parts can thus be joined without knowing the background.
 
 use super::picture::{Part, Rays, Square, TracedPicture};
 use image::RgbaImage;
@@ -25,7 +25,7 @@ pub struct TracedPart {
     pub of: PartHeader,
     /// Traced pixels of the part; all others are empty.
     pub traced: TracedPicture,
-    /// The same pixels as stored in a PNG.
+    /// The same pixels, as stored in a PNG.
     pub shown: RgbaImage,
 }
 
@@ -33,7 +33,7 @@ pub struct TracedPart {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartHeader {
-    /// Identifier of all that a pixel depends on.
+    /// Identifies everything that the pixels depend on.
     pub picture: String,
     /// Width, pixels.
     pub width: u32,
@@ -57,7 +57,7 @@ impl TracedPart {
     /// Encodes the part as a file.
     pub fn encode(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
-        // Numbers and a string always serialise to JSON.
+        // Serialisation cannot fail: the header has only numbers, a boolean and a string.
         bytes.extend(serde_json::to_vec(&self.of).unwrap_or_default());
         bytes.push(b'\n');
         for at in pixel_indices(&self.of) {
@@ -74,7 +74,7 @@ impl TracedPart {
     ///
     /// # Errors
     ///
-    /// Position in the file, and the reason.
+    /// The position in the file, and the reason.
     pub fn decode(bytes: &[u8]) -> Result<Self, (String, String)> {
         let wrong = |place: &str, reason: String| (place.to_owned(), reason);
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
@@ -123,7 +123,7 @@ impl TracedPart {
     ///
     /// # Errors
     ///
-    /// The reason, if it belongs to another picture.
+    /// The reason, if the other part belongs to a different picture.
     pub fn add(&mut self, other: &Self) -> Result<(), String> {
         let whole = |of: &PartHeader| PartHeader { part: 0, primary_rays: 0, shadow_rays: 0, ..of.clone() };
         let (here, there) = (whole(&self.of), whole(&other.of));
@@ -148,7 +148,7 @@ impl TracedPart {
     }
 }
 
-/// Returns the indices of a part's pixels in the picture, in the order of its file.
+/// Returns the indices in the picture of a part's pixels, in the order of the part's file.
 fn pixel_indices(of: &PartHeader) -> Vec<usize> {
     let squares = Part { number: of.part, of: of.parts }.squares((of.width, of.height));
     let width = of.width as usize;

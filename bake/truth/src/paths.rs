@@ -1,12 +1,12 @@
-//! Path tracing of light from hair to hair: fibres scatter as in [`pelage_formats::meaning::scattering::near`], the
-//! mesh surface by Lambert's law.
+//! Path tracing of light between hairs. Fibres scatter as in [`pelage_formats::meaning::scattering::near`], the mesh
+//! surface by Lambert's law.
 //!
 //! A light of colour 1 causes an irradiance of π, so that a white surface facing it has radiance 1, as in the lighting
-//! equation. Without an environment map, ambient light is a uniform sky of radiance ka times the key light's colour,
-//! which every escaping path meets.
+//! equation. Without an environment map, every path that leaves the scene meets ambient light: a uniform sky whose
+//! radiance is ka times the key light's colour.
 //!
-//! A fibre's absorption gives dense fur its colour ([`colour::absorption`]). Light enters and leaves a strand at one
-//! point: strands are thin compared with their surroundings.
+//! A fibre's absorption gives dense fur its colour ([`colour::absorption`]). Light enters and leaves a strand at the
+//! same point, because strands are thin compared with their surroundings.
 
 use super::lighting::{Sample, TrueLight, frame, vector};
 use super::scattering::TrueScattering;
@@ -18,7 +18,7 @@ use pelage_formats::meaning::scattering::near;
 use pelage_formats::meaning::scattering::{Angles, colour};
 use std::f64::consts::{PI, TAU};
 
-/// Number of bounces after which paths of little weight end at random (Russian roulette, unbiased).
+/// Number of bounces before Russian roulette, which ends paths of little weight at random without bias.
 const SURE_BOUNCES: u32 = 4;
 /// Maximum albedo of the mesh surface.
 const MOST_OF_SKIN: f64 = 0.98;
@@ -30,8 +30,8 @@ enum Scatterer<'a> {
 }
 
 impl Sample<'_> {
-    /// Returns the linear RGB radiance from `hit` at `place_ws` towards the eye along all paths. `shadow_rays` counts
-    /// rays to the lights and continued paths.
+    /// Returns the linear RGB radiance from `hit` at `place_ws` towards the eye, over all paths. Adds the rays to the
+    /// lights and the continued paths to `shadow_rays`.
     pub(super) fn path(
         &self,
         scattering: &TrueScattering,
@@ -71,7 +71,7 @@ impl Sample<'_> {
             let Some((next, distance)) = self.tracer.first_hit_from(place, way, start) else {
                 sum += left
                     * self.lighting.sky.as_ref().map_or(ambient, |sky| {
-                        // The rest comes from the sky's own samples.
+                        // Balance heuristic: samples of the sky contribute the remaining weight.
                         let (ours, other) = (met.pdf(way), sky.pdf(way));
                         sky.radiance(way) * (ours / (ours + other))
                     });
@@ -90,8 +90,8 @@ impl Sample<'_> {
         sum
     }
 
-    /// Returns the direction of a light from a point and its visibility. For the key light the direction is a random
-    /// one to its disc.
+    /// Returns the direction from a point to a light, and the light's visibility. For the key light the direction is to
+    /// a random point of its disc.
     fn light_visibility(
         &self,
         light: &TrueLight,
@@ -107,8 +107,8 @@ impl Sample<'_> {
         (way, self.tracer.is_lit(place, way, distance / axis.dot(way), start, (hair, skin)))
     }
 
-    /// Returns the light of one sampled sky direction that is scattered to the eye, weighted against the sampling of
-    /// the scattering (Veach and Guibas 1995, the balance heuristic).
+    /// Returns the light of one sampled sky direction that is scattered to the eye. It is weighted against samples of
+    /// the scattering by the balance heuristic (Veach and Guibas 1995).
     fn sky_contribution(
         &self,
         sky: &TrueSky,
@@ -154,7 +154,7 @@ impl Sample<'_> {
                 let skin = &self.tracer.skin;
                 let base = skin.base_color(triangle, weights).truncate().as_dvec3();
                 let normal = frame(skin, triangle, weights)[0] * if front { 1.0 } else { -1.0 };
-                // Below hair is the undercoat: a matte layer of the roots' colour.
+                // The undercoat is the surface below hair: a matte layer of the roots' colour.
                 let (coat, wetness) = self.undercoat(triangle, weights);
                 let [dry, wet] = self.material.root_colors;
                 let albedo = base * DVec3::ONE.lerp(dry.lerp(wet, wetness), coat);
@@ -165,7 +165,7 @@ impl Sample<'_> {
 }
 
 impl Scatterer<'_> {
-    /// Returns the scattering to the eye of light from a direction, per steradian, cosine included.
+    /// Returns the scattering towards the eye of light from direction `way`, per steradian, cosine included.
     fn value(&self, way: DVec3) -> DVec3 {
         match self {
             Self::Hair { hit, tip, to_eye } => {
@@ -177,7 +177,7 @@ impl Scatterer<'_> {
         }
     }
 
-    /// Returns the probability density with which [`Self::draw`] chooses a direction, per steradian.
+    /// Returns the probability density with which [`Self::sample`] chooses the direction `way`, per steradian.
     fn pdf(&self, way: DVec3) -> f64 {
         match self {
             Self::Hair { hit, tip, to_eye } => {
@@ -188,7 +188,7 @@ impl Scatterer<'_> {
         }
     }
 
-    /// Samples a direction of incoming light; returns it with its scattering divided by the probability density.
+    /// Samples a direction of incoming light. Returns it, and its scattering divided by its probability density.
     fn sample(&self, even: [f64; 4]) -> (DVec3, DVec3) {
         match self {
             Self::Hair { hit, tip, to_eye } => {

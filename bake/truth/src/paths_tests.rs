@@ -7,7 +7,7 @@ use pelage_formats::Shading;
 use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre, colour};
 use pelage_stage::sky::{Environment, LightLobe, Panorama};
 
-/// Returns a tangle of strands of that colour in a ball of 1 m.
+/// Returns a tangle of `count` strands of one colour in a ball of 1 m.
 fn tangle(color: Vec3, count: u64) -> Curves {
     let mut curves = Curves::default();
     let vector = |seed: u64| Vec3::from_array([0, 1, 2].map(|i| 2.0 * uniform(seed, i) - 1.0));
@@ -34,7 +34,7 @@ fn lighting(sun: f32, bounces: u32) -> TrueLighting {
     TrueLighting { scattering, ..TrueLighting::of(key) }
 }
 
-/// Traces a picture and returns the mean light of its covered part.
+/// Traces a picture and returns the mean light of its covered pixels.
 fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u32) -> Vec3 {
     let shading = Shading { ambient: [ambient; 3], ..Shading::default() };
     let scene = TrueScene::new(curves, PosedMesh::default(), None, shading).unwrap();
@@ -43,17 +43,18 @@ fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u
     (sum.truncate() / sum.w).as_vec3()
 }
 
-/// Checks that non-absorbing hair under a uniform sky cannot be distinguished from it.
+/// Checks that non-absorbing hair is indistinguishable from the uniform sky around it.
 #[test]
 fn white_hair_vanishes_in_a_uniform_sky() {
-    // The sky has the key light's colour, and the key light is hidden: unlimited bounces, no loss of light.
+    // The sky has the key light's colour, and the key light is hidden. With practically unlimited bounces no light is
+    // lost.
     let found = mean(tangle(Vec3::ONE, 300), 1.0, &lighting(1.0, 1_000), 48, 64);
     let alone = mean(tangle(Vec3::ONE, 300), 0.0, &lighting(1.0, 1_000), 48, 64);
     let sky = found - alone;
     assert!((sky - Vec3::ONE).abs().max_element() < 0.005, "{sky}");
 }
 
-/// Checks that more bounces only add light, and add much of it to light-coloured hair.
+/// Checks that more bounces only add light, and that light-coloured hair gains much of it.
 #[test]
 fn light_hair_gains_from_multiple_scattering() {
     let sum = |bounces| mean(tangle(Vec3::new(0.9, 0.5, 0.05), 1_500), 0.0, &lighting(1.0, bounces), 32, 32);
@@ -63,16 +64,16 @@ fn light_hair_gains_from_multiple_scattering() {
     assert!(gain.x > 4.0 && gain.z < 4.0 && gain.x > gain.y && gain.y > gain.z, "{gain}");
 }
 
-/// Checks that one fibre, integrated over its width, sends to a distant eye the light of the fibre's own formula, with
-/// sides, tip and root where they belong.
+/// Checks the light of one fibre, integrated over its width, at a distant eye. It must equal the fibre's far-field
+/// formula, with sides, tip and root in the right places.
 #[test]
 fn near_field_averages_to_the_far_field() {
     let fibre = Fibre { tilt: 0.1, ..Fibre::default() };
     let color = Vec3::new(0.6, 0.3, 0.1);
     let scattering = TrueScattering::new(fibre, 1).unwrap();
     let AzimuthalScattering::Rough(scale) = fibre.around else { unreachable!() };
-    // The near formula uses the section of θo, the far one that of θd; the lights are chosen so that both are almost
-    // the same.
+    // The near-field formula uses the section at θo, the far-field one that at θd. The lights are chosen so that both
+    // are almost equal.
     for light in [Vec3::new(0.06, 0.3, 0.5), Vec3::new(-0.06, -0.2, 0.4), Vec3::new(0.03, 0.1, -0.9)] {
         let mut curves = Curves::default();
         let point = |x| CurvePoint {
@@ -94,8 +95,8 @@ fn near_field_averages_to_the_far_field() {
     }
 }
 
-/// Checks that non-absorbing hair vanishes in a uniform sky, whether the sky is sampled or only hit. A bright window
-/// must have the same effect as an equal lobe.
+/// Checks that non-absorbing hair vanishes in a uniform sky, with and without sampling of the sky. A bright window must
+/// have the same effect as an equal lobe.
 #[test]
 fn skies_light_hair_from_their_bright_directions() {
     let under = |sky: TrueSky, color: Vec3, spp: u32| {
@@ -105,7 +106,7 @@ fn skies_light_hair_from_their_bright_directions() {
     let even = TrueSky::of_environment(Environment::constant([1.0, 0.5, 2.0]));
     let found = under(even, Vec3::ONE, 64) / Vec3::new(1.0, 0.5, 2.0);
     assert!((found - 1.0).abs().max_element() < 0.01, "{found}");
-    // The same light as a panorama and as a lobe, on absorbing hair.
+    // The same light as a panorama and as a lobe, on hair that absorbs.
     let lobe = LightLobe { towards: [0.3, 0.4, 0.8], width_deg: 10.0, radiance: [20.0; 3] };
     let window = Environment { lobes: vec![lobe], ..Environment::default() };
     let picture = Panorama::from_fn((256, 128), |way| window.radiance(way)).unwrap();

@@ -13,20 +13,20 @@ use pelage_import::BakeError;
 use rayon::prelude::*;
 use std::ops::{ControlFlow, Range};
 
-/// Side of the squares that the picture is traced in, pixels.
+/// Side of the squares in which a picture is traced, pixels.
 const SQUARE: u32 = 16;
-/// Squares between two calls of the progress callback.
+/// Number of squares between two calls of the progress callback.
 const BATCH: usize = 32;
 
-/// A traced picture.
+/// A ray-traced picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TracedPicture {
     /// Width, pixels.
     pub width: u32,
     /// Height, pixels.
     pub height: u32,
-    /// Premultiplied linear RGB, and alpha: the share of samples that hit anything. Row-major from the top; colours may
-    /// exceed 1.
+    /// Premultiplied linear RGB, and alpha: the fraction of samples that hit anything. Row-major from the top. Colours
+    /// may exceed 1.
     pub pixels: Vec<[f32; 4]>,
     /// Number of rays traced.
     pub rays: Rays,
@@ -37,11 +37,11 @@ pub struct TracedPicture {
 pub struct Rays {
     /// Rays from the eye.
     pub primary: u64,
-    /// Shadow rays; for light paths also the continued ones.
+    /// Shadow rays; with light paths also the rays that continue a path.
     pub shadow: u64,
 }
 
-/// Strands and mesh surface, ready for ray tracing.
+/// Strands and mesh surface, prepared for ray tracing.
 pub struct TrueScene {
     pub(super) tracer: Tracer,
     material: TileShading,
@@ -53,7 +53,8 @@ impl TracedPicture {
         self.pixels.iter().filter(|p| p[3] > 0.0).count()
     }
 
-    /// Mixes in another picture of the same size, of other samples; `[self, other]` are their shares of all samples.
+    /// Blends with another picture of the same size, made of other samples. `[own, new]` are the fractions of all
+    /// samples that the two have.
     pub fn mix(&mut self, other: &Self, [own, new]: [f32; 2]) {
         for (pixel, more) in self.pixels.iter_mut().zip(&other.pixels) {
             *pixel = std::array::from_fn(|i| own * pixel[i] + new * more[i]);
@@ -66,8 +67,8 @@ impl TracedPicture {
 impl TrueScene {
     /// Builds the acceleration structures.
     ///
-    /// * `hair`: the tile that the strands are copies of, for the undercoat; `None` leaves furred surfaces bare
-    /// * `shading`: of `hair.strands`
+    /// * `hair`: the tile that the strands are copies of; provides the undercoat. `None` leaves furred surfaces bare
+    /// * `shading`: shading parameters of `hair.strands`
     ///
     /// # Errors
     /// [`BakeError::Internal`] for positions that are not finite.
@@ -98,15 +99,15 @@ impl TrueScene {
         &self.tracer.skin
     }
 
-    /// Returns the memory per strand, bytes: its points, its segments and their tree.
+    /// Returns the memory per strand, bytes: its points, its segments and their tree nodes.
     pub fn bytes_per_strand(&self) -> f64 {
         self.tracer.bytes_per_strand()
     }
 
-    /// Traces a picture of `width` × `height` pixels with `spp` samples each, spread over the pixel's square (box
+    /// Traces a picture of `width` × `height` pixels with `spp` samples each, spread over the square of the pixel (box
     /// filter).
     ///
-    /// `progress` receives the numbers of finished and of all pixels. The same arguments give the same picture on any
+    /// `progress` receives the number of finished pixels and the number of all pixels. The picture is the same for any
     /// number of threads.
     pub fn picture(
         &self,
@@ -121,14 +122,15 @@ impl TrueScene {
             ControlFlow::Continue(())
         };
         let whole = self.portion(camera, lighting, (width, height), &Portion::of_samples(0..spp), &mut going_on);
-        // Never cancelled here.
+        // This call never cancels.
         whole.unwrap_or_default()
     }
 
     /// Traces a portion of [`Self::picture`]; all other pixels are empty.
     ///
-    /// The mean of pictures of disjoint samples, weighted by their numbers, equals the picture of all samples; parts
-    /// have the picture's pixels, to the last bit. Returns `None` if `progress` cancels.
+    /// Portions can be combined. The mean of pictures of disjoint samples, weighted by sample counts, equals the
+    /// picture of all samples. The pixels of a part are bit-identical to those of the picture. Returns `None` if
+    /// `progress` cancels.
     pub fn portion(
         &self,
         camera: &TrueCamera,
@@ -212,13 +214,13 @@ pub struct Portion {
 }
 
 impl Portion {
-    /// Returns these samples of all pixels.
+    /// Returns the portion that has these samples of all pixels.
     pub fn of_samples(samples: Range<u32>) -> Self {
         Self { samples, part: Part::default() }
     }
 }
 
-/// Part of a picture: small squares from all over it, so that all parts take about the same time.
+/// Part of a picture: small squares distributed over all of it, so that all parts take about the same time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Index of the part, from 0.
@@ -251,23 +253,23 @@ impl Square {
 }
 
 impl Part {
-    /// Returns the squares of this part of a picture of `width` × `height` pixels. Every pixel is in one square of one
-    /// part.
+    /// Returns the squares of this part of a picture of `width` × `height` pixels. Every pixel is in exactly one
+    /// square, which is in exactly one part.
     pub fn squares(&self, (width, height): (u32, u32)) -> Vec<Square> {
         let along = |count: u32, i: u32| SQUARE * i..(SQUARE * (i + 1)).min(count);
         let rows = 0..height.div_ceil(SQUARE);
         rows.flat_map(|y| (0..width.div_ceil(SQUARE)).map(move |x| (x, y)))
-            // Assigned along diagonals, so that no part has whole columns.
+            // Squares are assigned to parts along diagonals, so that no part consists of whole columns.
             .filter(|(x, y)| (x + y) % self.of == self.number)
             .map(|(x, y)| Square { columns: along(width, x), rows: along(height, y) })
             .collect()
     }
 }
 
-/// Returns point `i` of a sequence that covers the unit square evenly at any length (Roberts 2018, "R2"), shifted with
-/// wrap-around.
+/// Returns point `i` of a sequence that covers the unit square evenly at any length (Roberts 2018, "R2"). The sequence
+/// is shifted by `shift` and wrapped around.
 fn r2_point(i: u32, shift: DVec2) -> DVec2 {
-    // Powers of the reciprocal of the plastic number, the root of x³ = x + 1.
+    // Powers of the reciprocal of the plastic number, the real root of x³ = x + 1.
     const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
     let p = STEP * f64::from(i) + shift;
     p - p.floor()

@@ -20,7 +20,7 @@ fn scene(curves: Curves) -> TrueScene {
     TrueScene::new(curves, PosedMesh::default(), None, Shading::default()).unwrap()
 }
 
-/// Returns a camera that shows two metres of the plane z = 0 from the front.
+/// Returns a camera that views two metres of the plane z = 0 from the front.
 fn camera() -> TrueCamera {
     TrueCamera {
         eye_ws: Vec3::new(0.0, 0.0, 5.0),
@@ -38,7 +38,7 @@ fn trace(scene: &TrueScene, lighting: &TrueLighting, size: u32, spp: u32) -> Tra
     scene.picture(&camera(), lighting, (size, size), spp, &mut |_, _| ())
 }
 
-/// Returns the covered area, square metres, of a square picture of 2 m.
+/// Returns the covered area of a picture of 2 m by 2 m, square metres.
 fn covered(picture: &TracedPicture) -> f64 {
     let mean = picture.pixels.iter().map(|p| f64::from(p[3])).sum::<f64>() / picture.pixels.len() as f64;
     4.0 * mean
@@ -49,7 +49,7 @@ fn strand_coverage_equals_its_projected_area() {
     for (from, to, radius) in [
         (Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.01f32),
         (Vec3::new(-0.6, -0.3, 0.5), Vec3::new(0.5, 0.4, -0.5), 0.003),
-        // Pointing at the eye: a disc.
+        // A strand that points at the eye, seen as a disc.
         (Vec3::new(0.1, 0.2, -0.5), Vec3::new(0.1, 0.2, 0.5), 0.1),
     ] {
         let mut curves = Curves::default();
@@ -63,14 +63,15 @@ fn strand_coverage_equals_its_projected_area() {
     }
 }
 
-/// Checks that random opaque strands transmit exp(−τ), where τ is the sum of their projected areas over the whole area.
+/// Checks that random opaque strands transmit exp(−τ). τ is the sum of the strands' projected areas divided by the
+/// whole area.
 #[test]
 fn random_strands_transmit_exponentially() {
     for tau in [0.3, 1.0, 2.0] {
         let (radius, length) = (0.004f32, 0.2f32);
         let mut curves = Curves::default();
         let mut covered_by_each = 0.0;
-        // Strands begin anywhere in a box larger than the view, so that its middle is filled uniformly.
+        // Strands begin at random points of a box larger than the view, so that its middle is filled uniformly.
         let (side, mut seed) = (2.6f64, 0u64);
         while covered_by_each < tau * side * side {
             let mut draw = || {
@@ -89,14 +90,14 @@ fn random_strands_transmit_exponentially() {
     }
 }
 
-/// Checks equation (3) against a calculation by hand, in simple cases.
+/// Checks equation (3) against calculation by hand in simple cases.
 #[test]
 fn strand_lighting_matches_the_shading_equation() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-3.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), 2.0);
     let k = Shading::default();
     let at_center = |curves: &Curves, lighting: &TrueLighting| {
-        // So close that the light direction is the same everywhere.
+        // The view is so small that the light direction is the same everywhere in it.
         let camera = TrueCamera { lens: Lens::Orthographic { height_m: 1e-4 }, ..camera() };
         let picture = scene(curves.clone()).picture(&camera, lighting, (1, 1), 4, &mut |_, _| ());
         Vec3::from_slice(&picture.pixels[0][..3])
@@ -107,32 +108,32 @@ fn strand_lighting_matches_the_shading_equation() {
     let near = |found: Vec3, expected: Vec3| assert!(found.distance(expected) < 1e-5, "{found}, expected {expected}");
     // The light is behind the eye: T is perpendicular to L and to H.
     near(at_center(&curves, &lighting()), ambient + full);
-    // Light along the hair has a sine of 0, and H is at 45 degrees to it.
+    // The light shines along the hair, so sin(T, L) is 0; H is at 45 degrees to the hair.
     let from = |x: f32, y: f32, z: f32| TrueLighting {
         key: TrueLight::Directional { towards_light_ws: Vec3::new(x, y, z), color: Vec3::ONE },
         ..lighting()
     };
     near(at_center(&curves, &from(1.0, 0.0, 0.0)), ambient + 0.18 * 0.5f32.powf(15.0));
-    // Light at 60 degrees to the hair, from behind, where Attenu_Back is one half.
+    // Light from behind at 60 degrees to the hair; Attenu_Back is one half.
     let back = TrueLighting { hair_shadows: false, ..from(0.5, (1.0f32 - 0.25 - 0.0225).sqrt(), -0.15) };
     let half = (Vec3::new(0.5, (1.0f32 - 0.25 - 0.0225).sqrt(), -0.15) + Vec3::Z).normalize();
     let lit = 1.2 * color * 0.75 + 0.18 * (1.0 - half.x * half.x).powf(15.0);
     near(at_center(&curves, &back), ambient + 0.5 * lit);
-    // Terms can be switched off.
+    // Each term can be disabled.
     near(at_center(&curves, &TrueLighting { ambient_attenuation: false, ..lighting() }), 0.35 * color + full);
     near(at_center(&curves, &TrueLighting { back_attenuation: false, ..back.clone() }), ambient + lit);
-    // A point light, and a light without shadow.
+    // A point light, and a fill light that casts no shadow.
     let lamp = TrueLight::Point { position_ws: Vec3::new(0.0, 0.0, 4.0), color: Vec3::new(1.0, 0.0, 2.0) };
     near(at_center(&curves, &TrueLighting { key: lamp, ..lighting() }), (ambient + full) * Vec3::new(1.0, 0.0, 2.0));
     near(at_center(&curves, &TrueLighting { fill: vec![lighting().key], ..lighting() }), ambient + 2.0 * full);
 
-    // A strand before the light blocks all of it, unless hair shadows are off; a strand behind a point light blocks
-    // nothing.
+    // A strand between the point and the light blocks all of it, unless hair shadows are disabled. A strand behind a
+    // point light blocks nothing.
     strand(&mut curves, Vec3::new(-9.0, 0.0, 8.0), Vec3::new(9.0, 0.0, 8.0), 2.0);
     near(at_center(&curves, &lighting()), ambient);
     near(at_center(&curves, &TrueLighting { hair_shadows: false, ..lighting() }), ambient + full);
     near(at_center(&curves, &TrueLighting { key: lamp, ..lighting() }), (ambient + full) * Vec3::new(1.0, 0.0, 2.0));
-    // A disc light half hidden by the edge of a hair is half as bright.
+    // A disc light half hidden by the edge of a hair gives half the light.
     let mut edge = Curves::default();
     strand(&mut edge, Vec3::new(-3.0, 0.0, 0.0), Vec3::new(3.0, 0.0, 0.0), 0.001);
     strand(&mut edge, Vec3::new(-90.0, -50.0, 60.0), Vec3::new(90.0, -50.0, 60.0), 50.0);
@@ -192,7 +193,7 @@ fn skin_is_bare_or_an_undercoat() {
         trace(&scene, &slanted, 3, 4).pixels[4]
     };
     let lambert = 0.5 * (0.35 + 1.2 * 0.6);
-    // Upright roots: sin²(T, L) is 0.64; T and H are 26.6 degrees apart.
+    // Upright roots: sin²(T, L) is 0.64, and T and H are 26.6 degrees apart.
     let undercoat = 0.2 * (0.35 * 0.3 + 1.2 * 0.64) + 0.18 * 0.2f32.powf(15.0);
     for (found, expected) in [
         (shade(bare.clone(), 1.0), lambert),
@@ -201,10 +202,10 @@ fn skin_is_bare_or_an_undercoat() {
     ] {
         assert!((found[0] - expected).abs() < 1e-5 && found[3] == 1.0, "{found:?}, expected {expected}");
     }
-    // Surface below its alpha cut-off is not there.
+    // A surface whose alpha is below the cutoff is invisible.
     let cut = PosedMaterial { alpha_cutoff: Some(0.7), ..bare.clone() };
     assert_eq!(shade(cut, 1.0), [0.0; 4]);
-    // From behind a single-sided surface is invisible, and a double-sided one is lit by light on its back.
+    // From behind, a single-sided surface is invisible. A double-sided one is lit by light on its back.
     let behind = |double_sided: bool| {
         let mut skin = skin(0.0, PosedMaterial { double_sided, ..bare.clone() });
         skin.triangles.iter_mut().for_each(|t| t.swap(1, 2));
@@ -219,7 +220,7 @@ fn skin_is_bare_or_an_undercoat() {
 fn skin_casts_shadows_on_hair() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-0.5, 0.0, -1.0), Vec3::new(0.5, 0.0, -1.0), 0.5);
-    // The surface hides the strand from the light; seen from below.
+    // The surface hides the strand from the light; the camera is below.
     let camera = TrueCamera { eye_ws: Vec3::new(0.0, 0.0, -5.0), ..camera() };
     let scene = TrueScene::new(curves, skin(0.0, PosedMaterial::default()), None, Shading::default()).unwrap();
     let center = |lighting: TrueLighting| scene.picture(&camera, &lighting, (3, 3), 4, &mut |_, _| ()).pixels[4][0];
@@ -228,8 +229,8 @@ fn skin_casts_shadows_on_hair() {
     assert!((dark - ambient).abs() < 1e-5 && lit > dark + 0.1, "{dark} {lit}");
 }
 
-/// Checks that the error of a picture falls with the number of samples: as 1/√n for random ones, slightly faster for
-/// evenly spread ones.
+/// Checks that the error of a picture falls with the number of samples n: as 1/√n for random samples, slightly faster
+/// for evenly spread ones.
 #[test]
 fn noise_falls_with_the_square_root_of_the_samples() {
     let mut curves = Curves::default();

@@ -3,39 +3,39 @@
 use pelage_formats::meaning::scattering::{AzimuthalScattering, Fibre, LobeShape};
 use pelage_import::BakeError;
 
-/// Hair as fibres that scatter light to each other, in place of Yang 2006, eq. (3), which treats each fibre alone.
+/// Scattering of light between hairs, modelled as fibres. Replaces Yang 2006, eq. (3), which treats each fibre alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueScattering {
     fibres: Vec<TrueFibre>,
-    /// Runs of strands: name, index after the last strand, and index of the fibre; strands after all runs have the
-    /// first fibre.
+    /// Runs of consecutive strands: name, index after the last strand, and index of the fibre. Strands after all runs
+    /// have the first fibre.
     runs: Vec<(String, u32, usize)>,
     bounces: u32,
 }
 
-/// Fibre with data for scattering at close range.
+/// Fibre with data for near-field scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TrueFibre {
     pub(super) fibre: Fibre,
-    /// Scale of its azimuthal logistic distribution, radians.
+    /// Scale of the fibre's azimuthal logistic distribution, radians.
     pub(super) scale: f64,
 }
 
 impl TrueScattering {
-    /// Default number of bounces on hair and surface: enough for white fur.
+    /// Default maximum number of bounces on hair and surface; enough for white fur.
     pub const BOUNCES: u32 = 64;
 
-    /// Creates scattering for strands that all have that fibre. Light hits hair or surface at most `bounces` times, at
-    /// least 1: 1 is direct light scattered by one fibre.
+    /// Creates scattering with one fibre for all strands. Light hits hair or surface at most `bounces` times, at least
+    /// 1. With 1, only direct light scattered by a single fibre counts.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] for a fibre without close-range scattering: one that is smooth all around, or that does
-    /// not conserve energy.
+    /// [`BakeError::Internal`] for a fibre without near-field scattering: it is smooth all around, or does not conserve
+    /// energy.
     pub fn new(fibre: Fibre, bounces: u32) -> Result<Self, BakeError> {
         Ok(Self { fibres: vec![near(fibre)?], runs: Vec::new(), bounces: bounces.max(1) })
     }
 
-    /// Adds another fibre for the strands from the end of the last run up to `end`, which have that name.
+    /// Adds a run named `name` with another fibre. It begins where the last run ends and stops before strand `end`.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -45,7 +45,7 @@ impl TrueScattering {
         Ok(self)
     }
 
-    /// Sets the number of bounces, at least 1.
+    /// Sets the maximum number of bounces, at least 1.
     pub fn with_bounces(self, bounces: u32) -> Self {
         Self { bounces: bounces.max(1), ..self }
     }
@@ -56,7 +56,8 @@ impl TrueScattering {
         &self.fibres[self.runs.get(run).map_or(0, |(.., fibre)| *fibre)]
     }
 
-    /// Returns the fibre of strands of that name, and the scale of its azimuthal logistic distribution, radians.
+    /// Returns the fibre of the strands in the run `name`, and the scale of its azimuthal logistic distribution,
+    /// radians.
     pub fn of_group(&self, name: &str) -> (Fibre, f64) {
         let number = self.runs.iter().find(|(run, ..)| run == name).map_or(0, |(.., fibre)| *fibre);
         let TrueFibre { fibre, scale } = self.fibres[number];

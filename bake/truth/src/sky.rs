@@ -1,12 +1,12 @@
-//! Environment map for light paths: a panorama, or the uniform light and lobes fitted to it. Directions are sampled by
-//! brightness.
+//! Environment map for light paths: a panorama, or the uniform light and lobes fitted to it. Bright directions are
+//! sampled more often.
 
 use glam::DVec3;
 use pelage_formats::meaning::environment::brightness;
 use pelage_stage::sky::{Environment, Panorama};
 use std::sync::Arc;
 
-/// Environment light, in place of ambient light.
+/// Environment light; replaces ambient light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrueSky {
     of: Arc<Source>,
@@ -15,9 +15,9 @@ pub struct TrueSky {
 #[derive(Debug, PartialEq)]
 struct Source {
     light: Light,
-    /// Picture by which directions are sampled: the panorama itself, or one painted from the lobes.
+    /// Picture that determines how often directions are sampled: the panorama itself, or one painted from the lobes.
     picture: Panorama,
-    /// Cumulative sums of the rows; `columns` has those within each row.
+    /// Cumulative sums over the rows; `columns` has those within each row.
     rows: Vec<f64>,
     columns: Vec<f64>,
     /// Rotation about the vertical, radians.
@@ -31,7 +31,7 @@ enum Light {
     Lobes(Environment),
 }
 
-/// Width and height of the picture painted from lobes, pixels.
+/// Width and height of the picture that is painted from lobes, pixels.
 const OF_LOBES: (u32, u32) = (128, 64);
 
 impl TrueSky {
@@ -41,9 +41,9 @@ impl TrueSky {
         Self::new(Light::Picture, panorama, yaw_deg, strength)
     }
 
-    /// Returns the uniform light and the lobes of an environment; its sun is a separate light.
+    /// Returns the uniform light and the lobes of an environment, without its sun, which is a separate light.
     pub fn of_environment(environment: Environment) -> Self {
-        // Painting succeeds at this size.
+        // Painting cannot fail at this size.
         let picture = Panorama::from_fn(OF_LOBES, |way| environment.radiance(way)).unwrap_or_default();
         Self::new(Light::Lobes(environment), picture, 0.0, 1.0)
     }
@@ -67,7 +67,7 @@ impl TrueSky {
         Self { of: Arc::new(source) }
     }
 
-    /// Returns the radiance from a unit direction, linear RGB.
+    /// Returns the linear RGB radiance from the unit direction `from`.
     pub fn radiance(&self, from: DVec3) -> DVec3 {
         let of = &*self.of;
         let inside = rotate_about_vertical(from, -of.yaw);
@@ -81,7 +81,7 @@ impl TrueSky {
         light * of.strength
     }
 
-    /// Samples a direction from two uniform numbers in 0..1; returns it with its probability density, per steradian.
+    /// Samples a direction from two uniform numbers in 0..1. Returns it and its probability density, per steradian.
     /// `None` if all is black.
     pub fn sample(&self, even: [f64; 2]) -> Option<(DVec3, f64)> {
         let of = &*self.of;
@@ -97,7 +97,7 @@ impl TrueSky {
         Some((rotate_about_vertical(way, of.yaw), self.likely_in(x as u32, y as u32)))
     }
 
-    /// Returns the probability density of a sampled direction, per steradian.
+    /// Returns the probability density with which a direction is sampled, per steradian.
     pub fn pdf(&self, way: DVec3) -> f64 {
         let (x, y) = self.of.picture.pixel(rotate_about_vertical(way, -self.of.yaw));
         self.likely_in(x, y)
@@ -120,7 +120,8 @@ fn rotate_about_vertical(way: DVec3, yaw: f64) -> DVec3 {
     DVec3::new(way.x * cos + way.z * sin, way.y, way.z * cos - way.x * sin)
 }
 
-/// Returns the index in the cumulative `sums` that contains a value, and the position within it, 0..1.
+/// Returns the index in the cumulative `sums` of the interval that contains `place`, and the position within the
+/// interval, 0..1.
 fn pick(sums: &[f64], place: f64) -> (usize, f64) {
     let at = sums.partition_point(|sum| *sum <= place).min(sums.len() - 1);
     let before = if at > 0 { sums[at - 1] } else { 0.0 };
@@ -134,8 +135,8 @@ mod tests {
     use super::*;
     use pelage_bake::noise::uniform;
 
-    /// Checks that the mean of light over probability is all of the light, with little noise, and that samples match
-    /// their stated probability.
+    /// Checks that the mean of light divided by probability is the total light, with little noise. Samples must occur
+    /// as often as their stated probability says.
     #[test]
     fn directions_are_sampled_in_proportion_to_radiance() {
         let panorama = Panorama::from_fn((96, 48), |way| {
@@ -150,13 +151,13 @@ mod tests {
         for i in 0..COUNT {
             let (way, likely) = sky.sample([0, 1].map(|n| uniform(i, n).into())).unwrap();
             assert!((way.length() - 1.0).abs() < 1e-9 && likely > 0.0);
-            // On an edge between pixels either may be used.
+            // On the edge between two pixels the density of either is valid.
             let asked = sky.pdf(way);
             assert!((asked / likely - 1.0).abs() < 1e-9 || asked > 0.0, "{asked} {likely}");
             sum += sky.radiance(way) / likely / COUNT as f64;
         }
         assert!((sum / whole / 2.0 - 1.0).abs().max_element() < 0.02, "{sum}, expected twice {whole}");
-        // Rotated from +x towards −z, as models are.
+        // Skies rotate from +x towards −z, like models.
         let window = rotate_about_vertical(DVec3::new(0.6, 0.0, 0.8), 30_f64.to_radians());
         assert!(sky.radiance(window).x > 80.0 && sky.radiance(-window).x < 1.0);
         let lobes = TrueSky::of_environment(Environment::gradient([1.0; 3], [0.5; 3]));

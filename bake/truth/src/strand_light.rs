@@ -1,4 +1,4 @@
-//! Reference for strand shadow maps: the light on the visible strands.
+//! Reference for strand shadow maps: the light that reaches visible strands.
 
 use super::camera::{RayCaster, TrueCamera};
 use super::lighting::TrueLight;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// A visible point of a strand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibleStrand {
-    /// Nearest point on the strand's axis, metres in world space.
+    /// Nearest point on the strand's axis, world space, metres.
     pub axis_ws: DVec3,
     /// Direction along the strand, unit length.
     pub tangent: DVec3,
@@ -22,12 +22,12 @@ pub struct VisibleStrand {
     strand: u32,
 }
 
-/// Extent of the ray origins along the strand to either side, radii: a map cannot resolve less.
+/// Range of ray origins along the strand in either direction, in radii of the strand. A shadow map cannot resolve less.
 const ALONG: f64 = 4.0;
 
 impl TrueScene {
-    /// Returns the strands that a camera sees in the middle of every `step`th pixel of a picture of `size` pixels, row
-    /// by row. `step` 0 counts as 1.
+    /// Returns the strands visible at the centre of every `step`th pixel of a picture of `size` pixels, row by row. A
+    /// `step` of 0 counts as 1.
     pub fn visible_strands(&self, camera: &TrueCamera, size: (u32, u32), step: u32) -> Vec<VisibleStrand> {
         let (rays, step) = (RayCaster::new(camera, size), step.max(1));
         let rows: Vec<u32> = (0..size.1).step_by(step as usize).collect();
@@ -48,11 +48,12 @@ impl TrueScene {
         rows.par_iter().flat_map_iter(row).collect()
     }
 
-    /// Returns the share of a light that reaches a point of a strand past all others, 0..=1; `None` if the mesh surface
-    /// hides the light.
+    /// Returns the fraction of a light that reaches a point of a strand past all other strands, 0..=1. `None` if the
+    /// mesh surface hides the light.
     ///
-    /// Casts `rays` rays, rounded up to a square number, as in [`TrueScene::picture`]. They start on the side that the
-    /// eye sees, over its width and four radii up and down.
+    /// Casts `rays` rays, rounded up to a square number, as in [`TrueScene::picture`]. They start on the side of the
+    /// strand that faces the eye. Their origins are spread over its width, and over four radii in both directions along
+    /// it.
     pub fn light_on_strand(&self, at: &VisibleStrand, light: &TrueLight, rays: u32) -> Option<f64> {
         let start = RayOrigin { strand: Some(at.strand), triangle: None };
         let (way, reach) = light.direction_and_distance(at.axis_ws);

@@ -11,22 +11,23 @@ use pelage_bake::strands::PosedMesh;
 use pelage_import::BakeError;
 use std::time::Duration;
 
-/// Offset of shadow rays from the mesh surface, radii of the scene: far above the rounding of f64, far below a hair.
+/// Offset of shadow rays from the mesh surface, in radii of the scene: far above the rounding of f64, far below the
+/// width of a hair.
 const LIFT: f64 = 1e-7;
-/// Tolerance for negative barycentric coordinates, so that no ray slips between triangles.
+/// Tolerance for negative barycentric coordinates, so that no ray passes between adjacent triangles.
 const SEAM: f64 = 1e-9;
 
 /// First intersection of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Hit {
-    /// A strand: index of the point before the hit, position as a share of the segment to the next, and the strand's
-    /// own index.
+    /// A strand: index of the point before the hit, position in the segment after it as a fraction of its length, and
+    /// index of the strand.
     Hair { point: usize, share: f64, strand: u32 },
-    /// The mesh surface: triangle and weights of its corners.
+    /// The mesh surface: triangle, barycentric weights, and whether the front was hit.
     Skin { triangle: usize, weights: DVec3, front: bool },
 }
 
-/// Origin of a shadow ray: the strand or triangle that it ignores.
+/// Origin of a shadow ray: the strand or triangle that the ray ignores.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct RayOrigin {
     pub(super) strand: Option<u32>,
@@ -35,14 +36,14 @@ pub(super) struct RayOrigin {
 
 /// Strands and mesh surface with their acceleration structures.
 ///
-/// Rays are given and returned in world space. Inside, lengths are radii of the scene about its middle, so that f32 has
-/// full precision for models of a millimetre as for those of a hundred metres.
+/// The methods accept and return world space. Internally the scene is centred and its radius is the unit of length, so
+/// that f32 has full precision for models of a millimetre and of a hundred metres.
 pub(super) struct Tracer {
     pub(super) curves: Curves,
     pub(super) skin: PosedMesh,
     /// Strand segments, in the order of the tree's leaves.
     capsules: Vec<Capsule>,
-    /// Index of the first point, and strand, of each segment.
+    /// First point and strand of each segment, as indices.
     pieces: Vec<(u32, u32)>,
     hair: Option<CwBvh>,
     /// Triangles, in the order of the tree's leaves.
@@ -84,7 +85,7 @@ impl Tracer {
         let hair = (!capsules.is_empty())
             .then(|| build_cwbvh(&capsules, BvhBuildParams::fast_build(), &mut Duration::default()));
         if let Some(tree) = &hair {
-            // Leaf order: neighbours in space are neighbours in memory.
+            // Segments are stored in leaf order, so that neighbours in space are neighbours in memory.
             capsules = tree.primitive_indices.iter().map(|i| capsules[*i as usize]).collect();
             pieces = tree.primitive_indices.iter().map(|i| pieces[*i as usize]).collect();
         }
@@ -120,7 +121,8 @@ impl Tracer {
         self.first_hit_from(origin_ws, way, RayOrigin::default())
     }
 
-    /// Returns the first intersection of a ray that continues from `start`, which it cannot hit again.
+    /// Returns the first intersection of a ray that continues from `start`. The ray ignores the strand or triangle of
+    /// `start`.
     pub fn first_hit_from(&self, origin_ws: DVec3, way: DVec3, start: RayOrigin) -> Option<(Hit, f64)> {
         let (mut origin, skipped) = self.enter_scene(origin_ws, way)?;
         if start.triangle.is_some() {
@@ -166,8 +168,8 @@ impl Tracer {
 
     /// Returns whether a ray reaches the light. `way` has unit length; `reach_m` is infinite for a distant light.
     ///
-    /// The surface occludes from both sides. A strand does not occlude itself: the lighting equation's sine accounts
-    /// for the lit part of a thin hair's circumference, including the half that the eye does not see.
+    /// The surface occludes from both sides. A strand does not occlude itself: the sine in the lighting equation
+    /// accounts for the lit fraction of a thin hair's circumference, including the half that the eye does not see.
     pub fn is_lit(&self, origin_ws: DVec3, way: DVec3, reach_m: f64, start: RayOrigin, past: (bool, bool)) -> bool {
         let (past_hair, past_skin) = past;
         let mut origin = (origin_ws - self.center) / self.radius;
@@ -200,11 +202,13 @@ impl Tracer {
         })
     }
 
-    /// Moves the ray's origin to the scene's sphere; returns it and the distance moved, `None` if the ray misses.
+    /// Moves the ray's origin to the sphere around the scene. Returns the new origin and the distance moved; `None` if
+    /// the ray misses the sphere.
     fn enter_scene(&self, origin_ws: DVec3, way: DVec3) -> Option<(DVec3, f64)> {
         let origin = (origin_ws - self.center) / self.radius;
         let middle = -origin.dot(way);
-        // Half the diagonal of the scene's box is 1; slightly more to allow for rounding.
+        // The radius of the sphere is 1, half the diagonal of the scene's box; it is enlarged slightly to allow for
+        // rounding.
         let rest = 1.001 - (origin + way * middle).length_squared();
         if rest < 0.0 {
             return None;
@@ -229,14 +233,15 @@ struct Facet {
 impl Boundable for Facet {
     fn aabb(&self) -> Aabb {
         let [a, b, c] = self.corners;
-        // Rays and boxes are f32; the padding keeps their rounding from missing a flat box.
+        // Rays and boxes are f32. The padding keeps their rounding from missing a flat box.
         let pad = 1e-6;
         Aabb::new((a.min(b).min(c) - pad).as_vec3a(), (a.max(b).max(c) + pad).as_vec3a())
     }
 }
 
 impl Facet {
-    /// Returns the distance, the weights of the corners, and whether the front was hit (Möller and Trumbore 1997).
+    /// Returns the distance of the hit, the barycentric weights, and whether the front was hit (Möller and Trumbore
+    /// 1997).
     fn intersect(&self, origin: DVec3, way: DVec3) -> Option<(f64, DVec3, bool)> {
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
@@ -251,7 +256,7 @@ impl Facet {
         let third = way.dot(q);
         let t = f.dot(q);
         let weights = DVec3::new(1.0 - second - third, second, third);
-        // A positive determinant means that the ray hits the side from which the corners are counter-clockwise.
+        // With a positive determinant the ray hits the side from which the corners are counter-clockwise.
         (t > 0.0 && weights.min_element() >= -SEAM).then_some((t, weights, det > 0.0))
     }
 }

@@ -1,4 +1,4 @@
-//! Visibility of a posed mesh surface, point by point: by rays, without a rasteriser.
+//! Visibility of points on a posed mesh surface, computed with rays instead of a rasteriser.
 
 use super::camera::{RayCaster, TrueCamera};
 use super::tracer::{Hit, Tracer};
@@ -7,8 +7,8 @@ use pelage_bake::strands::Curves;
 use pelage_bake::strands::PosedMesh;
 use pelage_import::BakeError;
 
-/// A mesh surface ready for visibility queries. Back faces are visible only if their material is double-sided; texels
-/// below the alpha cut-off are holes.
+/// A mesh surface prepared for visibility queries. Back faces are visible only if their material is double-sided.
+/// Texels below the alpha cutoff are holes.
 pub struct SurfaceVisibility {
     tracer: Tracer,
 }
@@ -20,7 +20,7 @@ pub struct VisiblePoint {
     pub triangle: usize,
     /// Barycentric weights; they add up to 1.
     pub weights: DVec3,
-    /// Distance from the eye, metres; in a parallel projection from the plane of the eye.
+    /// Distance from the eye, metres. In a parallel projection, distance from the plane of the eye.
     pub distance_m: f64,
 }
 
@@ -63,8 +63,8 @@ pub struct SurfaceView<'a> {
 }
 
 impl SurfaceView<'_> {
-    /// Returns the surface point at a point of the picture, pixels from its upper left corner; a pixel's middle is at a
-    /// half.
+    /// Returns the surface point that is visible at point `at_px` of the picture, pixels from its upper left corner.
+    /// Centres of pixels have a fraction of one half.
     pub fn at(&self, at_px: DVec2) -> Option<VisiblePoint> {
         let (origin, way) = self.rays.ray(at_px);
         match self.sight.tracer.first_hit(origin, way)? {
@@ -73,13 +73,13 @@ impl SurfaceView<'_> {
         }
     }
 
-    /// Returns the position of a point in the picture, pixels from its upper left corner, possibly outside of it;
-    /// `None` for a point not in front of the eye.
+    /// Returns the projection of a point, in pixels from the picture's upper left corner; it may be outside of the
+    /// picture. `None` for a point that is not in front of the eye.
     pub fn project_px(&self, point_ws: DVec3) -> Option<DVec2> {
         self.rays.project(point_ws).map(|(at, _)| at)
     }
 
-    /// Returns whether a point is visible, ignoring occluders at most `slack_m` metres nearer.
+    /// Returns whether a point is visible. Ignores occluders that are at most `slack_m` metres nearer.
     pub fn is_visible(&self, point_ws: DVec3, slack_m: f64) -> bool {
         let (origin, way, distance) = self.rays.ray_to(point_ws);
         distance > 0.0 && self.sight.tracer.first_hit(origin, way).is_none_or(|(_, first)| first >= distance - slack_m)
@@ -91,7 +91,7 @@ impl SurfaceView<'_> {
         (0.0..size.x).contains(&at_px.x) && (0.0..size.y).contains(&at_px.y)
     }
 
-    /// Returns the unit view direction at a point.
+    /// Returns the unit view direction towards a point.
     pub fn direction_to(&self, point_ws: DVec3) -> DVec3 {
         self.rays.ray_to(point_ws).1
     }

@@ -2,7 +2,8 @@
 
 use pelage_formats::*;
 
-/// Corrects the checksums of an input whose table can be read, so that mutations reach the code behind the checks.
+/// Corrects the checksums of an input whose section table can be read, so that mutations reach the code behind the
+/// checksum checks.
 pub fn reseal(bytes: &mut [u8]) {
     let u64_at = |bytes: &[u8], at: usize| {
         let field = bytes.get(at..)?.first_chunk()?;
@@ -28,7 +29,7 @@ pub fn reseal(bytes: &mut [u8]) {
     bytes[24..28].copy_from_slice(&head.finalize().to_le_bytes());
 }
 
-/// Returns small limits, so that the fuzzer's memory limit tests them.
+/// Returns small limits, so that the fuzzer's memory limit exposes allocations beyond them.
 pub fn limits() -> Limits {
     Limits {
         manifest_bytes: 1 << 20,

@@ -123,7 +123,8 @@ impl Buffer {
     }
 }
 
-/// Returns `min` and `max` of an accessor with `width` numbers per element, for the `more` of [`Layout::accessor`].
+/// Returns the keys `min` and `max` of an accessor with `width` numbers per element, to be passed as `more` to
+/// [`Layout::accessor`].
 ///
 /// * `numbers`: all numbers of the accessor; at least one element, no NaN
 pub fn bounds(numbers: &[f32], width: usize) -> Value {
@@ -172,7 +173,7 @@ pub fn container(document: &Value, bytes: &[u8]) -> io::Result<Vec<u8>> {
     container_of_text(document.to_string().into_bytes(), bytes)
 }
 
-/// Returns a whole file like [`container`], with any document text. For tests of readers.
+/// Returns a whole file like [`container`], but with arbitrary document text. For tests of readers.
 ///
 /// # Errors
 ///

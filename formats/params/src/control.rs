@@ -11,7 +11,7 @@ pub struct Choice {
     pub was: &'static [&'static str],
 }
 
-/// Key of the tables in a list.
+/// Key in the tables of a list-valued knob.
 #[derive(Clone, Copy, Debug)]
 pub struct TableKey {
     /// Spelling in a file.
@@ -20,7 +20,7 @@ pub struct TableKey {
     pub doc: &'static str,
     /// Type and range, such as `a number 0..=1`.
     pub expected: fn() -> String,
-    /// Default as TOML; `None` if it is left out or depends on other values.
+    /// Default as TOML; `None` if the key is unset by default, or if its default depends on other values.
     pub default: fn() -> Option<String>,
 }
 

@@ -11,22 +11,22 @@ pub trait Field: Sized {
     /// Returns type and range in words.
     fn expected(range: &Self::Range) -> String;
 
-    /// Returns the control that shows the value; text unless the type overrides it.
+    /// Returns the control that shows the value; a text field unless the type overrides it.
     fn control(range: &Self::Range) -> Control {
         let _ = range;
         Control::Text
     }
 
-    /// Returns the value of `raw`, without a range check.
+    /// Converts `raw` to a value, without a range check; `None` if it has the wrong type.
     fn from_raw(raw: &Raw) -> Option<Self>;
 
     /// Whether the value is in its range.
     fn in_range(&self, range: &Self::Range) -> bool;
 
-    /// Returns the value as TOML, or `None` if it is left out.
+    /// Returns the value as TOML; `None` if the key is unset.
     fn to_toml(&self) -> Option<String>;
 
-    /// Returns the value for documents, as TOML with no more digits than a reader needs.
+    /// Returns the value for documentation, as TOML with no more digits than a reader needs.
     fn to_display(&self) -> Option<String> {
         self.to_toml()
     }
@@ -36,7 +36,7 @@ pub trait Field: Sized {
         Raw::from_word(word)
     }
 
-    /// Returns the value of `raw`, checked against its range.
+    /// Converts `raw` to a value and checks it against its range.
     ///
     /// # Errors
     /// Message with what was found and what was expected.
@@ -90,7 +90,7 @@ impl Field for f32 {
     }
 }
 
-/// Parses a number of a command line, which TOML may not accept: `.5`, `3.`, `+007`.
+/// Parses a number from the command line, including forms that TOML does not accept: `.5`, `3.`, `+007`.
 fn parse_number(word: &str) -> Raw {
     match (Raw::from_word(word.trim()), word.trim().parse()) {
         (Raw::String(_), Ok(number)) => Raw::Float(number),
@@ -175,7 +175,7 @@ macro_rules! integer_field {
             }
 
             fn parse_word(word: &str) -> Raw {
-                // `007` is an integer on a command line, though not in TOML.
+                // Accept `007` as an integer on the command line, although TOML does not.
                 word.trim().parse().map_or_else(|_| Raw::from_word(word), Raw::Integer)
             }
         }

@@ -4,8 +4,8 @@
 /// compared case-insensitively, because Unicode case tables would enlarge the WebAssembly download.
 pub fn glob(pattern: &str, name: &str) -> bool {
     let [pattern, name] = [pattern, name].map(|text| text.to_ascii_lowercase().chars().collect::<Vec<_>>());
-    // `star`: position of the last `*`, and how much of the name it covers. A mismatch returns there and extends it by
-    // one character. Returning to earlier `*` never helps.
+    // `star` holds the position of the last `*` and the number of characters before its match ends. After a mismatch,
+    // matching resumes there with one more character covered. Backtracking to an earlier `*` never helps.
     let (mut p, mut n, mut star) = (0, 0, None);
     while n < name.len() {
         match pattern.get(p) {

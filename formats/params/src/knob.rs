@@ -9,7 +9,7 @@ use crate::raw::Raw;
 pub struct Knob {
     /// Full name, `table.key`.
     pub name: &'static str,
-    /// Deprecated keys, still read; `table.key` if the table was a different one.
+    /// Deprecated keys that are still read; written `table.key` if the key was in a different table.
     pub was: &'static [&'static str],
     /// Meaning, with unit and the effect of both ends of the range.
     pub doc: &'static str,
@@ -39,7 +39,7 @@ impl Knob {
         (is_here && self.key() == key) || self.was.iter().any(was)
     }
 
-    /// Returns the knob's value in `set` as TOML, or `None` if it is left out or the set has no such knob.
+    /// Returns the knob's value in `set` as TOML; `None` if the value is unset or the set has no such knob.
     pub fn value<S: Tables>(&self, set: &S) -> Option<String> {
         let at = S::TABLES.iter().position(|table| table.name == self.table())?;
         set.tables().get(at)?.write(self.key())
@@ -57,7 +57,7 @@ pub trait Table {
     /// Message with what was found and what was expected; the table is then unchanged.
     fn read(&mut self, key: &str, raw: &Raw) -> Result<(), String>;
 
-    /// Returns the value of a key as TOML, or `None` if it is left out.
+    /// Returns the value of a key as TOML; `None` if it is unset.
     fn write(&self, key: &str) -> Option<String>;
 
     /// Checks the value of a key against its range.
@@ -91,8 +91,8 @@ pub trait Tables: Default {
     /// Returns the tables mutably, in the same order.
     fn tables_mut(&mut self) -> Vec<&mut dyn Table>;
 
-    /// Returns why a table or `table.key` is unknown in this build but known in another; `None` (default) if it is
-    /// simply a mistake.
+    /// Returns the reason why a table or `table.key` is unavailable in this build although another build knows it.
+    /// `None` (default) if the name is simply a mistake.
     fn unavailable_reason(_name: &str) -> Option<String> {
         None
     }

@@ -4,7 +4,7 @@ use crate::control::{Control, TableKey};
 use crate::field::Field;
 use crate::raw::Raw;
 
-/// Entry of a list. `Vec<T>` is then a [`Field`].
+/// Type of a list entry. If `T` implements it, `Vec<T>` is a [`Field`].
 pub trait Item: Sized {
     /// Whether a single entry may be written without brackets.
     const ALLOW_SINGLE: bool;
@@ -20,10 +20,10 @@ pub trait Item: Sized {
         format!("entry {index}")
     }
 
-    /// Returns the value of `raw`.
+    /// Converts `raw` to an entry.
     ///
     /// # Errors
-    /// The reason; `None` if [`Self::expected_list`] already says everything.
+    /// Reason for the failure; `None` if [`Self::expected_list`] already says everything.
     fn read(raw: &Raw) -> Result<Self, Option<String>>;
 
     /// Whether the value is allowed in a list.
@@ -74,7 +74,7 @@ impl<T: Item> Field for Vec<T> {
     }
 }
 
-/// Names.
+/// List entries that are names.
 impl Item for String {
     const ALLOW_SINGLE: bool = true;
 

@@ -53,7 +53,7 @@ macro_rules! words {
                         $($word $(| $old)? => Some(Self::$variant),)+
                         _ => None,
                     },
-                    // Booleans, from knobs that used to be switches.
+                    // Accept a boolean, because some knobs used to be switches.
                     $($($crate::Raw::Bool($flag) => Some(Self::$variant),)?)+
                     _ => None,
                 }
@@ -72,14 +72,14 @@ macro_rules! words {
 
 /// Declares a table of knobs: the struct, its defaults, its checks and its keys.
 ///
-/// A field reads `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was "name";`,
-/// where everything after the default is optional.
+/// A field has the form `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was
+/// "name";`, where everything after the default is optional.
 ///
 /// * `in`: range; without one, all values of the type are allowed
 /// * `as`: wrapper type whose [`Field`](crate::Field) does the checking, if the type alone is not specific enough
 /// * `or`: word for the type's own default, so that an `Option` can be unset again
-/// * `clears`: field that is reset when this one is set; if two fields say the same thing, the later one counts
-/// * `was`: deprecated key, still read; with its table if that was a different one
+/// * `clears`: field that is reset when this one is set, because both describe the same thing and the later one counts
+/// * `was`: deprecated key that is still read; written `table.key` if it was in a different table
 #[macro_export]
 macro_rules! params {
     (
@@ -205,8 +205,8 @@ macro_rules! params {
     };
 }
 
-/// Declares the contents of one file: a struct with a field for each table, and its [`Tables`](crate::Tables). Messages
-/// take their example of `key=value` from `such as`. `elsewhere` names the function
+/// Declares the contents of one file: a struct with a field for each table, and its [`Tables`](crate::Tables). The text
+/// after `such as` is the example of `key=value` in messages. `elsewhere` names the function
 /// [`Tables::unavailable_reason`](crate::Tables::unavailable_reason). A table may have one `#[cfg]`.
 #[macro_export]
 macro_rules! tables {

@@ -1,18 +1,18 @@
 //! Suggestions for mistyped names.
 
-/// Minimum similarity of a misspelling: candidates below both this and `MIN_WINKLER_SIMILARITY` are not suggested,
-/// because they would mislead.
+/// Minimum edit similarity, 0..=1. A candidate below both this and `MIN_WINKLER_SIMILARITY` is not suggested, because
+/// it would mislead.
 const MIN_EDIT_SIMILARITY: f64 = 0.4;
 const MIN_WINKLER_SIMILARITY: f64 = 0.85;
 
-/// Returns the similarity of two names, 0..=1, and whether it is enough for a suggestion.
+/// Returns the similarity of two names, 0..=1, and whether it is high enough for a suggestion.
 fn likeness(name: &str, candidate: &str) -> (f64, bool) {
     let (winkler, edits) =
         (strsim::jaro_winkler(name, candidate), strsim::normalized_damerau_levenshtein(name, candidate));
     (winkler.max(edits), winkler >= MIN_WINKLER_SIMILARITY || edits >= MIN_EDIT_SIMILARITY)
 }
 
-/// Returns the candidate most similar to `name`: the first of several equals, `None` if none is similar.
+/// Returns the candidate most similar to `name`, the first among equals; `None` if none is similar enough.
 pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(f64, &str)> = None;
     for candidate in candidates {
@@ -24,7 +24,7 @@ pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
     best.map(|(_, candidate)| candidate)
 }
 
-/// Returns the `most` candidates most similar to `name`, best first; equals keep their order.
+/// Returns up to `most` candidates, most similar to `name` first. Equally similar candidates keep their order.
 pub fn closest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
     let mut scored: Vec<(f64, &str)> = candidates.map(|candidate| (likeness(name, candidate).0, candidate)).collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -69,8 +69,8 @@ fn capital(text: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// Breaks a text at spaces into lines of at most 120 columns. All lines but the first begin with `indent`; the first is
-/// assumed to be indented as far. No line begins with a character that Markdown reads as a list or heading.
+/// Breaks a text at spaces into lines of at most 120 columns. All lines but the first begin with `indent`; the first
+/// leaves room for an indent of that width. No line begins with a character that Markdown reads as a list or heading.
 pub fn wrap(indent: &str, text: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {

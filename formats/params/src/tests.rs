@@ -4,9 +4,9 @@ use crate::*;
 use proptest::prelude::*;
 
 words! {
-    /// How it is drawn.
+    /// Drawing method.
     Drawn {
-        /// With all of it.
+        /// Draws everything.
         #[default]
         Full = "full",
         /// With
@@ -18,13 +18,13 @@ words! {
 params! {
     /// `[picture]`: the picture.
     Picture in picture {
-        /// How it is drawn.
+        /// Drawing method.
         drawn: Drawn = Drawn::Full;
         /// Width of the picture, texels.
         width: u32 = 64, in 16..=2048, as PowerOfTwo;
         /// Layers to draw: many are smooth.
         layers: Option<u32> = None, in 2..=256, or "all";
-        /// Whether there is any.
+        /// Whether the picture is visible.
         enabled: bool = true, was "visible";
     }
 }
@@ -33,25 +33,25 @@ params! {
     /// `[light]`: the light.
     /// There is one.
     Light in light {
-        /// Towards it.
+        /// Direction towards the light.
         direction: [f32; 3] = [0.0, 1.0, 0.0], in -1e6..=1e6, clears position_m;
-        /// Where it is, metres.
+        /// Position of the light, metres.
         position_m: Option<[f32; 3]> = None, in -1e6..=1e6;
-        /// How strong it is.
+        /// Strength of the light.
         strength: f32 = 1.0, in 0.001..=10.0, was "picture.exposure";
-        /// Its colour.
+        /// Colour of the light.
         color: SrgbColor = SrgbColor::hex(0xff_00_00);
-        /// Who sees it.
+        /// Names of objects that receive the light.
         seen_by: Vec<String> = Vec::new();
-        /// Who does not see it.
+        /// Names of objects that do not receive the light.
         hidden_from: Option<Vec<String>> = None;
-        /// Its number.
+        /// Random seed.
         seed: u64 = 1, in 0..=i64::MAX as u64;
     }
 }
 
 tables! {
-    /// All of it.
+    /// All settings.
     pub struct Look, such as "light.strength=2" {
         /// The picture.
         picture: Picture,
@@ -169,7 +169,7 @@ fn deprecated_names_are_read_and_written_as_current_ones() {
     let text = to_toml(&look);
     assert!(text.contains("enabled = false\n") && text.contains("drawn = \"sparse\"\n"), "{text}");
     assert_eq!(after(&["picture.visible=off", "picture.drawn=thin"]), look);
-    // Key that has moved to another table.
+    // `exposure` has moved to another table.
     assert_eq!(after(&["picture.exposure=2"]), after(&["light.strength=2"]));
     let error = set(&mut look, "picture.visible=2").unwrap_err().to_string();
     assert_eq!(error, "picture.visible: found 2, expected true or false");

@@ -23,7 +23,7 @@ impl<'a> Source<'a> {
         DeTable::parse(self.body).map_err(broken)
     }
 
-    /// Returns an error at that byte of the body.
+    /// Returns an error at offset `byte` of the body.
     fn fail(&self, byte: usize, key: &str, reason: String) -> ParamError {
         let before = self.text.len() - self.body.len() + byte;
         let line = self.text.bytes().take(before).filter(|b| *b == b'\n').count() + 1;
@@ -175,7 +175,7 @@ fn unknown_key<S: Tables>(name: &str) -> String {
         return reason;
     }
     let (table, key) = name.split_once('.').unwrap_or(("", name));
-    // First try a key without its unit, then a key under the wrong table.
+    // First try the name as a key without its unit, then as a key under the wrong table.
     let whole = knobs::<S>().find(|k| k.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('_')));
     let moved = knobs::<S>().find(|k| k.key() == key);
     let near = whole.or(moved).map(|k| k.name).or_else(|| {
@@ -184,7 +184,7 @@ fn unknown_key<S: Tables>(name: &str) -> String {
             Some(info) => nearest(key, info.knobs.iter().map(Knob::key))
                 .and_then(|near| info.knobs.iter().find(|k| k.key() == near))
                 .map(|k| k.name),
-            // A name without a table is also compared with the bare keys.
+            // Also compare a name that has no table with the bare keys.
             None => nearest(name, knobs::<S>().map(|k| k.name)).or_else(|| {
                 let near = nearest(key, knobs::<S>().map(Knob::key))?;
                 knobs::<S>().find(|k| k.key() == near).map(|k| k.name)

@@ -59,7 +59,8 @@ mod tests {
                 if format.components() == 2 && d.z < 0.0 {
                     d = -d;
                 }
-                // Near the horizon z comes from a small difference: half a step in the plane is up to 0.11 in z.
+                // Near the horizon, z is computed from a small difference: half a step in x or y changes it by up to
+                // 0.11.
                 let tolerance = if format.components() == 2 { 0.12 } else { 0.007 };
                 assert!(d.distance(back) < tolerance, "{format:?}: {d} came back as {back}");
             }

@@ -48,13 +48,13 @@ impl LightLobe {
     /// Range of lobe widths, degrees. A narrower light is a sun; a wider one is constant.
     pub const WIDTHS: core::ops::RangeInclusive<f32> = 4.0..=120.0;
 
-    /// Returns the lobe's shape.
+    /// Returns the lobe as a spherical Gaussian with radiance 1 at its centre.
     pub fn light(&self) -> GaussianLight {
         let width = f64::from(self.width_deg).to_radians();
         GaussianLight { towards: unit(self.towards), sharpness: 1.0 / (width * width) }
     }
 
-    /// Returns ∫ of the radiance over all directions.
+    /// Returns the integral of the radiance over all directions.
     pub fn whole(&self) -> DVec3 {
         color(self.radiance) * self.light().whole()
     }
@@ -94,21 +94,22 @@ impl Environment {
         self.lobes.iter().fold(color(self.even), |sum, lobe| sum + of(lobe))
     }
 
-    /// Returns ∫ of all light over all directions, including the sun's irradiance.
+    /// Returns the integral of all light over all directions, including the sun's irradiance.
     pub fn total(&self) -> DVec3 {
         let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * core::f64::consts::PI);
         let even = color(self.even) * (4.0 * core::f64::consts::PI);
         self.lobes.iter().fold(sun + even, |sum, lobe| sum + lobe.whole())
     }
 
-    /// Returns the irradiance over π of a horizontal surface under the environment, including the sun: the radiance
-    /// that white ground reflects in all directions.
+    /// Returns the irradiance of a horizontal surface under the environment, including the sun, divided by π. This is
+    /// the radiance of white ground, which reflects evenly in all directions.
     pub fn ground_irradiance(&self) -> DVec3 {
         const ROWS: u32 = 32;
         const COLUMNS: u32 = 64;
         let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * unit(sun.towards).y.max(0.0));
         let row = |y: u32| {
-            // Equal steps of the squared sine are equal parts of the irradiance of a horizontal surface.
+            // Equal steps of the squared sine of the elevation contribute equally to the irradiance of a horizontal
+            // surface.
             let up = ((f64::from(y) + 0.5) / f64::from(ROWS)).sqrt();
             let out = (1.0 - up * up).sqrt();
             let at = |x: u32| {
@@ -133,7 +134,8 @@ impl Environment {
         sum.normalize_or(DVec3::Y)
     }
 
-    /// Returns the environment rotated about the vertical axis, degrees: from +x towards −z, as a model turns.
+    /// Returns the environment rotated by `yaw_deg` degrees about the vertical axis, from +x towards −z. Models are
+    /// rotated in the same sense.
     pub fn turned(&self, yaw_deg: f32) -> Self {
         let (sin, cos) = libm::sincos(f64::from(yaw_deg).to_radians());
         let turn = |way: [f32; 3]| {
@@ -161,8 +163,8 @@ impl Environment {
     }
 
     /// Blends two environments: share 0 is `self`, 1 is `other`. Radiances are mixed, so that lights do not move. If
-    /// there are then too many lobes, the most similar ones are merged. The direction between two suns is interpolated:
-    /// they are the same sun at different times.
+    /// the result has too many lobes, the most similar ones are merged. Two suns are treated as the same sun at
+    /// different times, so their direction is interpolated.
     pub fn blended(&self, other: &Self, share: f32) -> Self {
         let (here, there) = (self.scaled(1.0 - share), other.scaled(share));
         let mut lobes = here.lobes;
@@ -182,8 +184,8 @@ impl Environment {
         Self { even: core::array::from_fn(|i| here.even[i] + there.even[i]), lobes, sun }
     }
 
-    /// Returns the environment with at most `most` lobes, at least 1, besides the constant light; the most similar
-    /// lobes are merged.
+    /// Returns the environment with at most `most` lobes (1 or more) besides the constant light. The most similar lobes
+    /// are merged.
     pub fn with_fewer(&self, most: usize) -> Self {
         let mut out = self.clone();
         while out.lobes.len() > most.max(1) {
@@ -226,23 +228,24 @@ impl Environment {
     }
 }
 
-/// Returns the mean cosine between the light of a spherical Gaussian and its axis: coth κ − 1/κ.
+/// Returns the mean cosine of the angle between the light of a spherical Gaussian and its axis. It is coth κ − 1/κ,
+/// where κ is `sharpness`.
 pub fn mean_cosine(sharpness: f64) -> f64 {
     if sharpness < 1e-3 {
         return sharpness / 3.0;
     }
-    // coth κ from a small quantity: 1 − exp(−2 κ).
+    // Compute coth κ from the small quantity 1 − exp(−2 κ).
     let less = -libm::expm1(-2.0 * sharpness);
     (2.0 - less) / less - 1.0 / sharpness
 }
 
-/// Returns the κ whose light has mean cosine `mean`, below 1: starting value after Banerjee 2005, then Newton
-/// iterations.
+/// Returns the sharpness κ of the spherical Gaussian with mean cosine `mean`, below 1. Newton iterations start from the
+/// approximation of Banerjee 2005.
 pub fn sharpness_of(mean: f64) -> f64 {
     let mean = mean.clamp(0.0, 1.0 - 1e-6);
     let mut k = mean * (3.0 - mean * mean) / (1.0 - mean * mean);
     for _ in 0..4 {
-        // d/dκ of coth κ − 1/κ is 1/κ² − 1/sinh² κ; 1/3 at 0.
+        // The derivative of coth κ − 1/κ is 1/κ² − 1/sinh² κ, which is 1/3 at κ = 0.
         let less = -libm::expm1(-2.0 * k);
         let slope = if k < 1e-2 { 1.0 / 3.0 } else { 1.0 / (k * k) - 4.0 * (1.0 - less) / (less * less) };
         k = (k - (mean_cosine(k) - mean) / slope).max(0.0);
@@ -254,7 +257,7 @@ pub fn sharpness_of(mean: f64) -> f64 {
 /// and spread.
 fn merge_nearest(lobes: &mut Vec<LightLobe>) {
     let pairs = (0..lobes.len()).flat_map(|i| (i + 1..lobes.len()).map(move |j| (i, j)));
-    // How far merging would move the light of a pair.
+    // Cost of merging a pair: how far its light would move.
     let cost = |(i, j): (usize, usize)| {
         let [a, b] = [i, j].map(|i| (brightness(lobes[i].whole()), lobes[i].light()));
         let moved = [a.1, b.1].map(|light| light.towards * mean_cosine(light.sharpness));

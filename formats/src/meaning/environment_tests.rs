@@ -82,7 +82,7 @@ fn sharpness_and_mean_cosine_are_inverse_functions() {
     assert!(sharpness_of(1.0).is_finite() && sharpness_of(-1.0) == 0.0);
 }
 
-/// The blend at one half is the mean of both in every direction, and the ends are the two environments.
+/// At one half, the blend is the mean of both environments in every direction. At 0 and 1, it equals one of them.
 #[test]
 fn blended_skies_interpolate_every_direction() {
     let many = |seed: f32| Environment {

@@ -3,18 +3,18 @@
 use crate::sections::manifest::detail::FarLayerInfo;
 
 /// Returns the share of the key light that reaches the hair visible in the far layer. `path` is the path length through
-/// a layer over the layer's thickness.
+/// a layer divided by the layer's thickness.
 pub fn far_layer_light(path: f32, base: f32, slope: f32) -> f32 {
     1.0 / (base + slope * path)
 }
 
-/// Returns the coefficients `base` and `slope` for which [`far_layer_light`] matches the two values of `coat` at paths
-/// 1 and 4.
+/// Returns the coefficients `base` and `slope` for which [`far_layer_light`] matches `coat.light_straight` at path 1
+/// and `coat.light_slanted` at path 4.
 ///
-/// This form is exact for fur that hides everything behind it. Hair is then seen as deep as light enters, and t is the
-/// mean of T^(ρp) over the transmittance T, 1 / (1 + ρp).
+/// This form is exact for fur that hides everything behind it. Hair is then visible to the same depth as light enters.
+/// t is the mean of T^(ρp) over the transmittance T, which equals 1 / (1 + ρp).
 pub fn far_layer_light_coefficients(coat: &FarLayerInfo) -> [f32; 2] {
-    // Zero light has no reciprocal.
+    // Clamp to 0.001, because zero light has no reciprocal.
     let [straight, slanted] = [coat.light_straight, coat.light_slanted].map(|t| t.max(1e-3).recip());
     let slope = (slanted - straight) / 3.0;
     [straight - slope, slope]

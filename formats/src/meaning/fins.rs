@@ -3,12 +3,12 @@
 use super::skinning::normalize_or;
 use glam::Vec3;
 
-/// Vertices of a fin's quad: two triangles.
+/// Number of vertices of a fin's quad, which is drawn as two triangles.
 pub const FIN_CORNERS: u32 = 6;
-/// Number of stacked quads of a fin where hair leans, so that it can bend.
+/// Number of stacked quads of a fin where hair leans, so that the fin can bend.
 pub const LEANING_ROWS: u32 = 3;
 
-/// Returns the number of stacked quads of a fin, which together are as high as the hair: 1 if the hair does not lean.
+/// Returns the number of stacked quads of a fin; 1 if the hair does not lean. Together they are as high as the hair.
 pub fn fin_rows(leans: bool) -> u32 {
     if leans { LEANING_ROWS } else { 1 }
 }
@@ -18,14 +18,14 @@ pub fn row_heights(row: u32, rows: u32) -> [f32; 2] {
     [row, row + 1].map(|r| r as f32 / rows as f32)
 }
 
-/// Returns the unit normal of a fin's plane, from its edge `a` to `b` and the surface normals there; zero if they give
-/// none.
+/// Returns the unit normal of a fin's plane, computed from the edge `a` to `b` and the surface normals at its ends.
+/// Zero if they do not define a plane.
 pub fn fin_face(a: Vec3, b: Vec3, normal_a: Vec3, normal_b: Vec3) -> Vec3 {
     normalize_or((b - a).cross(normal_a + normal_b), Vec3::ZERO)
 }
 
-/// Returns the opacity of a fin: 1 seen face on, 0 from 60° on. `p` is the cosine between its normal and the direction
-/// to the eye.
+/// Returns the opacity of a fin: 1 if it is seen face-on, 0 if it is turned by 60° or more. `p` is the cosine of the
+/// angle between its normal and the direction to the eye.
 pub fn fin_opacity(p: f32) -> f32 {
     (2.0 * p.abs() - 1.0).max(0.0)
 }

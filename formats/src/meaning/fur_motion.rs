@@ -1,17 +1,18 @@
-//! Lean of fur in wind and motion: a particle at the hair tip on each vertex, with a spring to its groomed position.
+//! Lean of fur in wind and motion. Each vertex has a particle at the tip of its hair, which a spring pulls to its
+//! groomed position.
 //!
-//! The runtime does the same on the GPU (`runtime/src/passes/fur_motion`). Axes are those of world space, lengths
-//! metres, times seconds.
+//! The runtime does the same on the GPU (`runtime/src/passes/fur_motion`). Vectors are in world space, lengths in
+//! metres, times in seconds.
 //!
-//! Within a frame the surface accelerates uniformly and the air is as at the end of the frame. Relative to the surface
-//! the particle is then a damped oscillator about a fixed point, whose motion has a closed form. So it is exact for a
-//! frame of any length, and no spring is too stiff.
+//! Within a frame, the surface is assumed to accelerate uniformly, and the air to move as at the end of the frame.
+//! Relative to the surface, the particle is then a damped oscillator about a fixed point, whose motion has a closed
+//! form. The result is therefore exact for frames of any length and springs of any stiffness.
 //!
 //! The motion depends only on the position of the vertex and the length of its hair. So vertices at the same position
 //! lean alike, and fur does not part along seams.
 //!
-//! With s the [`stiffness`] and L the length of the hair, ω² = s / L: an acceleration of s would bend the hair by one
-//! radian if springs were linear that far. Short hair is stiff, long hair sways.
+//! The oscillator has ω² = s / L, where s is the [`stiffness`] and L the length of the hair. If springs were linear
+//! that far, an acceleration of s would bend the hair by one radian. Short hair is stiff, long hair sways.
 
 use super::hair_motion::Wind;
 use glam::Vec3;
@@ -24,18 +25,18 @@ pub const SHORT_M: f32 = 0.01;
 pub const DRAG_PER_S: f32 = 4.0;
 /// Damping, as a share of critical damping.
 pub const DAMPING: f32 = 0.35;
-/// Upper bound of the lean angle, approached but never reached, radians: fur stays within its height and points away
-/// from the surface.
+/// Upper bound of the lean angle, radians; approached but never reached. It keeps fur within its height and pointing
+/// away from the surface.
 pub const MOST_LEAN_RAD: f32 = 0.7;
 /// Maximum distance of a tip from its groomed position, hair lengths.
 const MAX_OFFSET: f32 = 2.0;
 /// Length below which hair does not move, metres.
 pub const SHORTEST_M: f32 = 1e-5;
 
-/// Tip of the hair on a vertex.
+/// State of the hair tip on a vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tip {
-    /// Offset from the groomed position.
+    /// Offset from the groomed position, metres.
     pub offset: Vec3,
     /// Velocity relative to the root, m/s.
     pub velocity: Vec3,
@@ -43,12 +44,12 @@ pub struct Tip {
     pub surface_velocity: Option<Vec3>,
 }
 
-/// Frame of time.
+/// Time interval of a frame, with its wind.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// Duration; 0: nothing moves.
+    /// Duration, seconds; with 0, nothing moves.
     pub seconds: f32,
-    /// Duration of the previous frame.
+    /// Duration of the previous frame, seconds.
     pub before_s: f32,
     /// Wind.
     pub wind: &'a Wind,
@@ -77,7 +78,7 @@ pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_
     }
     let square = stiffness(length_m) / length_m;
     let of_skin = went / h;
-    // From the middle of the previous frame to the middle of this one.
+    // Acceleration of the surface from the middle of the previous frame to the middle of this one.
     let faster = (of_skin - tip.surface_velocity.unwrap_or(of_skin)) / (0.5 * (h + frame.before_s));
     let pulled = (frame.wind.at(root, frame.time_s) - of_skin) * DRAG_PER_S - faster;
     let goal = within(pulled / square, MAX_OFFSET * length_m);
@@ -111,24 +112,24 @@ fn within(v: Vec3, most: f32) -> Vec3 {
     v * (most / v.length().max(1e-20)).min(1.0)
 }
 
-/// Returns how freely the fur of a vertex moves, 0..=1: hair that leans already or sticks together because it is wet
-/// moves less.
+/// Returns the factor on the motion of a vertex's fur, 0..=1. Hair moves less if it already leans, or if it sticks
+/// together because it is wet.
 ///
-/// * `lean`, `wetness`: of the vertex, 0..=1
+/// * `lean`, `wetness`: values at the vertex, 0..=1
 pub fn freedom(lean: f32, wetness: f32) -> f32 {
     (1.0 - 0.5 * lean.clamp(0.0, 1.0)) * (1.0 - 0.6 * wetness.clamp(0.0, 1.0))
 }
 
 /// Returns the lean angle of the hair on a vertex, radians, 0 to [`MOST_LEAN_RAD`], and its direction, a unit vector
-/// along the surface; `None` if the hair is as groomed.
+/// along the surface. `None` if the hair is as groomed.
 ///
 /// * `normal`: surface normal, unit length
-/// * `strength`: product of [`freedom`] and the application's factor
+/// * `strength`: product of [`freedom`] and the application's own factor
 pub fn lean(aside: Vec3, normal: Vec3, length_m: f32, strength: f32) -> Option<(f32, Vec3)> {
     let along = aside - normal * normal.dot(aside);
     let far = along.length();
     let angle = strength * far / length_m;
-    // An invisible lean counts as none, so that fur at rest is exactly as groomed.
+    // Treat an invisible lean as none, so that fur at rest is exactly as groomed.
     (angle > 1e-4).then(|| (angle / (1.0 + (angle / MOST_LEAN_RAD) * (angle / MOST_LEAN_RAD)).sqrt(), along / far))
 }
 
@@ -152,7 +153,7 @@ mod tests {
 
     const CALM: Wind = Wind { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5 };
 
-    /// Returns the tip of a hair frame by frame, on a surface at `place` at each time.
+    /// Simulates a hair on a surface whose position at each time is given by `place`. Returns the tip in each frame.
     fn run(length_m: f32, fps: f32, seconds: f32, place: impl Fn(f32) -> Vec3, wind: &Wind) -> Vec<Vec3> {
         let mut tip = initial_tip(length_m, place(0.0), wind, 0.0);
         let frames = (seconds * fps).round() as u32;
@@ -206,7 +207,7 @@ mod tests {
 
     #[test]
     fn fur_motion_does_not_depend_on_frame_rate() {
-        // The shortest hair swings faster than 30 frames a second can show: the error is a quarter of a millimetre.
+        // The shortest hair swings too fast for 30 frames a second to resolve: the error is a quarter of a millimetre.
         for (length, bound) in [(0.005, 0.05), (0.01, 0.03), (0.02, 0.01), (0.1, 0.01)] {
             let ends = [30.0, 60.0, 144.0, 960.0].map(|fps| *run(length, fps, 5.0, stride, &CALM).last().unwrap());
             let off = ends.iter().map(|end| end.distance(ends[3]) / length).fold(0.0, f32::max);

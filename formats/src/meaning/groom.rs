@@ -14,8 +14,8 @@ pub fn groom_of_vertex(bytes: [u8; 4]) -> Vec2 {
     Vec2::new(1.0 - bareness, wetness)
 }
 
-/// Combines the values of [`groom_of_vertex`] with a texel of the material's groom texture: shares of hair multiply,
-/// wetnesses add up to at most 1.
+/// Combines the values of [`groom_of_vertex`] with a texel of the material's groom texture. The shares of hair are
+/// multiplied; the wetnesses are added, up to 1.
 pub fn groom_with_texel(groom: Vec2, texel: Vec2) -> Vec2 {
     Vec2::new(groom.x * texel.x, (groom.y + texel.y).min(1.0))
 }

@@ -1,11 +1,12 @@
-//! Position of a point of hair. At the share s of the fur's height H, it is s · H along the surface normal and s² · l ·
-//! H along the comb direction. The comb direction is the tile's bitangent, and l is the vertex's lean.
+//! Position of a point of hair in fur of height H. At the share s of the height, it is s · H along the surface normal
+//! and s² · l · H along the comb direction. The comb direction is the tile's bitangent, and l is the vertex's lean.
 
 use glam::Vec3;
 use std::ops::{Add, Mul};
 
-/// Returns the lateral offset of a point of the fur volume in the comb direction, heights of the volume. `lean` is
-/// 0..=1, beyond that of the tile's strands; `share` is the share of the volume's height.
+/// Returns the lateral offset of a point of the fur volume in the comb direction, as a share of the volume's height.
+/// `lean` is the lean beyond that of the tile's strands, 0..=1; `share` is the point's height as a share of the
+/// volume's.
 pub fn lean_offset<S: Copy + Mul<Output = S>>(lean: S, share: S) -> S {
     lean * share * share
 }
@@ -15,12 +16,12 @@ pub fn lean_slope(lean: f32, share: f32) -> f32 {
     2.0 * lean * share
 }
 
-/// Returns the offset from the surface to the hair that grows there, metres, in f32 or f64.
+/// Returns the offset from the surface to a point of the hair that grows there, metres, in f32 or f64.
 ///
 /// * `normal`, `bitangent` - of the tile's frame, unit length
 /// * `lean` - of the vertex, 0..=1
-/// * `share` - of the fur's height, 0 on the surface, 1 at the outermost layer
-/// * `height_m` - of the outermost layer, metres
+/// * `share` - height of the point as a share of the fur's height: 0 on the surface, 1 at the outermost layer
+/// * `height_m` - height of the outermost layer, metres
 pub fn hair_offset<V, S>(normal: V, bitangent: V, lean: S, share: S, height_m: S) -> V
 where
     V: Mul<S, Output = V> + Add<Output = V>,
@@ -29,17 +30,17 @@ where
     (normal * share + bitangent * lean_offset(lean, share)) * height_m
 }
 
-/// Transforms a segment of the tile's hair, in the tile frame, to fur that is `share` times as high as the tile's and
-/// leans. The segment rises less but extends as far sideways, so it is flatter.
+/// Transforms a segment of the tile's hair, in the tile frame, to fur that leans and is `share` times as high as the
+/// tile's. The segment rises less but keeps its lateral extent, so it is flatter.
 ///
-/// * `share` - the vertex's height of the fur over `FurInfo::height_m`
-/// * `slope` - [`lean_slope`]
+/// * `share` - the vertex's fur height divided by `FurInfo::height_m`
+/// * `slope` - result of [`lean_slope`]
 pub fn grown_tangent(direction: Vec3, share: f32, slope: f32) -> Vec3 {
     let rises = share * direction.z;
     Vec3::new(direction.x, direction.y + slope * rises, rises)
 }
 
-/// Returns the direction of [`grown_tangent`], with the length of the tile's direction, up to 1.
+/// Returns the direction of [`grown_tangent`], scaled to the length of the tile's direction, at most 1.
 pub fn hair_direction(direction: Vec3, share: f32, slope: f32) -> Vec3 {
     let grown = grown_tangent(direction, share, slope);
     grown * (direction.dot(direction) / grown.dot(grown).max(1e-30)).sqrt()
@@ -72,7 +73,7 @@ mod tests {
 
     #[test]
     fn shorter_hair_lies_flatter() {
-        // Two points of a strand of the tile, in tile heights; a vertex with a quarter of the height, which leans.
+        // Two points of a strand, in tile heights, on a vertex whose hair leans and has a quarter of the height.
         let (low, high) = (Vec3::new(0.1, -0.05, 0.5), Vec3::new(0.103, -0.046, 0.504));
         let (lean, quarter) = (0.3, 0.25);
         let point = |p: Vec3| Vec3::new(p.x, p.y, 0.0) + hair_offset(Vec3::Z, Vec3::Y, lean, p.z, quarter);

@@ -1,9 +1,9 @@
-//! Layers of fur: their heights, and the layers drawn in each level of detail.
+//! Layers of fur: their heights, and the layers drawn at each level of detail.
 
 use crate::DetailLevel;
 
-/// Number of layers, layer 0 included, drawn into a map of the fur's total transmittance. The transmittance hardly
-/// depends on the layer count.
+/// Number of layers, layer 0 included, that are drawn into a map of the fur's total transmittance. The transmittance
+/// hardly depends on the layer count.
 pub const TOTAL_MAP_LAYERS: u32 = 3;
 
 /// Returns the height of a layer, as a share of the fur's height: 0 for layer 0, on the surface, and 1 for the
@@ -12,36 +12,37 @@ pub fn layer_height(layer: u32, layers: u32) -> f32 {
     layer as f32 / (layers - 1) as f32
 }
 
-/// Returns how many of the `baked` layers a layer in 1..`baked` represents in a level of that step: itself and those
-/// below it, down to the next drawn layer. 0 if the level does not draw it, and in a level of step 0, which draws no
-/// layers.
+/// Returns how many of the `baked` layers are represented by layer `layer`, in 1..`baked`, at a level of detail with
+/// step `step`. It represents itself and the layers below it, down to the next drawn layer. 0 if the level does not
+/// draw it; a level of step 0 draws no layers.
 pub fn represented_layers(layer: u32, baked: u32, step: u32) -> u32 {
     if step == 0 || !(baked - 1 - layer).is_multiple_of(step) { 0 } else { step.min(layer) }
 }
 
-/// Returns the number of layers that a level of that step draws of `baked`, layer 0 excluded.
+/// Returns the number of layers, of `baked`, that a level of detail with step `step` draws; layer 0 is excluded.
 pub fn detail_count(baked: u32, step: u32) -> u32 {
     if step == 0 || baked < 2 { 0 } else { (baked - 2) / step + 1 }
 }
 
-/// Returns the number of layers drawn by a level of that step, 1 or more, but not by the next, with step `2 * step`.
+/// Returns the number of layers that a level with step `step`, 1 or more, draws but the next level, with step `2 *
+/// step`, does not.
 pub fn detail_pairs(baked: u32, step: u32) -> u32 {
     detail_count(baked, step) - detail_count(baked, 2 * step)
 }
 
-/// Returns the lowest layer drawn of `baked`, 2 or more, if every `step`-th is drawn.
+/// Returns the lowest layer drawn if every `step`-th of `baked` layers, 2 or more, is drawn.
 fn lowest(baked: u32, step: u32) -> u32 {
     (baked - 2) % step + 1
 }
 
-/// Returns the share in which a layer in 1..`baked` has changed from a level of that step to the next; `gone` is the
-/// number of [`detail_pairs`] that have changed.
+/// Returns how far the change from a level with step `step` to the next has progressed for a layer in 1..`baked`,
+/// 0..=1. `gone` is the number of [`detail_pairs`] that have changed.
 ///
-/// Layers are removed one after another, from the surface outwards. Each gives its opacity to the next layer above,
-/// while all others stay as they are. So the transition passes through every number of layers between both levels.
+/// Layers are removed one after another, from the surface outwards. Each gives its opacity to the next drawn layer
+/// above; all others stay as they are. So the transition passes through every layer count between the two levels.
 pub fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
     let kept = lowest(baked, 2 * step);
-    // The lowest layer that is kept may have none below it to represent.
+    // The lowest layer that is kept may have no layer below it to represent.
     let first = u32::from(kept <= step);
     let pair = (layer + step).saturating_sub(kept) / (2 * step);
     (gone - pair.saturating_sub(first) as f32).clamp(0.0, 1.0)
@@ -52,7 +53,7 @@ pub fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
 pub fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     let kept = lowest(baked, 2 * step);
     let first = u32::from(kept <= step);
-    // Pairs with one layer left.
+    // Number of pairs of which only one layer is left.
     let thinned = gone as u32 + first;
     if gone >= 1.0 && index < thinned {
         kept + 2 * step * index
@@ -61,23 +62,24 @@ pub fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     }
 }
 
-/// Returns the level of detail for fur that is `px` pixels high, and the share of the transition to the next level.
+/// Returns the index of the level of detail for fur that is `px` pixels high, and the progress of the transition to the
+/// next level, 0..=1.
 ///
-/// Between two levels the number of layers equals the height of the fur in pixels.
+/// During a transition, the number of layers equals the height of the fur in pixels.
 pub fn detail_position(levels: &[DetailLevel], px: f32) -> (usize, f32) {
     let last = levels.len().saturating_sub(1);
     let level = levels.iter().position(|level| px > level.gone_px).unwrap_or(last);
     let Some(found) = levels.get(level).filter(|found| level < last && px < found.full_px) else { return (level, 0.0) };
-    // A level with `gone_px` 0 never fades.
+    // If `gone_px` is 0, the level never fades.
     let fade = if found.gone_px > 0.0 { (found.full_px - px) / (found.full_px - found.gone_px) } else { 0.0 };
     (level, fade.clamp(0.0, 1.0))
 }
 
-/// Maximum deviation from the mesh of simplified index lists drawn instead of it, pixels.
+/// Maximum deviation, in pixels, of a simplified index list from the mesh that it replaces.
 pub const MOST_DEVIATION_PX: f32 = 0.5;
 
-/// Returns the simplest index list that deviates by at most [`MOST_DEVIATION_PX`]: 0 for the mesh itself, k for list k
-/// − 1.
+/// Returns the simplest index list that deviates by at most [`MOST_DEVIATION_PX`]: 0 for the mesh itself, k for list
+/// number k − 1.
 ///
 /// * `deviations_m`: deviation of each list, metres, ascending
 /// * `px_per_m`: pixels per metre
@@ -99,7 +101,7 @@ mod tests {
         assert_eq!([8.0, 7.0, 2.0].map(at), [(2, 0.0); 3], "levels without a range switch at once");
         assert_eq!([1.0, 0.1, 0.0].map(at), [(3, 0.0); 3]);
         assert_eq!((at(14.0), at(1.25)), ((0, 0.5), (2, 0.75)), "layers are as many as pixels");
-        // The last level of a package without far layer, and a level that never fades.
+        // The last level of a package without far layer never fades.
         let endless = [level(1, 4.0, 0.0), level(2, 0.0, 0.0)];
         assert_eq!((detail_position(&endless, 0.5), detail_position(&endless[..1], 0.0)), ((0, 0.0), (0, 0.0)));
     }
@@ -108,7 +110,7 @@ mod tests {
     fn simplest_list_within_the_pixel_tolerance_is_selected() {
         let deviations = [0.5, 2.0];
         assert_eq!([2.0, 1.0, 0.26, 0.25, 0.0].map(|px_per_m| simplest_list(&deviations, px_per_m)), [0, 1, 1, 2, 2]);
-        // With the eye inside the bounds, and for a package without lists.
+        // The mesh itself is selected if the eye is inside the bounds, or if the package has no lists.
         assert_eq!((simplest_list(&deviations, f32::INFINITY), simplest_list(&[], 1.0)), (0, 0));
     }
 
@@ -145,7 +147,7 @@ mod tests {
                 for gone in 0..=pairs {
                     let layers = drawn(gone);
                     assert!(layers.is_sorted_by(|a, b| a < b), "{layers:?}: {baked} layers, step {step}, {gone} gone");
-                    // The fade agrees, and a half-faded layer is still drawn.
+                    // `detail_fade` must agree, and a half-faded layer is still drawn.
                     let whole: Vec<u32> = drawn(0)
                         .into_iter()
                         .filter(|l| {

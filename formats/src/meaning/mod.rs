@@ -1,8 +1,8 @@
 //! Meaning of the numbers in a package, defined once for all readers: posed vertices, points of hair, layers per level
 //! of detail, opacity of fins, colour encoding and camera orientation.
 //!
-//! The runtime's shaders implement the same in WGSL. Its tests compare shader, function and an f64 reference. The
-//! functions for points of hair accept f32 and f64, because tracing single hairs from afar needs the precision.
+//! The runtime's shaders implement the same in WGSL. Its tests compare the shader, the function and an f64 reference.
+//! The functions for points of hair accept f32 and f64, because single hairs seen from afar can only be traced in f64.
 
 mod direction;
 pub mod environment;

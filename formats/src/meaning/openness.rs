@@ -1,15 +1,15 @@
-//! Openness: the directions that the body leaves open to its hair. Ears, legs and belly hide part of the sky, and
-//! convex surfaces open more than a hemisphere.
+//! Openness: the directions in which the body does not hide the surroundings from its hair. Ears, legs and belly hide
+//! part of the sky; convex surfaces are open to more than a hemisphere.
 
 use glam::Vec3;
 
-/// Directions left open by the body to the hair tips at a surface point, or to the bare surface, at rest.
+/// Directions not hidden by the body, at rest, from the hair tips at a surface point, or from the bare surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Openness {
     /// Share of all directions that is open, 0..=1; 0.5 above a plane.
     pub share: f32,
-    /// Components along u and v of the tile of the unit vector towards the centre of the open directions; length at
-    /// most 1. The centre is never below the surface's horizon.
+    /// Tangential components, along u and v of the tile, of the unit vector towards the centre of the open directions;
+    /// length at most 1. The centre is never below the surface's horizon.
     pub tangential: [f32; 2],
 }
 
@@ -21,10 +21,10 @@ impl Default for Openness {
 }
 
 impl Openness {
-    /// Returns the four bytes in a package: share as unorm, vector as snorm, 0.
+    /// Returns the four bytes stored in a package: share as unorm, the two tangential components as snorm, 0.
     pub fn to_bytes(self) -> [u8; 4] {
         let share = (self.share.clamp(0.0, 1.0) * 255.0).round() as u8;
-        // Rounded towards 0, so that the stored vector is never longer than 1.
+        // Round towards 0, so that the stored vector is never longer than 1.
         let [u, v] = self.tangential.map(|x| (x.clamp(-1.0, 1.0) * 127.0) as i8 as u8);
         [share, u, v, 0]
     }
@@ -34,8 +34,8 @@ impl Openness {
         Self { share: f32::from(share) / 255.0, tangential: [u, v].map(|x| (f32::from(x as i8) / 127.0).max(-1.0)) }
     }
 
-    /// Returns the vector towards the centre of the open directions, as long as the share: along u and v of the tile
-    /// and the surface normal.
+    /// Returns the vector towards the centre of the open directions, whose length is the open share. Its components are
+    /// along u and v of the tile and along the surface normal.
     pub fn vector(self) -> Vec3 {
         let [u, v] = self.tangential;
         self.share * Vec3::new(u, v, (1.0 - u * u - v * v).max(0.0).sqrt())

@@ -1,27 +1,27 @@
-//! Root of the hair that is seen at a point of the tile: `FORMAT.md`, "ROOT".
+//! Root of the hair that is visible at a point of the tile: `FORMAT.md`, "ROOT".
 
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Lateral offset of hair at one height from its root, widths of the tile.
+/// Lateral offset of hair at one height from its root, tile widths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RootOffset {
     /// Offset of hair that points straight away from the surface, along u and v.
     pub mean: [f32; 2],
-    /// Additional offset per unit of the lateral component of its unit direction.
+    /// Additional offset per unit of the lateral component of the hair's unit direction.
     pub along: f32,
 }
 
 impl RootOffset {
-    /// Returns the offset along u and v from the root of hair to the point where it is seen, widths of the tile.
+    /// Returns the offset along u and v from the root of a hair to the point where the hair is visible, tile widths.
     ///
-    /// * `direction` - of the hair there, in the frame of the tile, unit length
+    /// * `direction` - of the hair at that point, in the frame of the tile, unit length
     pub fn offset(&self, direction: Vec3) -> Vec2 {
         root_offset(Vec2::from(self.mean).extend(self.along), direction)
     }
 }
 
-/// Returns the offset from the root of hair to the point where it is seen. `aside` is mean and along of an
+/// Returns the offset from the root of a hair to the point where it is visible. `aside` holds `mean` and `along` of a
 /// [`RootOffset`], in any unit.
 pub fn root_offset(aside: Vec3, direction: Vec3) -> Vec2 {
     aside.truncate() + direction.truncate() * aside.z

@@ -16,7 +16,7 @@ pub fn blend(m0: Mat4, m1: Mat4, m2: Mat4, m3: Mat4, weights: Vec4) -> Mat4 {
     if !weights.cmpgt(Vec4::ZERO).any() {
         return Mat4::IDENTITY;
     }
-    // Zero comes first, so that no sum is -0.
+    // Start with zero, so that no sum is -0.
     Mat4::ZERO + weighted(m0, weights.x) + weighted(m1, weights.y) + weighted(m2, weights.z) + weighted(m3, weights.w)
 }
 
@@ -38,11 +38,11 @@ pub fn normalize_or(v: Vec3, fallback: Vec3) -> Vec3 {
 }
 
 /// Transforms a unit normal by a matrix that may scale unevenly, mirror or collapse. The result always has unit length
-/// and stays outward.
+/// and points outwards.
 ///
-/// The cofactor matrix is the inverse transpose times the determinant. It needs no division, so it survives a zero
-/// scale; its sign is that of the determinant, which is removed again. A normal that collapses to zero keeps its old
-/// direction.
+/// The cofactor matrix is the inverse transpose times the determinant. It needs no division, so it is valid even for a
+/// zero scale. It has the sign of the determinant, which is removed again. A normal that collapses to zero keeps its
+/// old direction.
 pub fn transform_normal(m: Mat3, normal: Vec3) -> Vec3 {
     let cofactor = Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     normalize_or(cofactor * normal * handedness_of(m), normal)
@@ -53,8 +53,8 @@ pub fn handedness_of(m: Mat3) -> f32 {
     if m.x_axis.dot(m.y_axis.cross(m.z_axis)) < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// Transforms a stored vertex by `matrix` ([`skin_matrix`]). The tangent is transformed as well, and then neither unit
-/// nor perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged.
+/// Transforms a stored vertex by `matrix` ([`skin_matrix`]). The transformed tangent is neither unit length nor
+/// perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged.
 pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     let linear = Mat3::from_mat4(matrix);
     let [x, y, z, handedness] = vertex.tangent;
@@ -66,9 +66,9 @@ pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     }
 }
 
-/// Applies morph targets to a stored vertex; `shifts` are the differences of the weights from their values at rest
-/// ([`Pose::shifts`]). The tangent is then neither unit nor perpendicular to the normal, as in [`posed`]. A vertex that
-/// no weight moves is unchanged, bit for bit.
+/// Applies morph targets to a stored vertex. `shifts` are the differences of the weights from their values at rest
+/// ([`Pose::shifts`]). The resulting tangent is neither unit length nor perpendicular to the normal, as in [`posed`]. A
+/// vertex that no weight moves is unchanged, bit for bit.
 pub fn morphed(vertex: &GeometryVertex, deltas: &[MorphDelta], shifts: &[f32]) -> GeometryVertex {
     let [x, y, z, handedness] = vertex.tangent;
     let stored = [vertex.position.into(), Vec3::from(vertex.normal), Vec3::new(x, y, z)];
@@ -93,8 +93,8 @@ pub fn morphed(vertex: &GeometryVertex, deltas: &[MorphDelta], shifts: &[f32]) -
     }
 }
 
-/// Returns the vertices of a mesh in a pose ([`morphed`], then [`posed`]); for a mesh without joints, the stored
-/// vertices.
+/// Returns the vertices of a mesh in a pose ([`morphed`], then [`posed`]). For a mesh without joints, returns the
+/// stored vertices.
 pub fn posed_vertices(
     mesh: &MeshView<'_>,
     morphs: Option<&Morphs>,
@@ -140,7 +140,7 @@ mod tests {
         }
         assert_eq!(transform_normal(Mat3::ZERO, normal), normal);
         assert_eq!(normalize_or(Vec3::NAN, Vec3::Y), Vec3::Y);
-        // Stretched along x, a slope turns away from x.
+        // If a slope is stretched along x, its normal turns away from x.
         let stretched = transform_normal(Mat3::from_diagonal(Vec3::new(2.0, 1.0, 1.0)), Vec3::new(0.6, 0.8, 0.0));
         assert!(stretched.distance(Vec3::new(0.3, 0.8, 0.0).normalize()) < 1e-6, "{stretched}");
     }

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte| decode(byte as f64 / 255.0) as f32));
 
-/// Byte at which the search starts, for each interval of 0..=1: slicing encodes some 10⁸ values.
+/// Byte at which the search starts, for each interval of 0..=1. It saves time because slicing encodes some 10⁸ values.
 static START: LazyLock<[u8; INTERVALS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let x = i as f32 / INTERVALS as f32;
@@ -38,7 +38,7 @@ pub fn linear_to_srgb(linear: f32) -> u8 {
     while below < 254 && table[below + 1] < linear {
         below += 1;
     }
-    // Nearest in linear light suits a filter that sums linear light.
+    // Choose the byte that is nearest in linear light, because filters sum linear light.
     let up = linear - table[below] >= table[below + 1] - linear;
     (below + usize::from(up)) as u8
 }

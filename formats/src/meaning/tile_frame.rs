@@ -69,7 +69,7 @@ mod tests {
                 assert_eq!(to_tile(frame, normal).z, normal.dot(normal));
             }
         }
-        // Nothing remains of a tangent along the normal.
+        // A tangent along the normal is replaced by any perpendicular.
         let frame = tile_frame(Vec3::Y, Vec3::Y, 1.0);
         assert!(frame.tangent_ws.dot(Vec3::Y).abs() < 1e-6 && (frame.tangent_ws.length() - 1.0).abs() < 1e-6);
         let [t, b] = tile_axes_f64(DVec3::Y, DVec3::ZERO, 1.0);

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 
-/// Cosine to the vertical axis above which a view, within 0.8° of it, has no up direction of its own.
+/// Cosine of the angle to the vertical axis, 0.8°, below which a view has no up direction of its own.
 const STRAIGHT: f32 = 0.9999;
 
 /// Returns the up direction of the view in world space: +Y, or −Z if the view is straight up or down.
@@ -18,8 +18,8 @@ pub fn view_axes(eye: Vec3, target: Vec3) -> [Vec3; 3] {
     [right, backward.cross(right), backward]
 }
 
-/// Returns the transform from world to view space for that camera: rotation and translation, no scale. If `eye` equals
-/// `target`, the camera looks along −Z.
+/// Returns the transform from world to view space for a camera at `eye` that looks at `target`: rotation and
+/// translation, no scale. If `eye` equals `target`, the camera looks along −Z.
 pub fn view_from_world(eye: Vec3, target: Vec3) -> Mat4 {
     let [right, up, backward] = view_axes(eye, target);
     Mat4::from_cols(right.extend(0.0), up.extend(0.0), backward.extend(0.0), eye.extend(1.0)).inverse()

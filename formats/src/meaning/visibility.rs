@@ -1,39 +1,41 @@
-//! Visibility of a distant light from a point of the tile's hair: t = s(ω.z) clamp(c₀ + c · ω, 0, 1), where ω is the
-//! unit vector towards the light in the tile. `FORMAT.md`, "VISI".
+//! Visibility of a distant light from a point of the tile's hair: t = s(ω.z) clamp(c₀ + c · ω, 0, 1). ω is the unit
+//! vector towards the light in the tile; s is [`above_horizon`]; a texel stores c₀ and c. `FORMAT.md`, "VISI".
 
 use glam::{Vec3, Vec4};
 
-/// Height z of the mean direction towards lights. For light from there, t is a texel's alpha, whatever the slopes.
+/// Component z of the mean direction towards lights. At ω = (0, 0, z), c₀ + c · ω is a texel's alpha, whatever the
+/// slopes c.
 pub const VISIBILITY_MEAN_Z: f32 = 0.585;
 
-/// Steps per unit of a slope: (byte − 128) / 64.
+/// Steps of a byte per unit of a slope, which is (byte − 128) / 64.
 const STEPS: f32 = 64.0;
 
-/// Encodes coefficients (c₀, c) in four bytes: c in red, green and blue, −2 to just below 2; in alpha c₀ + c.z
-/// [`VISIBILITY_MEAN_Z`], 0..=1.
+/// Encodes coefficients (c₀, c) in four bytes. Red, green and blue hold c, from −2 to just below 2. Alpha holds c₀ +
+/// c.z [`VISIBILITY_MEAN_Z`], 0..=1.
 pub fn encode_visibility(c: Vec4) -> [u8; 4] {
     let slope = |x: f32| (STEPS * x + 128.0).round().clamp(0.0, 255.0) as u8;
     let mean = (c.x + c.w * VISIBILITY_MEAN_Z).clamp(0.0, 1.0);
     [slope(c.y), slope(c.z), slope(c.w), (255.0 * mean).round() as u8]
 }
 
-/// Returns s for a light whose direction has height z above the tile's surface: 1 − exp(−k z), 0 from the horizon down.
-/// The lower the light, the longer its path through the hair, whatever the hair.
+/// Returns the factor s for a light whose direction has component z along the tile's normal: 1 − exp(−k z), where k is
+/// `horizon`. It is 0 at and below the horizon. The lower the light, the longer its path through any hair.
 pub fn above_horizon(z: f32, horizon: f32) -> f32 {
     -libm::expm1f(-horizon * z.max(0.0))
 }
 
-/// Returns the share of a light that reaches hair at a texel with values 0..=1; `towards` comes from [`light_in_tile`].
+/// Returns the share of a light that reaches the hair at a texel, whose components are 0..=1. `towards` comes from
+/// [`light_in_tile`].
 pub fn visibility_towards(texel: Vec4, towards: Vec3, horizon: f32) -> f32 {
     let slopes = texel.truncate() * (255.0 / STEPS) - 128.0 / STEPS;
     (texel.w + slopes.dot(towards - Vec3::Z * VISIBILITY_MEAN_Z)).clamp(0.0, 1.0) * above_horizon(towards.z, horizon)
 }
 
-/// Returns the direction in the tile of a light in the direction `towards` (tile frame), for shorter or leaning hair.
-/// Inverts the deformation of the tile into that hair.
+/// Converts `towards`, the direction of a light in the tile frame, to the undeformed tile, for hair that is shorter or
+/// leans. This inverts the deformation of the tile into that hair.
 ///
-/// * `share` - the vertex's height of the fur over `FurInfo::height_m`
-/// * `slope` - [`super::lean_slope`]
+/// * `share` - the vertex's fur height divided by `FurInfo::height_m`
+/// * `slope` - result of [`super::lean_slope`]
 pub fn light_in_tile(towards: Vec3, share: f32, slope: f32) -> Vec3 {
     let upright = Vec3::new(share * towards.x, share * (towards.y - slope * towards.z), towards.z);
     upright * upright.dot(upright).max(1e-30).sqrt().recip()

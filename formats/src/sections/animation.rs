@@ -39,7 +39,7 @@ impl Package<'_> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds skeleton and clips. The animation of morph targets belongs to their own section: [`PackageWriter::morphs`].
+    /// Adds skeleton and clips. The animation of morph targets is in a section of its own: [`PackageWriter::morphs`].
     pub fn animation(self, animation: &Animation) -> Self {
         self.encoded(Tag::ANIMATION, encode_section(Tag::ANIMATION, animation))
     }
@@ -47,8 +47,8 @@ impl PackageWriter<'_> {
 
 /// Skeleton and clips of a model.
 ///
-/// Every vertex of a package with this section follows up to four joints, including rigid parts, which follow their
-/// node.
+/// In a package with this section, every vertex is skinned to up to four joints. Rigid parts are included: they follow
+/// their node.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Animation {
     /// Nodes, each after its parent.
@@ -77,7 +77,7 @@ pub struct Node {
     pub scale: [f32; 3],
 }
 
-/// Joint: a node, with its transform from the space of the stored vertices.
+/// Joint: a node, with the transform from the space of the stored vertices to the node's space.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
     /// Index into [`Animation::nodes`].
@@ -93,7 +93,7 @@ pub struct Clip {
     pub name: String,
     /// Time of the last key of all channels, seconds.
     pub duration_s: f32,
-    /// Curves; nodes without a curve keep their rest transform.
+    /// Curves; a property without a curve keeps its value at rest.
     pub channels: Vec<Channel>,
 }
 
@@ -133,16 +133,16 @@ pub struct MorphTarget {
 pub struct MorphChannel {
     /// Index into [`Animation::clips`].
     pub clip: u32,
-    /// Index of the first target that it moves.
+    /// Index of the first target whose weight the curve drives.
     pub target: u32,
-    /// Number of targets that it moves, at least one.
+    /// Number of targets whose weights the curve drives, at least one.
     pub count: u32,
     /// Interpolation between keys.
     pub interpolation: Interpolation,
     /// Key times, seconds, strictly increasing, at least one.
     pub times: Vec<f32>,
-    /// `times.len() * count` weights, three times as many for [`Interpolation::Cubic`]: the in-tangents of all targets,
-    /// their values, their out-tangents.
+    /// `times.len() * count` weights; three times as many for [`Interpolation::Cubic`]. Each cubic key holds the
+    /// in-tangents of all targets, then their values, then their out-tangents.
     pub values: Vec<f32>,
 }
 
@@ -182,7 +182,7 @@ impl Interpolation {
 pub struct Channel {
     /// Index into [`Animation::nodes`].
     pub node: u32,
-    /// Property that it drives.
+    /// Property that the curve drives.
     pub property: Property,
     /// Interpolation between keys.
     pub interpolation: Interpolation,
@@ -193,7 +193,7 @@ pub struct Channel {
 }
 
 impl MorphChannel {
-    /// Returns the length that `values` must have for its keys; `None` if it is too large to represent.
+    /// Returns the required length of `values` for the number of keys; `None` if it is too large to represent.
     pub(crate) fn expected_values(&self) -> Option<usize> {
         let width = self.interpolation.values_per_key().checked_mul(self.count as usize)?;
         self.times.len().checked_mul(width)
@@ -214,8 +214,8 @@ impl MorphChannel {
 }
 
 impl Animation {
-    /// Checks every index, count and number, for [`crate::Pose`] to rely on. Returns the path of the fault, what was
-    /// found and what was expected.
+    /// Checks every index, count and number, so that [`crate::Pose`] can rely on them. Returns the path of the fault,
+    /// what was found and what was expected.
     fn check(&self) -> Result<(), String> {
         let finite = |values: &[f32]| values.iter().all(|v| v.is_finite());
         for (i, node) in self.nodes.iter().enumerate() {
@@ -251,8 +251,8 @@ impl Animation {
 }
 
 impl Channel {
-    /// Returns the length that `values` must have for its keys; `None` if there are no keys, or if it is too large to
-    /// represent.
+    /// Returns the required length of `values` for the number of keys; `None` if there are no keys, or if it is too
+    /// large to represent.
     pub(crate) fn expected_values(&self) -> Option<usize> {
         let keys = Some(self.times.len()).filter(|keys| *keys > 0)?;
         keys.checked_mul(self.property.components() * self.interpolation.values_per_key())
@@ -266,8 +266,8 @@ impl Channel {
     }
 }
 
-/// Checks that a curve has ascending keys, and `expected` finite numbers for them. Returns the fault, to be appended to
-/// the curve's path.
+/// Checks that a curve has ascending keys and `expected` finite numbers for them. Returns a description of the fault,
+/// to be appended to the curve's path.
 pub(super) fn check_keys(times: &[f32], values: &[f32], expected: Option<usize>) -> Result<(), String> {
     let expected = expected.unwrap_or(0);
     if times.is_empty() || values.len() != expected {

@@ -26,7 +26,7 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[how fibres scatter light](#fibr-fibres)", how_many: "at most one", place: "any" },
 };
 
-/// Array layers of each fibre in the texture: along it, and around it.
+/// Number of array layers of each fibre in the texture: the table along the fibre, and the table around it.
 pub const FIBRE_LAYERS: u32 = 2;
 
 /// Light scattering of a package's fibres.
@@ -35,7 +35,7 @@ pub struct FibreInfo {
     /// Index into the manifest's `textures`: half floats, square, [`FIBRE_LAYERS`] array layers for each fibre, laid
     /// out as in [`crate::meaning::scattering::tables`].
     pub texture: u32,
-    /// Fibres; that of the fur first. At most [`FibreInfo::MOST`].
+    /// Fibres; the fibre of the fur first. At most [`FibreInfo::MOST`].
     pub fibres: Vec<FibreOptics>,
     /// Properties of each fibre that need no table.
     pub means: Vec<FibreMeans>,
@@ -52,9 +52,9 @@ pub struct FibreOptics {
     pub eta: f32,
     /// Standard deviation of the reflected lobe along the fibre, radians of the half angle, 0.01..=1.
     pub along: f32,
-    /// Tilt of that lobe by the scales, towards the root, radians of the half angle, −0.5..=0.5.
+    /// Tilt of that lobe due to the cuticle scales, towards the root, radians of the half angle, −0.5..=0.5.
     pub tilt: f32,
-    /// Scale of the azimuthal logistic distribution, radians, 0.01..=5; practically uniform from 4 on.
+    /// Scale of the azimuthal logistic distribution, radians, 0.01..=5; practically uniform from 4 upwards.
     pub around: f32,
 }
 
@@ -149,7 +149,7 @@ impl<'a> Package<'a> {
             return Err(self.texture_fault(info.texture, &reason));
         }
         let numbers = (0..view.levels).flat_map(|level| view.level(level).chunks_exact(2));
-        // All bits of the exponent set: infinity or NaN.
+        // If all bits of the exponent are set, the number is infinity or NaN.
         if numbers.into_iter().any(|half| half[1] & 0x7c == 0x7c) {
             return Err(self.texture_fault(info.texture, "has a number that is not finite, expected tables of fibres"));
         }

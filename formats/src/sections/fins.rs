@@ -31,8 +31,8 @@ pub(crate) const KIND: Kind = Kind {
 impl<'a> Package<'a> {
     /// Returns the fins; `None` if the package has none. Every fin is checked once; the result is cached.
     ///
-    /// Fails if only one of fins and the manifest's fin textures is present, if the parts are not the manifest's, or if
-    /// a vertex or slab of a fin does not exist.
+    /// Fails in these cases: only one of fins and the manifest's fin textures is present; the number of parts is not
+    /// that of the manifest; a vertex or slab of a fin does not exist.
     pub fn fins(&self) -> Result<Option<FinsView<'a>>, FormatError> {
         let (info, (index, section)) = match (&self.manifest().fur.fins, self.find(Tag::FINS, 0)) {
             (None, None) => return Ok(None),
@@ -72,8 +72,8 @@ impl<'a> Package<'a> {
 
     /// Returns the two fin textures; `None` if the package has no fins.
     ///
-    /// Fails if a texture is damaged or inconsistent with [`crate::FinInfo`]: `slabs` array layers of `width` by
-    /// `height` texels, colour with four components, directions in a format that is not sRGB.
+    /// Fails if a texture is damaged or inconsistent with [`crate::FinInfo`]. It must have `slabs` array layers of
+    /// `width` by `height` texels. Colour needs four components; directions need a format that is not sRGB.
     pub fn fin_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
         let Some(fins) = &self.manifest().fur.fins else { return Ok(None) };
         let size = (fins.width, fins.height, fins.slabs);
@@ -98,11 +98,12 @@ pub struct Fin {
     pub b: u32,
     /// Coordinate u of the fin textures at `a`, 0..=1.
     pub start: f32,
-    /// Increase of the coordinate u from `a` to `b`; negative if the edge runs against the slab.
+    /// Increase of the coordinate u from `a` to `b`; negative if the edge runs against the direction of the slab.
     pub length: f32,
-    /// Array layer of the fin textures, less than [`crate::FinInfo::slabs`].
+    /// Array layer of the fin textures, less than [`crate::FinInfo::slabs`]. Each layer is a slab: a slice through the
+    /// tile.
     pub slab: u32,
-    /// Factor on the fin's opacity, 0..=1; less where fins are dense.
+    /// Factor on the fin's opacity, 0..=1; smaller where fins are dense.
     pub opacity: f32,
 }
 
@@ -142,7 +143,7 @@ struct Counts {
     fins: u32,
 }
 
-/// Returns the offset of the first fin and the end, relative to the section.
+/// Returns the offset of the first fin, and the end of the section, relative to its start.
 fn layout(parts: u64, fins: u64) -> [u64; 2] {
     let first = (HEADER_BYTES + 4 * parts).next_multiple_of(16);
     [first, first + fins * size_of::<Fin>() as u64]
@@ -213,7 +214,7 @@ impl<'a> FinsView<'a> {
         Ok(view)
     }
 
-    /// Returns the view of a section with these counts, whose length matches them.
+    /// Returns the view of a section with the given counts; its length must match them.
     fn of(bytes: &'a [u8], counts: Counts) -> Self {
         let [first, end] = layout(counts.parts.into(), counts.fins.into());
         Self {

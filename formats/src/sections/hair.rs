@@ -36,7 +36,7 @@ const MOST_POINTS: u32 = 65;
 pub struct TrianglePoint {
     /// Index of the triangle.
     pub triangle: u32,
-    /// Weights of its corners, with sum 1.
+    /// Weights of the triangle's corners, with sum 1.
     pub weights: [f32; 3],
 }
 
@@ -46,7 +46,7 @@ impl TrianglePoint {
         corners[0] * self.weights[0] + corners[1] * self.weights[1] + corners[2] * self.weights[2]
     }
 
-    /// Returns the weights of the second and third corner as stored in [`HairGroup::guide_roots`].
+    /// Returns the weights of the second and third corner, as stored in [`HairGroup::guide_roots`].
     pub fn stored_weights(&self) -> [u16; 2] {
         let [_, b, c] = self.weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u16);
         [b, c.min(65535 - b)]
@@ -76,19 +76,19 @@ pub struct HairGroup {
     pub tip_color: [u8; 3],
     /// Variation of the brightness of single hairs about these colours, 0..=1.
     pub color_variation: f32,
-    /// Share of the guides' length that the shortest hair lacks, 0..=0.95.
+    /// Difference between the guides' length and the shortest hair, as a share of the guides' length, 0..=0.95.
     pub length_variation: f32,
-    /// How far the tips of a lock's hairs are drawn together, 0..=1.
+    /// Strength with which the tips of a lock's hairs are drawn together, 0..=1.
     pub clump: f32,
-    /// Hairs of a lock, 1 or more.
+    /// Number of hairs of a lock, 1 or more.
     pub lock_hairs: u32,
-    /// Lateral offset of the tips of stray hairs, over their length, 0..=1.
+    /// Lateral offset of the tips of stray hairs, as a share of their length, 0..=1.
     pub stray: f32,
     /// Triangles with hair, each with its relative hair density, above 0 and at most 65535.
     pub scalp: Vec<(u32, u16)>,
     /// For each guide, the triangle of its root, and the weights of its second and third corner, in units of 1/65535.
     pub guide_roots: Vec<(u32, [u16; 2])>,
-    /// Length represented by the largest stored coordinate, metres.
+    /// Length represented by the largest value of a stored coordinate, metres.
     pub reach_m: f32,
     /// For each guide, all points but the root, relative to the root in the frame of its triangle, in units of
     /// `reach_m` / 32767.
@@ -101,8 +101,8 @@ impl HairGroup {
 
     /// Sets the guides.
     ///
-    /// * `guides`: root of each guide, and its other points relative to the root in the frame of its triangle, metres;
-    ///   the same number for each
+    /// * `guides`: for each guide, its root, and its other points relative to the root in the frame of the root's
+    ///   triangle, metres. All guides have the same number of points.
     pub fn set_guides(&mut self, guides: &[(TrianglePoint, Vec<Vec3>)]) {
         let all = || guides.iter().flat_map(|(_, points)| points);
         self.guide_points = guides.first().map_or(2, |(_, points)| points.len() as u32 + 1);
@@ -120,8 +120,8 @@ impl HairGroup {
         })
     }
 
-    /// Returns the points of a stored guide relative to its root, which is the first, in the frame of its triangle,
-    /// metres.
+    /// Returns the points of a stored guide relative to its root, which is the first, in the frame of the root's
+    /// triangle, metres.
     pub fn guide(&self, index: usize) -> Vec<Vec3> {
         let each = self.guide_points as usize - 1;
         let offsets = &self.guide_offsets[index * each..(index + 1) * each];
@@ -138,7 +138,7 @@ impl HairGroup {
     pub fn reach(&self) -> f32 {
         let squared = |o: &[i16; 3]| o.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
         let farthest = self.guide_offsets.iter().map(squared).fold(0.0, f64::max).sqrt() / 32767.0;
-        // Stray and clumped hairs leave their guides.
+        // Stray and clumped hairs reach beyond their guides.
         (farthest * f64::from(self.reach_m * (1.0 + 1.8 * self.stray))) as f32
     }
 

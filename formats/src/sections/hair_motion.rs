@@ -33,8 +33,8 @@ const FARTHEST_M: f32 = 1e6;
 pub struct HairMotion {
     /// Motion of each group of the section `HAIR`, in the same order.
     pub groups: Vec<GroupMotion>,
-    /// For each group, the freedom of each guide, a factor on [`GroupMotion::freedom`]: 0 to 255 for 0 to 1; empty if
-    /// all are free.
+    /// For each group, the freedom of each guide, 0 to 255 for 0 to 1. It is a factor on [`GroupMotion::freedom`]. An
+    /// empty list means that all guides are free.
     pub freedom: Vec<Vec<u8>>,
     /// Colliders of the body: at most [`HairMotion::MOST_COLLIDERS`].
     pub colliders: Vec<BodyCollider>,
@@ -43,17 +43,17 @@ pub struct HairMotion {
 /// Motion of a group's hair.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GroupMotion {
-    /// Share of a hair, from its root, that is fixed to the surface, 0..=1; 1: the hair does not move by itself.
+    /// Share of a hair, from its root, that is fixed to the surface, 0..=1. With 1, the hair does not move by itself.
     pub held: f32,
-    /// Share of a hair, from its root, beyond which it is fully free, from `held` to 1.
+    /// Share of a hair, from its root, beyond which the hair is fully free, `held`..=1.
     pub free: f32,
     /// Drag rate: how fast hair takes on the velocity of the air, 1/s, 0..=1000.
     pub drag_per_s: f32,
-    /// Frequency of the spring to the groomed position, Hz, 0..=100; 0: hair hangs.
+    /// Frequency of the spring to the groomed position, Hz, 0..=100. With 0, hair hangs.
     pub shape_hz: f32,
-    /// Frequency of the spring to the groomed shape of each segment, Hz, 0..=100; 0: hair is limp.
+    /// Frequency of the spring to the groomed shape of each segment, Hz, 0..=100. With 0, hair is limp.
     pub bend_hz: f32,
-    /// Share of its speed along a collider that hair loses in 1/120 s, 0..=1.
+    /// Share of its tangential speed that hair on a collider loses in 1/120 s, 0..=1.
     pub friction: f32,
 }
 
@@ -73,7 +73,7 @@ impl GroupMotion {
     /// Range of `shape_hz` and `bend_hz`.
     pub const HZ: RangeInclusive<f32> = 0.0..=100.0;
 
-    /// Returns the freedom of a point at a share of its hair's length, 0..=1.
+    /// Returns the freedom, 0..=1, of the point at share `share` of its hair's length.
     pub fn freedom(&self, share: f32) -> f32 {
         if share <= self.held {
             return 0.0;
@@ -96,14 +96,14 @@ impl GroupMotion {
     }
 }
 
-/// Capsule attached to a joint; with length 0, a sphere.
+/// Capsule collider attached to a joint; a sphere if its length is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyCollider {
     /// Index into [`crate::Animation::joints`]; 0 for a package without skeleton.
     pub joint: u32,
-    /// First end of its axis, mesh space.
+    /// First end of the axis, mesh space.
     pub from: [f32; 3],
-    /// Second end of its axis, mesh space.
+    /// Second end of the axis, mesh space.
     pub to: [f32; 3],
     /// Radius, above 0, in units of mesh space.
     pub radius: f32,
@@ -113,7 +113,7 @@ impl HairMotion {
     /// Maximum number of colliders.
     pub const MOST_COLLIDERS: usize = 64;
 
-    /// Returns the freedom of a guide, 0..=1, without the factor of its group.
+    /// Returns the freedom of a guide, 0..=1, without the factor [`GroupMotion::freedom`].
     pub fn guide_freedom(&self, group: usize, guide: usize) -> f32 {
         let found = self.freedom.get(group).and_then(|guides| guides.get(guide));
         found.map_or(1.0, |byte| f32::from(*byte) / 255.0)

@@ -78,7 +78,7 @@ impl<'a> Package<'a> {
 /// Textures of the ink style, see [`Package::ink_textures`] and [`InkInfo`].
 #[derive(Clone, Copy, Debug)]
 pub struct InkTextures<'a> {
-    /// Stroke of the sphere map.
+    /// Stroke texture, which is used as a sphere map.
     pub stroke: TextureView<'a>,
     /// Wash, a tile on the surface.
     pub wash: TextureView<'a>,
@@ -99,22 +99,23 @@ impl PackageWriter<'_> {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InkInfo {
-    /// Index into the manifest's `textures`: the stroke, looked up by the normal in the frame perpendicular to the
-    /// view, so that the rim of the unit disc is the outline. One layer, four components, not sRGB. Red is the stroke's
-    /// grey, 0 black to 1 none; green is the same drawn with a dry brush; blue varies its width (mean 0.5).
+    /// Index into the manifest's `textures`: the stroke. One layer, four components, not sRGB. It is looked up by the
+    /// normal in the frame perpendicular to the view, so that the rim of the unit disc is the outline. Red is the grey
+    /// value of the stroke, from 0 for black to 1 for no ink. Green is the same stroke drawn with a dry brush. Blue
+    /// varies its width (mean 0.5).
     pub stroke_texture: u32,
     /// Index into `textures`: a periodic tile on the surface. One layer, four components, not sRGB. Red is the grain of
-    /// the wash, green its blotches, blue the pressure of lines (each of mean 0.5); alpha is a threshold of uniform
-    /// histogram for dry brushes.
+    /// the wash, green its blotches, blue the pressure of lines (each with mean 0.5). Alpha is a threshold for dry
+    /// brushes, with a uniform histogram.
     pub wash_texture: u32,
     /// Index into `textures`: a periodic tile of the paper. One layer, four components, not sRGB. Red is the relief of
-    /// its fibres, green its absorption (each of mean 0.5), blue its tone, 1 for clean paper; alpha is a threshold of
-    /// uniform histogram.
+    /// the paper's fibres, green its absorption (each with mean 0.5), blue its tone (1 for clean paper). Alpha is a
+    /// threshold with a uniform histogram.
     pub paper_texture: u32,
     /// Index into `textures`: strokes of fur in the hair's tile. Two array layers, four components, not sRGB. The first
-    /// layer is seen from above and periodic both ways; the second is seen from the side, like the fin textures. Each
-    /// component is the ink of one density, from few strokes in red to all of them in alpha; ink in one component is
-    /// also in the next.
+    /// layer is seen from above and periodic in both directions; the second is seen from the side, like the fin
+    /// textures. Each component is the ink at one density, from few strokes in red to all strokes in alpha. Ink in one
+    /// component is also in the next.
     pub fur_texture: Option<u32>,
     /// Period of the wash texture on the surface, metres, above 0.
     pub grain_size_m: f32,
@@ -126,15 +127,15 @@ pub struct InkInfo {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InkShading {
-    /// a of Fang 2006, §3, finite (default 0.8): how fast the wash fades from its centre.
+    /// Parameter a of Fang 2006, §3, finite (default 0.8): how fast the wash fades from its centre.
     pub wash_speed: f32,
-    /// b of Fang 2006, §3, finite (default 0.66): grey at the centre, 0 black to 1 white.
+    /// Parameter b of Fang 2006, §3, finite (default 0.66): grey value at the centre, 0 for black to 1 for white.
     pub wash_range: f32,
-    /// Whether the wash depends on the angle alone instead of the printed product (default false).
+    /// Whether the wash depends on the angle alone instead of the published product (default false).
     pub normalised: bool,
     /// Weight of the wash texture in the wash, 0..=1 (default 0.5).
     pub grain: f32,
-    /// Share of the base colour's darkness that the wash takes on, 0..=1 (default 0.6).
+    /// Share of the base colour's darkness that is added to the wash, 0..=1 (default 0.6).
     pub tone: f32,
     /// Strength of strokes of fur, 0..=1 (default 1).
     pub fur: f32,
@@ -169,7 +170,7 @@ impl InkShading {
             ("fur", self.fur, 0.0..=1.0),
             ("line", self.line, Self::LINE),
         ] {
-            // NaN is in no range.
+            // NaN is outside every range.
             if !range.contains(&value) {
                 return Err(format!("{what} is {value}, expected {}..={}", range.start(), range.end()));
             }
@@ -182,14 +183,15 @@ impl InkShading {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct InkVertex {
-    /// Wash of Fang 2006, §3, at rest, in units of 1/32767: half of ((V − CP)·N)/ρ, where ρ is the radius of the
-    /// manifest's bounds, and ((V − CP)/|V − CP|)·N; each −32767..=32767.
+    /// The two terms of the wash of Fang 2006, §3, at rest, in units of 1/32767; each −32767..=32767. The first is half
+    /// of ((V − CP)·N)/ρ, where ρ is the radius of the manifest's bounds. The second is ((V − CP)/|V − CP|)·N. V is the
+    /// vertex, N its unit normal, and CP the centre of the wash.
     pub wash: [i16; 2],
-    /// Share of the wash, in units of 1/255; 0 is left blank.
+    /// Share of the wash that is applied, in units of 1/255; with 0, the paper is left blank.
     pub amount: u8,
-    /// Share of full ink, in units of 1/255.
+    /// Share of full ink that is applied, in units of 1/255.
     pub solid: u8,
-    /// Share of the width of lines, in units of 1/255.
+    /// Factor on the width of lines, in units of 1/255.
     pub line: u8,
     /// Reserved, 0.
     pub reserved: u8,

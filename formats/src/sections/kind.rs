@@ -6,7 +6,8 @@ use crate::sections::manifest::data::Manifest;
 use crate::tag::Tag;
 
 /// Kind of section. Each kind has a file or folder beside this one, with its layout, its checks, and its methods of
-/// [`Package`] and [`crate::PackageWriter`]. It also holds a constant of this type, which the list in `mod.rs` names.
+/// [`Package`] and [`crate::PackageWriter`]. That file also holds a constant of this type, which the list in `mod.rs`
+/// names.
 #[derive(Debug)]
 pub(crate) struct Kind {
     /// Tag in the section table.
@@ -16,10 +17,11 @@ pub(crate) struct Kind {
     pub(crate) since: u32,
     /// Allowed number of sections in a package.
     pub(crate) count: Count,
-    /// Reads the section of that number among those of its tag, and checks it against everything it must be consistent
-    /// with. For [`Count::AtMostOne`] it is also called if there is none: a package may need one.
+    /// Reads the section with the given index among those with this tag, and checks it against everything that it must
+    /// be consistent with. With [`Count::AtMostOne`], it is also called without such a section, because a package may
+    /// need one.
     pub(crate) check: fn(&Package<'_>, u32) -> Result<(), FormatError>,
-    /// Returns every fault of the textures that the section names, with respect to their use.
+    /// Returns every fault in the use of the textures that the section names.
     pub(crate) check_use: fn(&Package<'_>) -> Vec<FormatError>,
     /// Row in `FORMAT.md`.
     #[cfg_attr(not(test), expect(dead_code, reason = "a test compares the specification with it"))]
@@ -52,7 +54,7 @@ pub(crate) struct Row {
     pub(crate) place: &'static str,
 }
 
-/// `check_use` of kinds that name no texture.
+/// Value of `check_use` for kinds that name no texture.
 pub(crate) const USES_NOTHING: fn(&Package<'_>) -> Vec<FormatError> = |_| Vec::new();
 
 /// Returns the faults among several results.

@@ -74,7 +74,7 @@ impl<'a> Package<'a> {
         Ok(())
     }
 
-    /// Fails if the mesh is damaged, or has nothing to draw.
+    /// Fails if the mesh is damaged or has nothing to draw.
     pub(crate) fn triangles(&self) -> Result<(), FormatError> {
         let offset = self.find(Tag::MESH, 0).map_or(0, |(_, section)| section.offset);
         match self.mesh()? {
@@ -111,11 +111,12 @@ pub struct GeometryVertex {
     /// Outward unit normal.
     pub normal: [f32; 3],
     /// Lean of the hair beyond that of the tile's strands, 0..=1. The outermost layer is shifted along the bitangent by
-    /// `lean * fur_height`, a layer at the share h of that height by h² of it. 0 in packages of version 1.
+    /// `lean * fur_height`. A layer at the share h of the fur's height is shifted by h² times as much. 0 in packages of
+    /// version 1.
     pub lean: f32,
-    /// Unit tangent along +u of the tile in the first three components, and in the fourth the handedness ±1: bitangent
-    /// (along +v) = handedness · normal × tangent. Readers check that the numbers are finite, not that the vectors are
-    /// unit or the handedness is ±1.
+    /// Tangent and handedness. The first three components are the unit tangent along +u of the tile. The fourth is the
+    /// handedness ±1: bitangent (along +v) = handedness · normal × tangent. Readers check that all numbers are finite,
+    /// but not that vectors have unit length or that the handedness is ±1.
     pub tangent: [f32; 4],
 }
 
@@ -125,12 +126,12 @@ pub struct GeometryVertex {
 pub struct AttributeVertex {
     /// Coordinates in the hair tile; 1 is one tile, and the texture repeats.
     pub tile_uv: [f32; 2],
-    /// Texture coordinates of the model, for base colour.
+    /// Texture coordinates of the model, for the base colour.
     pub base_uv: [f32; 2],
     /// Vertex colour, linear RGBA, 0..=255 for 0..=1.
     pub color: [u8; 4],
-    /// Bareness, wetness, 0, 0; 0..=255 for 0..=1. Bareness 1 is a vertex without hair; wetness 1 is hair with the wet
-    /// textures only. All 0 in packages of version 1.
+    /// Bareness and wetness, followed by 0, 0; 0..=255 for 0..=1. With bareness 1, a vertex has no hair. With wetness
+    /// 1, its hair uses only the wet textures. All 0 in packages of version 1.
     pub groom: [u8; 4],
 }
 
@@ -201,7 +202,7 @@ struct Counts {
     skinned: bool,
 }
 
-/// Returns the offsets of the four streams and the end, relative to the section. They follow from the counts, so the
+/// Returns the offsets of the four streams, and the end, relative to the section. They follow from the counts, so a
 /// file cannot contradict them.
 fn layout(vertices: u64, indices: u64, skinned: bool) -> [u64; 5] {
     let align = |offset: u64| offset.next_multiple_of(16);
@@ -318,7 +319,7 @@ impl<'a> MeshView<'a> {
         Ok(view)
     }
 
-    /// Returns the streams of a section with these counts, which is long enough for them.
+    /// Returns the streams of a section with the given counts. The section must be long enough for them.
     fn of(bytes: &'a [u8], counts: Counts) -> Self {
         let Counts { vertices, indices, skinned } = counts;
         let [geometry, attributes, skin, index, _] = layout(vertices.into(), indices.into(), skinned);
@@ -348,7 +349,7 @@ impl<'a> MeshView<'a> {
         for (i, v) in self.geometry().enumerate() {
             let at = geometry + i as u64 * size_of::<GeometryVertex>() as u64;
             let numbers = finite(&v.position) && finite(&v.normal) && finite(&v.tangent);
-            // Fields reserved in version 1 are 0 there, to the bit.
+            // Fields that are reserved in version 1 must be 0 there, to the bit.
             let lean = if version == 1 { v.lean.to_bits() == 0 } else { (0.0..=1.0).contains(&v.lean) };
             if !numbers || !v.fur_height.is_finite() || v.fur_height < 0.0 || !lean {
                 let lean = if version == 1 { "0 in version 1" } else { "0..=1" };

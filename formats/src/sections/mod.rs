@@ -1,7 +1,7 @@
-//! Sections of a package, one file each, and their list.
+//! Sections of a package, one file each, and the list of them.
 //!
 //! To add a section, add its file and its line in [`SECTIONS`]. Opening, validating and writing packages follow the
-//! list, and the table of tags in `FORMAT.md` is tested against it. `probe.rs` is a section that exists only in tests.
+//! list. A test compares the table of tags in `FORMAT.md` with it. `probe.rs` is a section that exists only in tests.
 
 pub(crate) mod animation;
 pub(crate) mod fibres;
@@ -51,7 +51,8 @@ pub(crate) fn of_version(version: u32) -> impl Iterator<Item = &'static Kind> {
     SECTIONS.iter().copied().filter(move |kind| kind.since <= version)
 }
 
-/// Returns the section kind of a tag in packages of that version; `None` for a tag unknown to it.
+/// Returns the kind of section that a tag has in packages of the given version; `None` if the version does not define
+/// the tag.
 pub(crate) fn kind(tag: Tag, version: u32) -> Option<&'static Kind> {
     of_version(version).find(|kind| kind.tag == tag)
 }

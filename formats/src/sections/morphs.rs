@@ -34,15 +34,15 @@ const MOST_TARGETS: usize = 1 << 12;
 type MorphedAnimation = (Arc<Morphs>, Arc<Animation>);
 
 impl Package<'_> {
-    /// Returns the morph targets; `None` if the package has none. Decoded and checked once, then cached.
+    /// Returns the morph targets; `None` if the package has none. They are decoded and checked once, then cached.
     ///
     /// Fails if the section is damaged, or is inconsistent with mesh or skeleton.
     pub fn morphs(&self) -> Result<Option<Arc<Morphs>>, FormatError> {
         Ok(self.morphed_animation()?.map(|(morphs, _)| morphs))
     }
 
-    /// Returns skeleton and clips, including the animation of morph targets; `None` if the package has none. Decoded
-    /// and checked once, then cached.
+    /// Returns skeleton and clips, including the animation of morph targets; `None` if the package has none. They are
+    /// decoded and checked once, then cached.
     pub fn animation(&self) -> Result<Option<Arc<Animation>>, FormatError> {
         match self.morphed_animation()? {
             Some((_, animation)) => Ok(Some(animation)),
@@ -74,19 +74,19 @@ impl PackageWriter<'_> {
     }
 }
 
-/// Morph targets: shapes into which the mesh changes, each by its weight.
+/// Morph targets: shapes into which the mesh is deformed, each by its weight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Morphs {
     /// Targets, and their animation in clips.
     pub motion: MorphMotion,
-    /// For each vertex, the index of its first entry in `deltas`, and finally the number of entries; a vertex's entries
-    /// end at the next one's first. Ascending from 0.
+    /// For each vertex, the index of its first entry in `deltas`; its entries end where the next vertex's begin. The
+    /// last element is the number of entries. Ascending from 0.
     pub first: Vec<u32>,
-    /// Displacements by targets, vertex after vertex.
+    /// Displacements by targets, in the order of the vertices.
     pub deltas: Vec<MorphDelta>,
 }
 
-/// Displacement of a vertex by a target when its weight rises from 0 to 1.
+/// Displacement of a vertex when the weight of a target rises from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub struct MorphDelta {
@@ -94,9 +94,10 @@ pub struct MorphDelta {
     pub target: u32,
     /// Displacement of the position, in mesh space.
     pub position: [f32; 3],
-    /// Addend to the normal, which is then normalised.
+    /// Offset that is added to the normal, which is then normalised.
     pub normal: [f32; 3],
-    /// Addend to the direction of the tile's u axis, which is then made unit length and perpendicular to the normal.
+    /// Offset that is added to the direction of the tile's u axis, which is then made unit length and perpendicular to
+    /// the normal.
     pub tangent: [f32; 3],
 }
 

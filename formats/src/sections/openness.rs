@@ -1,4 +1,4 @@
-//! The `OPEN` section: the directions that the body leaves open to the hair at each vertex. Layout in `FORMAT.md`,
+//! The `OPEN` section: the directions that the body does not hide from the hair at each vertex. Layout in `FORMAT.md`,
 //! "OPEN".
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
@@ -33,7 +33,7 @@ fn fault(at: usize, reason: String) -> FormatError {
     FormatError::Content { tag: Tag::OPENNESS, offset: at as u64, reason }
 }
 
-/// Checks that [`Openness::to_bytes`] may write these four bytes.
+/// Checks that these four bytes are a possible result of [`Openness::to_bytes`].
 fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {
     let [_, u, v, spare] = bytes;
     let [u, v] = [u, v].map(|x| i32::from(x as i8));

@@ -1,5 +1,5 @@
-//! `PROB`: a section that exists only in tests, a list of non-zero bytes. It shows what adding a section takes: this
-//! file and its line in `mod.rs`.
+//! `PROB`: a section that exists only in tests, a list of non-zero bytes. It shows what is required to add a section:
+//! this file and its line in `mod.rs`.
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::error::FormatError;

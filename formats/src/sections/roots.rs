@@ -1,5 +1,5 @@
-//! The `ROOT` section: lateral offset of hair from its root, so that hair can have the surface colour there. Layout in
-//! `FORMAT.md`, "ROOT".
+//! The `ROOT` section: lateral offset of hair from its root, so that hair can have the surface colour at its root.
+//! Layout in `FORMAT.md`, "ROOT".
 
 use super::kind::{Count, Kind, Row, USES_NOTHING};
 use crate::encoding::{decode_section, encode_section};
@@ -32,8 +32,8 @@ pub const ROOT_HEIGHTS: usize = 8;
 pub struct RootsInfo {
     /// Offset at each height, for dry hair.
     pub asides: [RootOffset; ROOT_HEIGHTS],
-    /// For each material, the change of its texture coordinates over the width of a tile, the same for both axes: u
-    /// with the tile's u, v with its v. 0 if hair has the base colour of the surface below it.
+    /// For each material, the change of its texture coordinates over the width of a tile: of u along the tile's u, and
+    /// equally of v along its v. 0 if hair has the base colour of the surface below it.
     pub uv_per_tile: Vec<f32>,
 }
 

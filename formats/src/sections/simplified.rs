@@ -72,8 +72,8 @@ impl PackageWriter<'_> {
 /// Index list with fewer triangles, to be written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimplifiedLevel {
-    /// Maximum deviation of surface and outermost layer from the mesh, metres; above 0, and more than in the level
-    /// before.
+    /// Maximum deviation of surface and outermost layer from the mesh, metres; above 0, and more than in the previous
+    /// list.
     pub deviation_m: f32,
     /// Number of indices in each part of the manifest, multiples of 3, in the order of the parts.
     pub part_counts: Vec<u32>,
@@ -179,7 +179,7 @@ impl<'a> SimplifiedView<'a> {
         }
         let mut least = 0.0;
         for (level, deviation) in view.deviations().enumerate() {
-            // Written so that NaN fails.
+            // The condition is written so that NaN fails.
             if !(deviation > least && deviation.is_finite()) {
                 let reason = format!("deviation {level} is {deviation}, expected a finite number above {least}");
                 return Err(fail(HEADER_BYTES + 4 * level as u64, reason));
@@ -197,7 +197,7 @@ impl<'a> SimplifiedView<'a> {
         Ok(view)
     }
 
-    /// Returns the lists of a section with these counts, whose length matches them.
+    /// Returns the lists of a section with the given counts; its length must match them.
     fn of(bytes: &'a [u8], counts: Counts) -> Self {
         let [of_parts, first, end] = layout(counts).map(|at| at as usize);
         let part_counts = &bytes[of_parts..of_parts + 4 * counts.levels as usize * counts.parts as usize];

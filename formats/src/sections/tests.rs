@@ -44,7 +44,7 @@ fn a_mesh_is_checked_once_for_each_opened_package() {
     assert_eq!(meshes_checked(|| load(&open(WITH_INK))), 1, "a model with ink");
     assert_eq!(meshes_checked(|| load(&open(WITH_FINS))), 1, "a model with fins and a skeleton");
     assert_eq!(meshes_checked(|| drop(open(WITH_INK))), 0, "opening reads no mesh");
-    // Also via fins and ink, whichever is accessed first.
+    // Fins and ink use the mesh too, and may be accessed first.
     assert_eq!(meshes_checked(|| assert!(open(WITH_FINS).fins().unwrap().is_some())), 1);
     assert_eq!(meshes_checked(|| assert!(open(WITH_INK).ink_textures().unwrap().is_some())), 1);
     assert_eq!(meshes_checked(|| assert_eq!(Package::validate(WITH_INK, &Limits::default()), [])), 1);
@@ -132,7 +132,7 @@ fn refused(writer: PackageWriter<'_>) -> String {
     writer.finish().unwrap_err().to_string()
 }
 
-/// The probe is opened, validated and written with only its line in the list.
+/// Opening, validating and writing support the probe, although only its line in the list was added.
 #[test]
 fn adding_a_section_takes_one_file_and_one_line() {
     let bytes = PackageWriter::new(Manifest::default()).probe(&[7, 8, 9]).finish().unwrap();
@@ -144,7 +144,7 @@ fn adding_a_section_takes_one_file_and_one_line() {
     assert_eq!(probe::CHECKED.get() - before, 1);
     let plain = PackageWriter::new(Manifest::default()).finish().unwrap();
     assert_eq!(open(&plain).probe().unwrap(), None);
-    // Faults of its own check, with the position; of a second section; and of a missing one.
+    // Faults found by the section's own check, with their position; a second section; a missing section.
     let zero = refused(PackageWriter::new(Manifest::default()).probe(&[1, 0]));
     assert!(
         zero.starts_with("section PROB at byte") && zero.ends_with("byte 1 is 0, expected any other value"),
@@ -155,7 +155,7 @@ fn adding_a_section_takes_one_file_and_one_line() {
     let probed = || Manifest { model: "probed".into(), ..Manifest::default() };
     assert!(refused(PackageWriter::new(probed())).ends_with("expected one of a probed model"));
     PackageWriter::new(probed()).probe(&[1]).finish().unwrap();
-    // In version 2 its tag is unknown: any number of sections, kept unread.
+    // In version 2 the probe's tag is unknown: any number of sections is allowed, and they are kept unread.
     let old = PackageWriter::new(Manifest::default()).version(2).probe(&[0]).probe(&[0]).finish().unwrap();
     assert_eq!(open(&old).probe().unwrap(), None);
     assert_eq!(open(&old).sections().len(), 3);

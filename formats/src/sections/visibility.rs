@@ -1,4 +1,5 @@
-//! The `VISI` section: textures of the light that reaches the hair past other strands. Layout in `FORMAT.md`, "VISI".
+//! The `VISI` section: textures with the share of light that reaches the hair past other strands. Layout in
+//! `FORMAT.md`, "VISI".
 
 use super::kind::{Count, Kind, Row, faults};
 use super::textures::TextureView;
@@ -29,9 +30,10 @@ pub struct VisibilityInfo {
     /// Index into the manifest's `textures`: four components, not sRGB, with the size and array layers of the shell
     /// textures.
     pub texture: u32,
-    /// Index into `textures` for wet hair; present exactly if the manifest's `fur.wet` is.
+    /// Index into `textures` for wet hair; present if and only if the manifest's `fur.wet` is.
     pub wet_texture: Option<u32>,
-    /// k of [`crate::meaning::above_horizon`], a finite number above 0: the height at which a light begins to fade.
+    /// k of [`crate::meaning::above_horizon`], finite and above 0. It determines the height above the horizon below
+    /// which a light fades.
     pub horizon: f32,
 }
 

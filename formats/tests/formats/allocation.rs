@@ -12,7 +12,7 @@ use std::cell::Cell;
 struct CountingAllocator;
 
 thread_local! {
-    /// Bytes allocated minus bytes freed by this thread; negative if it frees memory of another thread.
+    /// Bytes allocated minus bytes freed by this thread. Negative if the thread frees memory of another.
     static NOW: Cell<isize> = const { Cell::new(0) };
     static PEAK: Cell<isize> = const { Cell::new(0) };
 }
@@ -27,13 +27,13 @@ fn count(bytes: isize) {
 unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);
-        // SAFETY: the caller's layout, as it came.
+        // SAFETY: the caller's layout is passed on unchanged.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         count(-(layout.size() as isize));
-        // SAFETY: the caller's pointer and layout, as they came.
+        // SAFETY: the caller's pointer and layout are passed on unchanged.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -41,7 +41,7 @@ unsafe impl GlobalAlloc for CountingAllocator {
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// Returns the maximum number of bytes that this thread had allocated at once while `f` ran, beyond those before.
+/// Returns the peak number of bytes that this thread allocated while `f` ran, beyond those allocated before.
 fn peak<T>(f: impl FnOnce() -> T) -> (usize, T) {
     let before = NOW.get();
     PEAK.set(before);
@@ -61,7 +61,7 @@ fn allocations_stay_small_for_any_stored_length() {
     let (seen, _) = peak(|| package.section_bytes(1).unwrap().len());
     assert!(seen < 1 << 10, "reading a section allocated {seen} bytes");
 
-    // Replace every eight bytes of manifest and animation in turn by an enormous length, and correct the checksums.
+    // In turn, replace every eight bytes of manifest and animation by an enormous length, and correct the checksums.
     let good = common::sample_package();
     let sections = Package::open(&good, &Limits::default()).unwrap().sections().to_vec();
     let mut refused = 0;
@@ -72,7 +72,7 @@ fn allocations_stay_small_for_any_stored_length() {
                 bytes[at as usize..at as usize + 8].copy_from_slice(&length.to_le_bytes());
                 reseal(&mut bytes);
                 let (seen, faults) = peak(|| Package::validate(&bytes, &Limits::default()));
-                // serde's 1 MiB ahead for each of three nested lists, and 64 KiB for a string.
+                // Serde reserves 1 MiB for each of three nested lists; a string adds 64 KiB.
                 assert!(seen < 4 << 20, "length {length} at byte {at} made the reader allocate {seen} bytes");
                 refused += faults.len().min(1);
             }

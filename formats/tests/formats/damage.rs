@@ -41,7 +41,7 @@ fn every_flipped_bit_is_found_in_its_section() {
         for flip in [1u8, 0x80, 0xff] {
             bytes[at] ^= flip;
             let faults = Package::validate(&bytes, &LIMITS());
-            // A damaged animation also hides the mesh's joints, and vice versa: report one fault.
+            // A damaged animation also hides the mesh's joints, and vice versa; only one fault must be reported.
             assert_eq!(faults.len(), 1, "byte {at} ^ {flip:#x}: {faults:?}");
             assert_eq!(faults[0].section(), Some(expected), "byte {at} ^ {flip:#x}: {}", faults[0]);
             bytes[at] ^= flip;
@@ -50,8 +50,8 @@ fn every_flipped_bit_is_found_in_its_section() {
     assert_eq!(bytes, good);
 }
 
-/// With correct checksums the contents themselves must be checked. Not every change is a fault there (a position may be
-/// a different number), but changes of bytes with one legal value must be detected.
+/// If the checksums are correct, the contents themselves must be checked. Not every change is a fault, because a
+/// position may be a different number. But changes to bytes with one legal value must be detected.
 #[test]
 fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
     let good = sample_package();
@@ -76,8 +76,8 @@ fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
     }
 }
 
-/// Replaces bytes in a section of the sample package and corrects the checksums. Each case must give one fault, with
-/// that text, at that position or at the start of the section.
+/// Replaces bytes in a section of the sample package and corrects the checksums. Each case must give exactly one fault,
+/// which contains the given text and is at that position or at the start of the section.
 fn each_is_one_fault(tag: Tag, cases: &[(u64, &[u8], &str)]) {
     let good = sample_package();
     let start = section(&good, tag).offset;
@@ -110,7 +110,7 @@ fn mesh_contents_are_checked() {
     each_is_one_fault(Tag::MESH, &cases);
 }
 
-/// Fields that have a meaning since version 2 are faults in a package of version 1.
+/// Fields that have a meaning only since version 2 must be 0 in a package of version 1.
 #[test]
 fn version_1_checks_its_reserved_bytes() {
     let good = sample_package_v1();
@@ -124,7 +124,7 @@ fn version_1_checks_its_reserved_bytes() {
         assert_eq!(faults.len(), 1, "byte {at}: {faults:?}");
         assert!(faults[0].to_string().contains(expected), "byte {at}: {}", faults[0]);
     }
-    // Its manifest cannot store later fields, and the writer fails instead of dropping them.
+    // A manifest of version 1 cannot store later fields, and the writer fails instead of dropping them.
     let old = |change: fn(&mut Manifest)| {
         let mut manifest = common::sample_manifest_v1();
         change(&mut manifest);
@@ -144,7 +144,7 @@ fn version_1_checks_its_reserved_bytes() {
     assert!(coat.contains("coat is given, expected none in version 2"), "{coat}");
     assert!(before_3(|m| m.detail = sample_manifest().detail).contains("detail is given"));
     assert!(before_3(|m| m.choice = sample_manifest().choice).contains("choice is given"));
-    // A reader does not read bytes after the warnings of version 2 as a far layer.
+    // In version 2, bytes after the warnings are not read as a far layer.
     let plain = PackageWriter::new(Manifest::default()).version(2).finish().unwrap();
     let at = section(&plain, Tag::MANIFEST);
     let mut coat = plain[at.offset as usize..(at.offset + at.length) as usize].to_vec();
@@ -201,7 +201,7 @@ fn fin_contents_are_checked() {
     assert!(finish(bare(), &[sample_fins(), sample_fins()]).contains("a second section of this tag"));
     let uneven = FinData { part_counts: vec![1], ..sample_fins() };
     assert!(finish(bare(), &[uneven]).contains("the parts have 1 fins, expected the 3"));
-    // Textures without fins, and fins of other parts.
+    // Textures without fins, and fins whose parts are not the manifest's.
     let textures = |writer: PackageWriter<'_>| {
         let package = Package::open(&good, &LIMITS()).unwrap();
         let files = (0..8).map(|k| package.texture(k).unwrap().ktx2.to_vec());
@@ -230,7 +230,7 @@ fn a_newer_version_is_named_whatever_follows() {
     put(&mut bytes, 8, &4u32.to_le_bytes());
     let newer = |found| FormatError::Version { found, supported: 3 };
     assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err(), newer(4));
-    // The rest of a later version may be anything, or almost absent.
+    // The rest of a later version may be anything, or be missing almost completely.
     let mut garbage = b"\x89PELAGE\n\xff\xff\xff\xff".to_vec();
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
     garbage.extend_from_slice(&[0xee; 999]);
@@ -329,7 +329,7 @@ fn damaged_sections_are_reported_at_first_use() {
     damaged(package.animation().unwrap_err(), Tag::ANIMATION, 2);
     damaged(package.texture(1).unwrap_err(), Tag::TEXTURE, 4);
     damaged(package.section_bytes(5).unwrap_err(), Tag(*b"XTRA"), 5);
-    // Mesh, animation, fins, the section of a later version and eight textures.
+    // The faults are in mesh, animation, fins, the section of a later version, and eight textures.
     assert_eq!(Package::validate(&bytes, &LIMITS()).len(), 12);
     bytes[sections[4].offset as usize] ^= 1;
     let package = Package::open(&bytes, &LIMITS()).unwrap();
@@ -465,7 +465,7 @@ fn parts_need_a_mesh_and_skin_needs_a_skeleton() {
     assert!(finish(PackageWriter::new(manifest()).mesh(&uneven)).contains("one of each per vertex"));
 }
 
-/// Shell and base-colour textures that no GPU could use as the manifest states.
+/// No GPU could use these shell and base-colour textures in the way that the manifest states.
 #[test]
 fn textures_must_fit_their_use() {
     use TextureFormat::*;

@@ -13,7 +13,7 @@ fn sample() -> FibreInfo {
     FibreInfo { texture: 0, fibres, means: vec![means; 2], of_groups: Vec::new(), of_materials: vec![1, 0] }
 }
 
-/// Returns a file of half floats whose bytes are all 1, so that none is infinite.
+/// Returns a file of half floats whose bytes are all 1, so that every number is finite.
 fn tables(size: u32, layers: u32) -> Vec<u8> {
     let mut file = ktx2_file(TextureFormat::Rgba16Float, size, size, layers, 1, 0);
     let texels = (8 * size * size * layers.max(1)) as usize;

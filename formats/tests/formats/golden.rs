@@ -4,7 +4,7 @@ use crate::common;
 use pelage_formats::*;
 use std::path::Path;
 
-/// Returns the golden file of a version, and the package as written now.
+/// Returns the golden file of a version, and the same package as written by the current code.
 fn golden(version: u32) -> (Vec<u8>, Vec<u8>) {
     let written = match version {
         1 => common::sample_package_v1(),
@@ -51,7 +51,7 @@ fn golden_packages_read_as_expected() {
         let fur = package.fur_textures().unwrap().unwrap();
         let color = fur.color;
         assert_eq!((color.format, color.width, color.height), (TextureFormat::Rgba8Srgb, 4, 4));
-        // Two shells, and since version 3 the far layer.
+        // The shell textures have two shells and, since version 3, the far layer.
         let layers = if version < 3 { 2 } else { 3 };
         assert_eq!((color.layers, color.levels), (layers, 3));
         assert_eq!(color.gpu_bytes(), u64::from(layers) * (64 + 16 + 4));
@@ -67,7 +67,7 @@ fn golden_packages_read_as_expected() {
     }
 }
 
-/// Fields missing from version 1 read as: no extra lean, no groom, no wet hair, no fins.
+/// Fields missing from version 1 have these values: no extra lean, no groom, no wet hair, no fins.
 #[test]
 fn version_1_package_reads_with_defaults() {
     let (bytes, _) = golden(1);
@@ -112,7 +112,7 @@ fn version_3_has_levels_of_detail_far_fur_and_a_choice() {
     assert_eq!(package.fins().unwrap().unwrap().to_data(), common::sample_fins());
 }
 
-/// Bytes that a reader in another language depends on, in full. If this fails, `FORMAT.md` is wrong too.
+/// All bytes that a reader in another language depends on. If this test fails, `FORMAT.md` is wrong too.
 #[test]
 fn header_and_table_have_their_specified_offsets() {
     let (bytes, _) = golden(3);

@@ -4,7 +4,7 @@ use crate::common::{self, ktx2_file, sample_mesh};
 use pelage_formats::*;
 use std::path::Path;
 
-/// Returns the manifest of a bare [`sample_mesh`] with the ink style, whose textures are the manifest's first four.
+/// Returns the manifest of a bare [`sample_mesh`] with the ink style, which uses the manifest's first four textures.
 fn manifest() -> Manifest {
     let name = |name: &str| TextureEntry { name: name.into() };
     Manifest {
@@ -71,7 +71,8 @@ fn golden_ink_package_reads_as_expected() {
     let section = package.sections().iter().find(|s| s.tag == Tag::INK).unwrap();
     let bytes = &golden[section.offset as usize..][..section.length as usize];
     let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    // 12 bytes of indices, 1 + 4 of the option, 4 of the grain, 4 + 4 + 1 + 4 * 4 of the constants.
+    // 12 bytes of texture indices, 1 + 4 of the optional index, 4 of the grain size, 4 + 4 + 1 + 4 * 4 of the
+    // constants.
     assert_eq!([0, 4, 8, 12].map(u32_at), [5, 46, 64, 0]);
     assert_eq!([16, 20, 24, 29].map(u32_at), [0, 1, 2, 3]);
     assert_eq!((bytes[28], f32::from_bits(u32_at(33)), f32::from_bits(u32_at(37))), (1, 0.5, -0.5));

@@ -4,8 +4,8 @@ use crate::common;
 use pelage_formats::*;
 use pelage_needs::data;
 
-/// Malformed files that are accepted because pelage does not read the faulty part, with that part. Everything else in
-/// `invalid/` must be rejected, except for `warning_` files, which are legal.
+/// Malformed files that are accepted because pelage does not read the faulty part; the part is given for each. All
+/// other files in `invalid/` must be rejected, except for `warning_` files, which are legal.
 const ACCEPTED: [(&str, &str); 19] = [
     ("error_InvalidColorPrimaries_0xFF", PRIMARIES),
     ("error_NotEnoughDataForAnEntry", KEY_VALUES),
@@ -30,7 +30,7 @@ const ACCEPTED: [(&str, &str); 19] = [
 const KEY_VALUES: &str = "key/value data is not read: nothing in it changes what is uploaded";
 const PRIMARIES: &str = "colour primaries are not read: packages hold sRGB primaries only";
 
-/// Well-formed files that must open: all that hold a supported format in a 2D texture ready to upload.
+/// Well-formed files that must open: all files with a supported format in a 2D texture that is ready to upload.
 const OPENED: [&str; 11] = [
     "cts_valid_R16G16B16A16_SFLOAT_2D.ktx2",
     "cts_valid_R8G8B8A8_SRGB_2D.ktx2",
@@ -45,8 +45,8 @@ const OPENED: [&str; 11] = [
     "magnum_bgra.ktx2",
 ];
 
-/// Returns name and contents of every file below `ktx2/<folder>` of the test data, for the test named `test`; reports
-/// and returns `None` if there are no data.
+/// Returns name and contents of every file below `ktx2/<folder>` of the test data. If there are no data, reports this
+/// for the test `test` and returns `None`.
 fn files(folder: &str, test: &str) -> Option<Vec<(String, Vec<u8>)>> {
     let root = data(test)?.join("ktx2").join(folder);
     let (mut files, mut folders) = (Vec::new(), vec![root]);
@@ -103,7 +103,7 @@ fn only_supported_ktx2_files_open() {
     assert_eq!(opened, OPENED);
 }
 
-/// No file of the data set covers this; the `ktx2` crate's own reader panics on such files.
+/// No file of the data set covers arbitrary bytes, on which the `ktx2` crate's own reader panics.
 #[test]
 fn arbitrary_bytes_in_a_ktx2_file_do_not_panic() {
     for format in TextureFormat::ALL {

@@ -62,7 +62,7 @@ fn weights_follow_their_curves() {
         pose.shifts.clone()
     };
     assert_eq!(at(None, 0.0), [0.0, 0.0]);
-    // The last curve of a target applies.
+    // If several curves drive a target, the last one applies.
     assert_eq!(at(Some(0), 0.0), [0.0, 0.25]);
     assert_eq!(at(Some(0), 1.25), [0.25, 0.25]);
     assert_eq!(at(Some(0), 9.0), [1.0, 0.75]);
@@ -71,7 +71,7 @@ fn weights_follow_their_curves() {
     pose.blend(&animation, &[layer(Some(0), 1.0), layer(None, 0.25)]);
     assert_eq!(pose.shifts, [0.75, 0.5625]);
 
-    // A Hermite curve through two slopes and two values, for two targets at once.
+    // Two targets are driven at once by a Hermite curve through two slopes and two values.
     let mut motion = sample().motion;
     let values = vec![9.0, 9.0, 0.0, 1.0, 1.0, 0.0, /* the next key */ 1.0, 0.0, 1.0, 1.0, 9.0, 9.0];
     motion.channels = vec![MorphChannel { interpolation: Interpolation::Cubic, values, ..motion.channels[0].clone() }];
@@ -103,7 +103,7 @@ fn morph_targets_apply_before_joints() {
     // At rest, or with too few weights, vertices are unchanged, bit for bit.
     assert_eq!(morphed(&stored[0], morphs.of_vertex(0), &[0.0, 0.0]), stored[0]);
     assert_eq!(morphed(&stored[0], morphs.of_vertex(0), &[]), stored[0]);
-    // If two targets cancel the whole normal, the old one stays.
+    // If two targets cancel the whole normal, the old normal is kept.
     let away = MorphDelta { normal: stored[0].normal.map(|n| -n), ..delta(0, [0.0; 3], [0.0; 3]) };
     assert_eq!(morphed(&stored[0], &[away], &[1.0]).normal, stored[0].normal);
 

@@ -10,7 +10,7 @@ fn finite() -> impl Strategy<Value = f32> {
 }
 
 fn text() -> impl Strategy<Value = String> {
-    // Control characters, quotes and other Unicode planes: nothing in a string is special.
+    // Include control characters, quotes and other Unicode planes, because nothing in a string may be special.
     vec(any::<char>(), 0..12).prop_map(String::from_iter)
 }
 
@@ -102,7 +102,7 @@ prop_compose! {
     fn material(textures: usize)(name in text(), base_color in [finite(), finite(), finite(), finite()],
         cutoff in any::<Option<u8>>(), furred: bool, double_sided: bool,
         texture in 0..textures.max(1) as u32) -> Material {
-        // Only the first texture of a package here is suitable as base colour.
+        // In these packages, only the first texture is suitable as base colour.
         let base_color_texture = (textures > 0 && texture == 0).then_some(0);
         let alpha_cutoff = cutoff.map(|c| f32::from(c) / 255.0);
         Material { name, base_color, base_color_texture, groom_texture: None, alpha_cutoff, furred, double_sided }
@@ -233,7 +233,7 @@ proptest! {
             prop_assert!(section.offset.is_multiple_of(16));
         }
 
-        // Copied section by section, as `unpack` and `pack` do, the bytes are the same.
+        // A copy made section by section, as `unpack` and `pack` make it, has the same bytes.
         let mut copy = PackageWriter::new(package.manifest().clone());
         for (index, section) in package.sections().iter().enumerate().skip(1) {
             copy = copy.section(section.tag, package.section_bytes(index).unwrap());
@@ -261,7 +261,7 @@ fn reading_copies_no_section() {
     let mesh = package.mesh().unwrap().unwrap();
     for stream in [mesh.geometry, mesh.attributes, mesh.skin, mesh.indices] {
         inside(stream);
-        // Aligned within the file, for mapping and uploading in place.
+        // Streams are aligned within the file, for mapping and uploading in place.
         assert!((stream.as_ptr() as usize - range.start as usize).is_multiple_of(16));
     }
     inside(package.fins().unwrap().unwrap().fins);

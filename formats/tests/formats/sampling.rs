@@ -101,12 +101,12 @@ fn zero_quaternions_are_the_identity() {
             }
         }
     }
-    // q and −q with flat tangents: the curve passes through the origin at half time.
+    // q and −q with zero tangents: the curve passes through the origin at half time.
     let key = |w: f32| [[0.0; 4], [0.0, 0.0, 0.0, w], [0.0; 4]].concat();
     let values = [key(1.0), key(-1.0)].concat();
     let animation = one_channel(Property::Rotation, Interpolation::Cubic, &[0.0, 1.0], &values);
     assert_eq!(joint(&animation, Some(0), 0.5), glam::Mat4::IDENTITY);
-    // At rest, and where the squares of the components leave the range of f32.
+    // Check the rest pose, and sizes at which the squares of the components leave the range of f32.
     for size in [0.0, 1e-30, 1e-25, 1e20, 3e38] {
         let mut animation = animation.clone();
         animation.nodes[0].rotation = [0.0, 0.0, size, 0.0];
@@ -134,7 +134,7 @@ fn mirrored_and_zero_scale_stay_exact() {
     assert_eq!(matrix.determinant(), 0.0);
 }
 
-/// Animations that no reader would accept, and numbers at the limits of f32.
+/// These animations, which no reader would accept, and numbers at the limits of f32 must not cause a panic or NaN.
 #[test]
 fn nothing_panics_or_gives_nan() {
     let huge = f32::MAX;
@@ -168,8 +168,8 @@ fn nothing_panics_or_gives_nan() {
     joint(&one_channel(Property::Scale, Interpolation::Step, &[0.0], &[1.0; 3]), Some(12), 0.0);
 }
 
-/// Halfway between two poses a node has moved half the distance and turned half the angle, and an arm attached to it
-/// keeps its length.
+/// Halfway between two poses, a node has moved half the distance and turned half the angle. An arm attached to it keeps
+/// its length.
 #[test]
 fn blended_clips_rotate_nodes_about_their_parents() {
     let quarter = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
@@ -217,7 +217,7 @@ fn blended_clips_rotate_nodes_about_their_parents() {
     for (share, expected) in [(-1.0, [1.0, 0.0, 0.0]), (f32::NAN, [1.0, 0.0, 0.0]), (7.0, [0.0, 1.0, 0.0])] {
         near(hand(&[ClipLayer { share, ..turned }]), expected);
     }
-    // A layer with share 1 is the clip itself, to the bit.
+    // A layer with share 1 gives exactly the pose of its clip, to the bit.
     let mut pose = Pose::default();
     pose.sample(&animation, Some(1), 0.3);
     assert_eq!(hand(&[turned, layer(Some(1), 0.3, 1.0)]), pose.joints[0].w_axis.truncate());

@@ -1,5 +1,5 @@
-//! Runs the fuzz targets' bodies on mutations of the golden packages and of one with morph targets: on stable, bounded,
-//! and the same on every machine.
+//! Runs the fuzz targets on mutations of the golden packages and of a package with morph targets. Unlike the fuzzer,
+//! this works on stable Rust, makes a fixed number of mutations, and gives the same result on every machine.
 
 use crate::bodies;
 use crate::common::{self, random::Random};
@@ -10,7 +10,7 @@ const GOLDEN: [&[u8]; 3] = [
     include_bytes!("../golden/v3.pelage"),
 ];
 
-/// Returns the golden packages, and one with morph targets.
+/// Returns the golden packages, and a package with morph targets.
 fn bases() -> Vec<Vec<u8>> {
     let morphed = common::morphed_package(&common::sample_morphs()).unwrap();
     GOLDEN.iter().map(|golden| golden.to_vec()).chain([morphed]).collect()
@@ -40,7 +40,7 @@ fn mutate(golden: &[u8], random: &mut Random) -> Vec<u8> {
             0 | 1 => bytes[at] ^= 1 << random.below(8),
             2 => bytes[at] = random.next_u64() as u8,
             3 => {
-                // Fields are mostly at multiples of four.
+                // Most fields are at multiples of four.
                 let (at, number) = (at & !3, NUMBERS[random.below(NUMBERS.len())].to_le_bytes());
                 for (byte, new) in bytes[at..].iter_mut().zip(&number[..[4, 8][random.below(2)]]) {
                     *byte = *new;
@@ -81,6 +81,6 @@ fn twenty_thousand_mutations_do_not_panic() {
             refused += 1;
         }
     }
-    // Both kinds must occur; otherwise half of the test would be vacuous.
+    // Valid and refused mutations must both occur; otherwise half of the test would be vacuous.
     assert!(valid > 1000 && refused > 1000, "{valid} valid and {refused} refused mutations");
 }

@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Compiles the C reader for the test named `test`; reports and returns `None` without a C compiler.
+/// Compiles the C reader. Without a C compiler, reports this for the test `test` and returns `None`.
 fn compile(folder: &Path, test: &str) -> Option<PathBuf> {
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/c/read_pelage.c");
@@ -123,7 +123,7 @@ fn a_reader_written_from_the_specification_agrees() {
         assert_eq!(String::from_utf8(output.stdout).unwrap(), describe(bytes));
     }
 
-    // It also rejects what the Rust reader rejects: damage anywhere, truncated and extended files.
+    // The C reader also rejects what the Rust reader rejects: damage anywhere, truncated files and extended files.
     for at in (0..golden.len()).step_by(7) {
         let mut bytes = golden.to_vec();
         bytes[at] ^= 0x10;

@@ -20,7 +20,7 @@ fn with(strands: &StrandsData, change: impl FnOnce(&mut Manifest)) -> Result<Vec
     writer.strands(strands).finish()
 }
 
-/// Returns two strands of three points, in two sets if dry and wet hair blend in the sample manifest.
+/// Returns two strands of three points, in two sets, because dry and wet hair are blended in the sample manifest.
 fn strands() -> StrandsData {
     let point = |i: u32| StrandPoint {
         aside: [0.25 * i as f32, -0.5],
@@ -128,7 +128,7 @@ fn stored_strand_integers_survive_a_round_trip() {
     let bytes = package(&strands()).unwrap();
     let stored = Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
     let mut changed = stored.clone();
-    // Integers and a scale that encoding decoded strands would not give.
+    // Encoding decoded strands would not give these integers and this scale.
     changed.scale = StrandScale { reach: 7.0, radius: 0.25 };
     (changed.points[1].aside, changed.points[4].height, changed.roots[0]) = ([i16::MIN, 3], 1, [5, 65535]);
     let sample = sample_package();

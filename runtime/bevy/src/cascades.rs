@@ -1,7 +1,7 @@
-//! Animals in the shadow maps of Bevy's directional lights, so that Bevy's meshes receive their shadows.
+//! Draws animals into the shadow maps of Bevy's directional lights, so that Bevy's meshes receive their shadows.
 //!
-//! Bevy draws a map for each cascade of a directional light and camera; the animals are then drawn into the same map,
-//! as fur seen from the light. Passes of the runtime need a colour target; here it is a texture that is never read.
+//! Bevy draws one map for each cascade of a directional light and camera. The animals are then drawn into the same map,
+//! as fur seen from the light. The runtime's passes need a colour target; here it is a texture that is never read.
 
 use crate::extract::{Animal, Scene};
 use crate::reach;
@@ -24,7 +24,7 @@ use pelage_runtime::{
 /// Format of the unused colour target, one byte per texel.
 const COLOR: TextureFormat = TextureFormat::R8Unorm;
 
-/// Depth range, as a share of the map's depth, to which animals in front of the first plane are compressed.
+/// Fraction of the map's depth range to which animals in front of the first plane are compressed.
 const SQUEEZED: f32 = 1e-3;
 
 /// Unused colour target of the maps.
@@ -38,7 +38,7 @@ pub(crate) fn build(render_app: &mut SubApp) {
     );
 }
 
-/// Draws the animals into the cascades of a camera.
+/// Draws the animals into the shadow cascades of a camera.
 fn cast(
     view: ViewQuery<&ViewLightEntities>,
     cascades: Query<(&ShadowView, &ExtractedView, &LightEntity)>,
@@ -84,7 +84,7 @@ fn cast(
     }
 }
 
-/// Prepares frames of the shadow-casting animals as seen by a cascade.
+/// Prepares frames of the animals that cast shadows, as seen by a cascade.
 fn prepare(
     drawing: &mut Drawing,
     scene: &Scene,
@@ -106,7 +106,7 @@ fn prepare(
         let style = if bare { Style::Bare } else { Style::Fur(thrown_fur()) };
         for camera in cameras(seen, &instances) {
             let params = FrameParams::new(camera, [seen.viewport.z, seen.viewport.w]).with(|params| {
-                // With a dark light the runtime draws no shadow map of its own.
+                // If the light is black, the runtime draws no shadow map of its own.
                 params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
                 params.soft_shadow = false;
                 params.style = style.clone();
@@ -120,7 +120,7 @@ fn prepare(
     prepared
 }
 
-/// Returns fur parameters for shadow maps: shells, with as many layers as a map's texels resolve.
+/// Returns fur parameters for shadow maps: shells only, with as many layers as the map's texels resolve.
 fn thrown_fur() -> FurParams {
     FurParams::default().with(|fur| {
         fur.detail = Detail::Auto { bias: 0.5 };
@@ -130,11 +130,11 @@ fn thrown_fur() -> FurParams {
     })
 }
 
-/// Returns the cameras with which a cascade sees the animals.
+/// Returns the cameras for a cascade's view of the animals.
 ///
-/// A cascade's depth begins where the camera's view does. Objects in front of that, towards the sun, cast shadows as
-/// well: Bevy clamps their depth to the first plane. Here a second camera sees nothing else, and compresses its depth
-/// there.
+/// A cascade's depth range begins where the camera's view does. Objects before it, nearer to the sun, also cast
+/// shadows: Bevy clamps their depth to the first plane. For these objects a second camera is added, which sees nothing
+/// else and compresses their depth.
 fn cameras(seen: &ExtractedView, instances: &[Instance]) -> Vec<Camera> {
     let world_from_view = seen.world_from_view.to_matrix();
     let view_from_world = world_from_view.inverse();
@@ -148,15 +148,16 @@ fn cameras(seen: &ExtractedView, instances: &[Instance]) -> Vec<Camera> {
     cameras
 }
 
-/// Returns the maximum distance, metres, by which an animal may extend in front of a cascade's first plane, which is at
-/// z = 0 in view space.
+/// Returns how far an animal may extend in front of a cascade's first plane, metres. The plane is at z = 0 in view
+/// space.
 fn before_first_plane(view_from_world: Mat4, instance: &Instance) -> f32 {
     let reach = reach::of_animal(instance);
     view_from_world.transform_point3(reach.center).z + reach.radius
 }
 
-/// Returns a cascade's projection with depth 1 at its first plane, falling to 1 - [`SQUEEZED`] at `nearest_m` in front
-/// of it. Points behind the plane have a depth above 1 and are clipped.
+/// Returns a cascade's projection for objects in front of its first plane. The depth is 1 at the plane and falls to 1 -
+/// [`SQUEEZED`] at the distance `nearest_m` in front of it. Points behind the plane have a depth above 1 and are
+/// clipped.
 fn squeezed(clip_from_view: Mat4, nearest_m: f32) -> Mat4 {
     let mut squeezed = clip_from_view;
     squeezed.z_axis.z = -SQUEEZED / nearest_m;
@@ -191,7 +192,7 @@ mod tests {
 
     #[test]
     fn objects_before_the_near_plane_are_squeezed_into_range() {
-        // As Bevy makes them: depth 1 at z = 0, depth 0 ten metres behind.
+        // A projection like Bevy's: depth 1 at z = 0, depth 0 at ten metres behind.
         let clip_from_view = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z * 0.1, Vec4::new(0.0, 0.0, 1.0, 1.0));
         let squeezed = squeezed(clip_from_view, 4.0);
         let depth = |matrix: Mat4, z: f32| (matrix * Vec4::new(0.3, 0.2, z, 1.0)).z;

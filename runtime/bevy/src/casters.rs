@@ -1,7 +1,7 @@
-//! Bevy meshes in the shadow maps of fur.
+//! Draws Bevy meshes into the shadow maps of fur.
 //!
-//! While the runtime draws its maps, it asks for the depth of other casters. Bevy keeps the vertices of all meshes in
-//! few buffers; they are drawn from there with pipelines that read only positions.
+//! When the runtime draws a shadow map, it requests the depth of other casters. Bevy keeps the vertices of all meshes
+//! in a few buffers. They are drawn from these, with pipelines that read only positions.
 
 use crate::extract::{Caster, Scene};
 use crate::reach::{above, around};
@@ -22,7 +22,7 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::mem::size_of;
 use std::ops::Range;
 
-/// Vertex shader: transforms positions by a matrix per instance.
+/// Vertex shader; transforms positions by one matrix per instance.
 const SHADER: &str = "
 @vertex
 fn vs_caster(
@@ -36,7 +36,7 @@ fn vs_caster(
 }
 ";
 
-/// Vertex attributes of the columns of `clip_from_model`, stored consecutively.
+/// Vertex attributes: the four columns of `clip_from_model`, stored consecutively.
 const MATRIX: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
@@ -46,7 +46,7 @@ struct Kind {
     stride: u64,
     position_offset: u64,
     topology: wgpu::PrimitiveTopology,
-    /// Index format; only for strips.
+    /// Index format; `None` if the primitives are not strips.
     strip_indices: Option<wgpu::IndexFormat>,
     pass: CasterPass,
 }
@@ -74,8 +74,8 @@ pub(crate) struct CasterDraws<'w> {
 }
 
 impl CasterDraws<'_> {
-    /// Prepares a frame of `instances`, whose bounds are `reaches`. Its shadow maps contain the casters that can shade
-    /// them.
+    /// Prepares a frame of `instances`, whose bounding spheres are `reaches`. Its shadow maps contain the casters that
+    /// can shade the instances.
     pub(crate) fn prepare(
         &mut self,
         drawing: &mut Drawing,
@@ -88,7 +88,7 @@ impl CasterDraws<'_> {
     ) -> Result<Frame, RuntimeError> {
         let Self { meshes, allocator, pipelines } = self;
         let (casters, bounds) = shading(&scene.casters, reaches, params);
-        // Meshes that are not yet on the GPU are drawn later; `revision` tells the maps which meshes they contain.
+        // Meshes that are not on the GPU yet are drawn in a later frame. `revision` says which meshes the maps contain.
         let placed: Vec<Placed> =
             casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
         if placed.is_empty() {
@@ -122,8 +122,9 @@ impl CasterDraws<'_> {
     }
 }
 
-/// Returns the casters that can shade anything in `reaches`, and what the maps must also cover: a point as far towards
-/// the light as they extend. The maps are as wide as the animals; wider parts of a caster are outside.
+/// Returns the casters that can shade anything in `reaches`. Also returns what the maps must cover in addition: a point
+/// as far towards the light as the casters extend. The maps are as wide as the animals; parts of a caster beyond that
+/// width are ignored.
 fn shading<'a>(casters: &'a [Caster], reaches: &[Sphere], params: &FrameParams) -> (Vec<&'a Caster>, Option<Sphere>) {
     let (Light::Directional { towards_light, .. }, true) = (params.light, params.soft_shadow) else {
         return (Vec::new(), None);
@@ -165,8 +166,7 @@ impl Placed<'_> {
     }
 }
 
-/// Locates a mesh in Bevy's buffers; `None` if it is not yet on the GPU, or (with a warning in the log) if it cannot be
-/// drawn.
+/// Finds a mesh in Bevy's buffers. `None` if it is not on the GPU yet, or if it cannot be drawn (a warning is logged).
 fn place<'a>(
     caster: &Caster,
     meshes: &RenderAssets<RenderMesh>,

@@ -1,4 +1,4 @@
-//! Drawing of animals in Bevy's main pass: after opaque objects, before transparent ones.
+//! Draws animals in Bevy's main pass: after opaque objects, before transparent ones.
 
 use crate::Pelage;
 use crate::casters::CasterDraws;
@@ -38,7 +38,7 @@ struct Group<'a> {
     instances: Vec<Instance>,
 }
 
-/// Prepares a camera's frames, and records the work that runs before its main pass.
+/// Prepares a camera's frames. Records the commands that must run before the camera's main pass.
 pub(crate) fn prepare(
     view: ViewQuery<CameraParts>,
     scene: Res<Scene>,
@@ -95,8 +95,8 @@ pub(crate) fn prepare(
     frames.0.insert(entity, prepared);
 }
 
-/// Groups the animals by style, because a frame of the runtime has one style. The farthest animal comes first in its
-/// group, and its group comes first.
+/// Groups the animals by style, because a frame of the runtime has one style. Animals are sorted from far to near
+/// within a group, and groups by their farthest animal.
 fn groups<'a>(
     drawing: &mut Drawing,
     scene: &Scene,

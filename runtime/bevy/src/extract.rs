@@ -1,4 +1,4 @@
-//! Data extracted each frame from the main world to the render world.
+//! Data that is extracted from the main world to the render world each frame.
 
 use crate::components::{
     ClipPlace, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows,
@@ -69,7 +69,7 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// Sets the parameters of hair motion, up to the time of the scene.
+    /// Sets the parameters of hair motion, and the current time of the scene.
     pub(crate) fn move_hair(&self, params: &mut FrameParams) {
         (params.time_s, params.hair_motion) = (self.time_s, self.hair_motion);
     }
@@ -86,7 +86,7 @@ fn motion(clip: Option<(&PelageClip, &ClipPlace)>, joints: Option<&PelageJoints>
     }
 }
 
-/// Components from which an animal is extracted.
+/// Components that the extraction of an animal reads.
 type AnimalParts = (
     Entity,
     &'static Pelage,
@@ -168,7 +168,7 @@ pub(crate) fn casters(
     mut changes: Extract<MessageReader<AssetEvent<Mesh>>>,
 ) {
     let mut visible: Vec<_> = casters.iter().filter(|(_, _, _, visible, _)| visible.get()).collect();
-    // A query's order may change although nothing has moved.
+    // The order of a query may change although nothing has moved.
     visible.sort_by_key(|(entity, ..)| *entity);
     scene.casters.clear();
     scene.casters.extend(visible.iter().map(|(_, mesh, transform, _, bounds)| Caster {

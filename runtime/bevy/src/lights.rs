@@ -1,8 +1,8 @@
 //! Conversion of Bevy's lights for fur.
 //!
-//! Bevy's lights are in lux and candela per square metre, and a camera's exposure converts them to picture values.
-//! There a Lambertian surface of albedo 1 facing a sun of E lux has the value E · exposure / π. In pelage a light of 1
-//! is full light and gives such a surface the value 1.
+//! Bevy's lights are in lux and in candela per square metre. The exposure of a camera converts them to picture values.
+//! A Lambertian surface of albedo 1 that faces a sun of E lux has the picture value E · exposure / π. In pelage the
+//! same surface has the value 1 under a light of strength 1, which is full light.
 
 use bevy_camera::visibility::RenderLayers;
 use bevy_color::{ColorToComponents as _, LinearRgba};
@@ -23,7 +23,7 @@ pub(crate) struct Sun {
     pub(crate) layers: RenderLayers,
 }
 
-/// An ambient light of Bevy: its colour times its brightness, candela per square metre.
+/// An ambient light of Bevy: colour times brightness, candela per square metre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Ambient(pub(crate) Vec3);
 
@@ -33,26 +33,26 @@ impl Ambient {
     }
 }
 
-/// Returns the light's strength, linear RGB, 1 for full light.
+/// Returns the strength of a light, linear RGB; 1 is full light.
 fn strength(sun: &Sun, exposure: f32) -> Vec3 {
     sun.color.to_vec3() * (sun.illuminance * exposure / PI)
 }
 
-/// Sets the lights of a frame for a camera of those layers. The strongest sun is the key light and casts shadows; up to
-/// 32 others are fill lights.
+/// Sets the lights of a frame for a camera with the render layers `layers`. The strongest sun is the key light and
+/// casts shadows. Up to 32 others are fill lights.
 pub(crate) fn light(params: &mut FrameParams, suns: &[Sun], ambient: Ambient, exposure: f32, layers: &RenderLayers) {
     let mut seen: Vec<&Sun> = suns.iter().filter(|sun| sun.layers.intersects(layers)).collect();
     let brightness = |sun: &Sun| strength(sun, exposure).element_sum();
     seen.sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
     let directional =
         |sun: &Sun| Light::Directional { towards_light: sun.towards_light, color: strength(sun, exposure) };
-    // Without a sun the key light is dark, and its maps are not drawn.
+    // Without a sun the key light is black, and its shadow maps are not drawn.
     params.light =
         seen.first().map_or(Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }, |key| directional(key));
     params.soft_shadow = seen.first().is_some_and(|key| key.shadows);
     params.fill_lights = seen.iter().skip(1).take(MAX_FILL_LIGHTS).map(|sun| directional(sun)).collect();
-    // Packages multiply ambient light by a constant, by default that of full light. Dividing by the default lights an
-    // animal of a default package like Bevy's meshes beside it.
+    // Packages multiply ambient light by a constant. Dividing by its default value lights an animal of a default
+    // package like the Bevy meshes beside it.
     params.ambient = ambient.0 * exposure / Vec3::from(Shading::default().ambient);
 }
 

@@ -9,11 +9,12 @@ use pelage_formats::{Animation, FormatError, Limits, Package};
 use pelage_stage::{NamedPackage, StageError, clip_named};
 use std::sync::Arc;
 
-/// An animal written by `pelage bake`: the asset type of `.pelage` files. Everything in it is checked on loading, so
-/// that every loaded model can be drawn.
+/// An animal written by `pelage bake`; the asset type of `.pelage` files. Loading checks the whole file, so that every
+/// loaded model can be drawn.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct PelageModel {
-    /// Package with the path that messages use. When the file changes on disk, a new `Arc` tells the render world.
+    /// Package, with its path for messages. When the file changes on disk, a new `Arc` signals this to the render
+    /// world.
     pub(crate) package: Arc<NamedPackage<'static>>,
     animation: Option<Arc<Animation>>,
     bounds: Aabb,
@@ -21,11 +22,11 @@ pub struct PelageModel {
 }
 
 impl PelageModel {
-    /// Creates a model from the bytes of a package, which need not come from a file. `name` is used in messages.
+    /// Creates a model from the bytes of a package, which may come from any source. `name` is used in messages.
     ///
     /// # Errors
     ///
-    /// [`PelageLoadError::Package`] with the name, the position in the package, found and expected.
+    /// [`PelageLoadError::Package`] with the name, the position in the package, the value found and the value expected.
     pub fn from_bytes(name: impl Into<String>, bytes: Vec<u8>) -> Result<Self, PelageLoadError> {
         let package = NamedPackage::new(name, bytes);
         let fault = |source: FormatError| PelageLoadError::Package(package.fault(source));
@@ -40,18 +41,19 @@ impl PelageModel {
         Ok(Self { package: Arc::new(package), animation, bounds, fur_height_m: fur })
     }
 
-    /// Returns the name used in messages: the path of its file.
+    /// Returns the name for messages: the path of the file.
     pub fn name(&self) -> &str {
         &self.package.name
     }
 
-    /// Returns names and lengths in seconds of its clips, in the order of the model's file.
+    /// Returns names and lengths in seconds of the clips, in the order of the package.
     pub fn clips(&self) -> impl ExactSizeIterator<Item = (&str, f32)> {
         let clips = self.animation.as_ref().map_or(&[][..], |animation| &animation.clips);
         clips.iter().map(|clip| (clip.name.as_str(), clip.duration_s))
     }
 
-    /// Returns the bounding box of body and fur at rest, in model space, metres. A clip may leave it.
+    /// Returns the bounding box of body and fur at rest, in model space, metres. An animated model may extend beyond
+    /// it.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -61,12 +63,12 @@ impl PelageModel {
         self.fur_height_m
     }
 
-    /// Returns the index and length in seconds of a clip: by its full name, or by the part after the skeleton's name
-    /// (`Walk` finds `AnimalArmature|Walk`).
+    /// Returns the index and length in seconds of a clip. `name` is its full name, or the part after the skeleton's
+    /// name (`Walk` finds `AnimalArmature|Walk`).
     ///
     /// # Errors
     ///
-    /// The names of the existing clips, in words.
+    /// A sentence that lists the existing clips.
     pub fn clip(&self, name: &str) -> Result<(usize, f32), String> {
         let none = Animation::default();
         clip_named(self.animation.as_deref().unwrap_or(&none), name)

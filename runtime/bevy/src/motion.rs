@@ -10,7 +10,7 @@ use bevy_time::Time;
 use pelage_stage::within;
 use std::collections::HashSet;
 
-/// Gives each animal its model's bounding box when the model is loaded or replaced.
+/// Inserts the bounding box of each animal's model when the model is loaded or replaced.
 pub(crate) fn fit_boxes(
     mut commands: Commands,
     animals: Query<(Entity, &Pelage), Or<(Changed<Pelage>, AssetChanged<Pelage>)>>,
@@ -23,7 +23,7 @@ pub(crate) fn fit_boxes(
     }
 }
 
-/// Looks up clips by name when name or model changed.
+/// Looks up clips by name when the name or the model has changed.
 pub(crate) fn find_clips(
     mut clips: Query<
         (&Pelage, &PelageClip, &mut ClipPlace),
@@ -52,12 +52,12 @@ pub(crate) fn play_clips(mut clips: Query<(&mut PelageClip, &ClipPlace)>, time: 
     for (mut clip, place) in &mut clips {
         let Some((_, duration_s)) = place.found else { continue };
         let moment = moment_after(&clip, time.delta_secs(), duration_s);
-        // Not marked as a change: change detection is for changes by the application.
+        // Bypasses change detection, which signals changes by the application.
         clip.bypass_change_detection().time_s = moment;
     }
 }
 
-/// Returns the time of a clip after `passed_s` more seconds.
+/// Returns the time of a clip after another `passed_s` seconds.
 fn moment_after(clip: &PelageClip, passed_s: f32, duration_s: f32) -> f32 {
     let moment = if clip.paused { clip.time_s } else { clip.time_s + clip.speed * passed_s };
     match clip.looped {

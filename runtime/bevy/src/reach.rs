@@ -6,7 +6,7 @@ use pelage_runtime::{Instance, ShadowParams, Sphere};
 /// Maximum extent of an animal in motion, relative to its extent at rest.
 const IN_MOTION: f32 = 1.5;
 
-/// Maximum factor by which shadow maps are enlarged: the spread of the animals over the size of one, up to this.
+/// Maximum factor by which shadow maps are enlarged. The factor is the extent of all animals divided by that of one.
 const MOST_SPREAD: f32 = 4.0;
 
 /// Returns a sphere that contains an animal in any pose.
@@ -19,7 +19,7 @@ pub(crate) fn of_animal(animal: &Instance) -> Sphere {
     }
 }
 
-/// Returns the smallest sphere around two.
+/// Returns the smallest sphere that contains both spheres.
 pub(crate) fn around(a: Sphere, b: Sphere) -> Sphere {
     let apart = a.center.distance(b.center);
     if apart + b.radius <= a.radius {
@@ -33,10 +33,10 @@ pub(crate) fn around(a: Sphere, b: Sphere) -> Sphere {
     Sphere { center, radius }
 }
 
-/// Returns how far towards the light a caster extends past the middle of `lit`, metres; `None` if no part of it can
+/// Returns how far a caster extends towards the light past the centre of `lit`, metres. `None` if no part of it can
 /// shade `lit`.
 ///
-/// * `towards_light` - of length 1
+/// * `towards_light`: direction of unit length
 pub(crate) fn above(lit: Sphere, towards_light: Vec3, caster: Sphere) -> Option<f32> {
     let way = caster.center - lit.center;
     let along = way.dot(towards_light);
@@ -45,8 +45,8 @@ pub(crate) fn above(lit: Sphere, towards_light: Vec3, caster: Sphere) -> Option<
     shades.then_some(along + caster.radius)
 }
 
-/// Enlarges the shadow maps if the animals of a frame, which share them, are spread out, so that texels do not become
-/// larger.
+/// Enlarges the shadow maps if the animals of a frame are spread out, because all share the same maps. Texels thus keep
+/// their size.
 pub(crate) fn maps_of(shadows: ShadowParams, animals: &[Sphere], most_texels: u32) -> ShadowParams {
     let Some(all) = animals.iter().copied().reduce(around) else { return shadows };
     let least = animals.iter().map(|animal| animal.radius).fold(all.radius, f32::min);

@@ -22,7 +22,7 @@ pub(crate) struct PassKind {
     pub(crate) samples: u32,
 }
 
-/// A package on the GPU, or one that failed to load.
+/// A package loaded to the GPU, or one that failed to load.
 #[derive(Debug)]
 struct Loaded {
     package: Arc<NamedPackage<'static>>,
@@ -30,11 +30,11 @@ struct Loaded {
     model: Option<Model>,
 }
 
-/// Options of all renderers, except those that the pass determines.
+/// Options of all renderers; the pass determines the remaining ones.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct Options(pub(crate) RendererOptions);
 
-/// Renderers, and the data kept between frames: a resource of the render world, which reports GPU memory.
+/// Renderers and other data kept between frames. A resource of the render world that reports GPU memory.
 #[derive(Resource, Debug)]
 pub struct PelageRenderers {
     options: RendererOptions,
@@ -44,25 +44,25 @@ pub struct PelageRenderers {
     said: Said,
 }
 
-/// A prepared frame and its area of the target.
+/// A prepared frame, and the area of the target that it is drawn to.
 #[derive(Debug)]
 pub(crate) struct Prepared {
     pub(crate) frame: Frame,
-    /// Viewport that the frame was prepared for, pixels: left, top, width and height.
+    /// Viewport for which the frame was prepared, pixels: left, top, width and height.
     pub(crate) viewport: UVec4,
     /// Part of the viewport that belongs to the view, pixels: left, top, width and height.
     pub(crate) part: UVec4,
 }
 
-/// Frames to draw, by the view's entity in the render world. They are kept until Bevy has submitted them.
+/// Frames to draw, by the view's entity in the render world. They are dropped after Bevy has submitted them.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Frames(pub(crate) HashMap<Entity, Vec<Prepared>>);
 
-/// Messages already logged: a frame repeats the errors of the previous one.
+/// Messages that were already logged, because each frame repeats the errors of the previous one.
 #[derive(Debug, Default)]
 pub(crate) struct Said(HashSet<String>);
 
-/// Maximum number of different messages in the log: numbers in them may change every frame.
+/// Maximum number of different messages that are logged: a number in a message may change every frame.
 const MOST_FAULTS: usize = 100;
 
 impl Said {
@@ -87,7 +87,7 @@ impl Said {
     }
 }
 
-/// Renderer of a pass, its models, and the messages already logged.
+/// Renderer of a pass, with its models and the messages already logged.
 pub(crate) struct Drawing<'a> {
     pub(crate) renderer: &'a mut Renderer,
     models: &'a mut HashMap<AssetId<PelageModel>, Loaded>,
@@ -95,7 +95,8 @@ pub(crate) struct Drawing<'a> {
 }
 
 impl PelageRenderers {
-    /// Returns the renderer for passes of that kind; `None` if the device cannot draw into them (an error is logged).
+    /// Returns the renderer for passes of this kind. `None` if the device cannot draw into such passes (an error is
+    /// logged).
     pub(crate) fn of(&mut self, kind: PassKind, device: &RenderDevice, queue: &RenderQueue) -> Option<Drawing<'_>> {
         let Self { options, by_pass, models, said, .. } = self;
         let renderer = by_pass.entry(kind).or_insert_with(|| {
@@ -122,7 +123,7 @@ impl PelageRenderers {
         self.said.warn(words);
     }
 
-    /// Drops models whose assets were removed or replaced, and the data of removed animals.
+    /// Drops the models whose assets were removed or replaced, and the data of removed animals.
     fn forget(&mut self, scene: &Scene) {
         let same = |id: &AssetId<PelageModel>, loaded: &mut Loaded| {
             scene.packages.get(id).is_some_and(|package| Arc::ptr_eq(package, &loaded.package))
@@ -135,24 +136,24 @@ impl PelageRenderers {
         self.owners.extend(scene.animals.keys());
     }
 
-    /// Returns the GPU memory of the models' buffers and textures, bytes; all animals of a model share them.
+    /// Returns the GPU memory of the models' buffers and textures, bytes. All animals with the same model share them.
     pub fn models_gpu_bytes(&self) -> u64 {
         self.models.values().filter_map(|loaded| loaded.model.as_ref()).map(Model::gpu_bytes).sum()
     }
 
-    /// Returns the GPU memory of the animals' own data, their posed vertices, bytes.
+    /// Returns the GPU memory of the data that each animal owns (posed vertices), bytes.
     pub fn animals_gpu_bytes(&self) -> u64 {
         self.by_pass.values().flatten().map(Renderer::owners_gpu_bytes).sum()
     }
 
-    /// Returns the logged messages: errors of packages and frames, and warnings, each once.
+    /// Returns the logged messages: errors of packages and frames, and warnings. Each appears once.
     pub fn said(&self) -> impl Iterator<Item = &str> {
         self.said.0.iter().map(String::as_str)
     }
 }
 
 impl FromWorld for PelageRenderers {
-    /// Creates an empty state for a device; Bevy calls this again after a lost device.
+    /// Creates an empty state for a device. Bevy calls this again after the device was lost.
     fn from_world(world: &mut World) -> Self {
         let options = world.get_resource::<Options>().cloned().unwrap_or_default().0;
         Self { options, by_pass: HashMap::new(), models: HashMap::new(), owners: HashSet::new(), said: Said::default() }
@@ -160,8 +161,8 @@ impl FromWorld for PelageRenderers {
 }
 
 impl Drawing<'_> {
-    /// Returns an animal as an instance of the runtime, and loads its model; `None` while the asset is missing, or if
-    /// it cannot be drawn.
+    /// Returns an animal as an instance of the runtime; loads its model if needed. `None` while the asset is missing,
+    /// or if the model cannot be drawn.
     pub(crate) fn instance(&mut self, scene: &Scene, entity: MainEntity, animal: &Animal) -> Option<Instance> {
         let package = scene.packages.get(&animal.model)?;
         let loaded = self.models.entry(animal.model).or_insert_with(|| {
@@ -175,7 +176,7 @@ impl Drawing<'_> {
             Loaded { package: package.clone(), model }
         });
         let model = loaded.model.as_ref()?;
-        // An animal scaled to zero is left out; in a frame it would be an error that affects all others.
+        // An animal scaled to zero is skipped: as part of a frame it would be an error, and no animal would be drawn.
         let there = animal.transform.is_finite() && Mat3::from_mat4(animal.transform).determinant() != 0.0;
         if let (Motion::Joints(joints), Some(skeleton)) = (&animal.motion, model.skeleton())
             && joints.len() != skeleton.joints.len()
@@ -205,7 +206,7 @@ impl Drawing<'_> {
     }
 }
 
-/// Drops unused data before the frame's passes.
+/// Drops unused data before the passes of a frame.
 pub(crate) fn update(mut renderers: ResMut<PelageRenderers>, scene: Res<Scene>) {
     renderers.forget(&scene);
 }

@@ -5,7 +5,7 @@ use bevy_render::camera::TemporalJitter;
 use bevy_render::view::ExtractedView;
 use pelage_runtime::{Camera, Projection, StyleKind};
 
-/// Camera of a frame, and its area of the target.
+/// Camera of a frame, and the area of the target that it draws to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
     pub(crate) camera: Camera,
@@ -14,8 +14,9 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Creates the camera with Bevy's projection, which has reversed depth, and its jitter. `override_size`: size of
-    /// the main pass if it differs from the view's.
+    /// Creates the camera with Bevy's projection, which has reversed depth, and with Bevy's jitter.
+    ///
+    /// * `override_size`: size of the main pass, if different from the view's
     pub(crate) fn new(view: &ExtractedView, jitter: Option<&TemporalJitter>, override_size: Option<UVec2>) -> Self {
         let mut rect = view.viewport;
         if let Some(size) = override_size {
@@ -29,17 +30,17 @@ impl View {
         Self { camera: Camera { view_from_world, projection: Projection::Custom(clip_from_view) }, rect }
     }
 
-    /// Returns the camera and the viewport (with the frame's size) for a frame of that style.
+    /// Returns the camera and the viewport for a frame in this style; the frame has the viewport's size.
     ///
-    /// Ink uses textures of the picture's size that begin at the target's corner. Its picture therefore covers
-    /// everything above and left of the view's far corner, and the camera's view is widened accordingly.
+    /// Ink uses textures of the picture's size whose origin is the target's corner. An ink frame therefore begins at
+    /// that corner and ends at the view's far corner, and the view is widened accordingly.
     pub(crate) fn of_style(&self, style: StyleKind) -> (Camera, UVec4) {
         let corner = self.rect.xy() + self.rect.zw();
         if style != StyleKind::Ink || self.rect.xy() == UVec2::ZERO {
             return (self.camera, self.rect);
         }
         let share = self.rect.zw().as_vec2() / corner.as_vec2();
-        // Middle of the view in the widened picture, -1..=1 with +y up.
+        // Centre of the view in the widened picture, -1..=1 with +y up.
         let middle = (2.0 * self.rect.xy().as_vec2() + self.rect.zw().as_vec2()) / corner.as_vec2() - 1.0;
         let wider = Mat4::from_cols(
             Vec4::new(share.x, 0.0, 0.0, 0.0),
@@ -57,7 +58,7 @@ impl View {
     }
 }
 
-/// Removes the scale from a transform: Bevy's cameras may be in scaled hierarchies.
+/// Removes the scale from a transform, because Bevy's cameras may be in scaled hierarchies.
 fn rigid(world_from_view: Mat4) -> Mat4 {
     let axis = |column: Vec4| column.truncate().normalize_or_zero().extend(0.0);
     Mat4::from_cols(

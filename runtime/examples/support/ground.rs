@@ -1,16 +1,16 @@
-//! Scene of an application, with its own pipelines and shader: boxes that are drawn into the shadow maps, and receive
-//! the shadows.
+//! Scene of an application, with its own pipelines and shader. Its boxes are drawn into the shadow maps and receive
+//! shadows.
 
 use pelage_runtime::glam::{Mat4, Vec3, Vec4};
 use pelage_runtime::shared::receiver;
 use pelage_runtime::{CasterPass, Frame, LightView, RendererOptions, ShadowMaps, wgpu};
 use wgpu::util::DeviceExt;
 
-/// An axis-aligned box in one colour, metres.
+/// An axis-aligned box of one colour; corners in metres.
 pub struct Cuboid {
-    /// Lower left back corner.
+    /// Corner with the lowest coordinates.
     pub low: Vec3,
-    /// Upper right front corner.
+    /// Corner with the highest coordinates.
     pub high: Vec3,
     /// Colour, linear RGB.
     pub color: Vec3,
@@ -25,7 +25,8 @@ pub struct Scene {
     depth_pipelines: [wgpu::RenderPipeline; 2],
 }
 
-/// Shader of the application; `light_received` and `ShadowReceiver` are pelage's, from the source joined before it.
+/// Shader of the application. `light_received` and `ShadowReceiver` come from pelage's shader source, which is
+/// prepended.
 const SCENE_WGSL: &str = "
 struct View {
     clip_from_world: mat4x4<f32>,
@@ -59,14 +60,14 @@ struct Varying {
 ";
 
 impl Scene {
-    /// Uploads the boxes, and creates pipelines for passes like `options` and for the shadow maps.
+    /// Uploads the boxes. Creates pipelines for passes as described by `options`, and for the shadow maps.
     pub fn new(device: &wgpu::Device, options: &RendererOptions, cuboids: &[Cuboid]) -> Self {
         let vertices: Vec<[Vec3; 3]> = cuboids.iter().flat_map(Cuboid::triangles).collect();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("application"),
             source: wgpu::ShaderSource::Wgsl(format!("{}{SCENE_WGSL}", receiver::WGSL).into()),
         });
-        // The picture's pipeline, and two that draw only depth, as pelage requests it.
+        // One pipeline draws the picture. Two draw only depth, in the formats that pelage requires.
         let pipeline = |caster: Option<CasterPass>| {
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("application"),
@@ -125,7 +126,7 @@ impl Scene {
 
     /// Draws the objects into the application's pass, with the shadows of `frame` on them.
     ///
-    /// * `light_ws` - position and 1, or direction towards the light and 0
+    /// * `light_ws`: position and 1 for a point light; direction towards the light and 0 for a distant one
     pub fn draw(
         &self,
         device: &wgpu::Device,
@@ -160,7 +161,8 @@ impl Scene {
         self.record(device, pass, pipeline, view.clip_from_world, Vec4::ZERO);
     }
 
-    /// Records the draw with a new view buffer each time; writing to the old one would change passes recorded before.
+    /// Records the draw with a new view buffer each time. Writing to the old buffer would change passes that were
+    /// recorded before.
     fn record(
         &self,
         device: &wgpu::Device,
@@ -190,7 +192,7 @@ fn uniform(device: &wgpu::Device, contents: &[u8]) -> wgpu::Buffer {
 }
 
 impl Cuboid {
-    /// Returns position, normal and colour of 36 corners, counter-clockwise from outside.
+    /// Returns position, normal and colour of the 36 triangle corners, counter-clockwise seen from outside.
     fn triangles(&self) -> Vec<[Vec3; 3]> {
         let half = 0.5 * (self.high - self.low);
         let mut out = Vec::new();

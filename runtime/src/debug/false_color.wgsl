@@ -1,6 +1,7 @@
 // False colours instead of lighting: the geometry type of a fragment, or the number of overlapping fragments.
 
-// Output of fragments: 0 lit colour, 1 geometry type, 2 one step per fragment.
+// Output of the fragment shaders. 0: lit colour; 1: false colour of the geometry type; 2: a constant per fragment, to
+// count overlap.
 override SHOW_AS: u32 = 0u;
 
 // Luminance weights of linear sRGB (ITU-R BT.709).
@@ -8,10 +9,10 @@ const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
 // Brightness of a false colour in the dark, and its gain in full light.
 const DARK_SHADE: f32 = 0.35;
 const SHADE_GAIN: f32 = 0.65;
-// Colour of one step of the fragment count.
+// Colour that each fragment adds when overlap is counted.
 const FRAGMENT_STEP: vec3<f32> = vec3(0.06, 0.025, 0.01);
 
-// Colours as documented: mesh surface grey, far fur layer violet, shells green, fins yellow, single strands red.
+// Colours as documented: mesh surface grey, far fur layer violet, shells green, fins yellow, strands red.
 fn geometry_color(geometry: u32) -> vec3<f32> {
     switch geometry {
         case 0u: { return vec3(0.5); }
@@ -22,8 +23,9 @@ fn geometry_color(geometry: u32) -> vec3<f32> {
     }
 }
 
-// Returns the false colour of a fragment. color: premultiplied. By geometry type, light remains as shading, so that
-// shapes stay visible. In steps, blended fragments add up; an opaque fragment is one step above the background.
+// Returns the false colour of a fragment; `color` is its premultiplied colour. By geometry type, `tint` is shaded by
+// the light, so that shapes stay visible. When overlap is counted, blended fragments add up; an opaque fragment is one
+// step above the background.
 fn false_color_with(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
     if SHOW_AS == 1u {
         let light = dot(color.rgb, LUMINANCE) / max(color.a, 1e-3);
@@ -35,8 +37,8 @@ fn false_color_with(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<
     return color;
 }
 
-// Returns the false colour of a geometry (0 mesh surface, 1 far fur layer, 2 shells, 3 fins), blended towards the next
-// by `share`.
+// Returns the false colour of a geometry type (0 mesh surface, 1 far fur layer, 2 shells, 3 fins), mixed with that of
+// the next type by `share`, 0..1.
 fn false_color(color: vec4<f32>, geometry: u32, share: f32) -> vec4<f32> {
     return false_color_with(color, mix(geometry_color(geometry), geometry_color(geometry + 1u), share), geometry < 2u);
 }

@@ -1,14 +1,14 @@
 //! uses ink/screen, shared/srgb
-// Fragment shader that shows one part of an ink painting for measurement; joined after ink_composite.wgsl.
+// Fragment shader that shows one component of an ink painting, for measurement; joined after ink_composite.wgsl.
 
-// Part to show. 1: lines, black on white; 2: features; 3: wash.
+// Component to show. 1: lines, black on white; 2: features; 3: wash.
 override SHOW: u32 = 1u;
 
 @fragment
 fn fs_show(@builtin(position) position: vec4<f32>) -> Painted {
     let p = clamp_to_target(vec2<i32>(position.xy));
     let uv = position.xy / ink.size;
-    // Where features are shown, the features texture is bound as `strokes`.
+    // When `SHOW` is 2, the features texture is bound as `strokes`.
     let stroke = textureLoad(strokes, p, 0);
     let depth = depth_at(p, feature_of(p, stroke), textureLoad(normals, p, 0).w > 0.0, stroke.x);
     if SHOW == 1u {

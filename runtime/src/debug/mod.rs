@@ -3,7 +3,7 @@
 use crate::gpu::RenderSpec;
 use crate::params::{FrameParams, FurDebugView, InkDebugView};
 
-/// Replaces a requested pipeline by its debug-view variant.
+/// Replaces the pipeline in `spec` by its debug-view variant.
 pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
     let view = &params.debug;
     match spec.shader.name {

@@ -1,13 +1,13 @@
-//! Bind groups, cached by what they bind: a frame that binds nothing new creates none.
+//! Cache of bind groups, keyed by their resources. A frame with no new resources creates no bind group.
 
 use super::binding_resource::BindingResource;
 use super::device::Gpu;
 use std::collections::HashMap;
 
-/// Frames after which an unused bind group is dropped, so that its resources can be freed.
+/// Number of frames after which an unused bind group is dropped, so that its resources can be freed.
 const DROPPED_AFTER: u64 = 64;
 
-/// Layout, and entries with their binding numbers.
+/// Layout, and resources with their binding numbers.
 type Key = (wgpu::BindGroupLayout, Vec<(u32, BindingResource)>);
 
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ pub(crate) struct BindGroups {
 }
 
 impl BindGroups {
-    /// Returns the bind group of these entries, each with its binding number.
+    /// Returns the bind group for these resources, each given with its binding number.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
@@ -36,7 +36,7 @@ impl BindGroups {
         group
     }
 
-    /// Drops all bind groups and the resources that they bind.
+    /// Drops all bind groups, which releases their resources.
     pub(crate) fn clear(&mut self) {
         self.made.clear();
     }

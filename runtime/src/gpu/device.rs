@@ -1,11 +1,11 @@
-//! Device and queue, counting the objects that are created.
+//! Device and queue; counts the GPU objects that are created.
 
 use super::binding_resource::BindingResource;
 use crate::report::CreatedObjects;
 use std::sync::atomic::{AtomicU32, Ordering};
 use wgpu::util::DeviceExt;
 
-/// Device and queue, counting the objects that are created.
+/// Device and queue; counts the GPU objects that are created.
 #[derive(Debug)]
 pub(crate) struct Gpu {
     pub(crate) device: wgpu::Device,
@@ -28,7 +28,7 @@ impl Gpu {
         Self { device, queue, buffers, textures, bind_groups, pipelines }
     }
 
-    /// Returns the number of objects created so far.
+    /// Returns the number of GPU objects created so far.
     pub(crate) fn created(&self) -> CreatedObjects {
         let [buffers, textures, bind_groups, pipelines] =
             [&self.buffers, &self.textures, &self.bind_groups, &self.pipelines].map(|n| n.load(Ordering::Relaxed));
@@ -53,7 +53,7 @@ impl Gpu {
         self.device.create_texture(descriptor)
     }
 
-    /// Creates a bind group of the entries, each with its binding number.
+    /// Creates a bind group from resources, each given with its binding number.
     pub(crate) fn bind_group(
         &self,
         label: &str,

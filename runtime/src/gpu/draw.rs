@@ -27,17 +27,17 @@ pub(crate) struct Draw {
     pub(crate) groups: [Option<DrawBindGroup>; 4],
     /// Vertex buffers by slot.
     pub(crate) vertices: [Option<wgpu::Buffer>; 4],
-    /// Index buffer of 32-bit indices. Without it, vertices are drawn in order.
+    /// Index buffer of 32-bit indices; `None` for a non-indexed draw.
     pub(crate) indices: Option<wgpu::Buffer>,
-    /// Range of indices or vertices.
+    /// Range of indices, or of vertices for a non-indexed draw.
     pub(crate) range: Range<u32>,
     pub(crate) instances: Range<u32>,
-    /// Buffer that starts with draw arguments written by the GPU; replaces the ranges.
+    /// Buffer with indirect draw arguments at offset 0, written by the GPU; replaces the ranges.
     pub(crate) indirect: Option<wgpu::Buffer>,
 }
 
 impl Draw {
-    /// Returns a draw of a triangle over the whole target, with bind group 0 only.
+    /// Returns a draw of one triangle that covers the target, with bind group 0 only.
     pub(crate) fn screen(pipeline: wgpu::RenderPipeline, group: &wgpu::BindGroup) -> Self {
         Self {
             pipeline,
@@ -51,7 +51,7 @@ impl Draw {
     }
 }
 
-/// Records draws in order. State that one draw binds stays bound for the next.
+/// Records draws in order. State that consecutive draws share is bound once.
 pub(crate) fn record<'d>(pass: &mut wgpu::RenderPass<'_>, draws: impl IntoIterator<Item = &'d Draw>) {
     let mut last: Option<&Draw> = None;
     for draw in draws {

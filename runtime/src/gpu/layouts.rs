@@ -41,7 +41,7 @@ pub(crate) struct Layouts {
 }
 
 impl Layouts {
-    /// Returns the layout of that name, created from `entries` on first use.
+    /// Returns the layout with this name; creates it from `entries` on first use.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
@@ -64,7 +64,7 @@ fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) ->
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
-/// Returns a uniform block of `T` for vertex and fragment shaders.
+/// Returns the layout entry of a uniform block `T` for vertex and fragment shaders.
 pub(crate) fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
@@ -74,7 +74,7 @@ pub(crate) fn uniform<T>(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGr
     entry(binding, wgpu::ShaderStages::VERTEX_FRAGMENT, ty)
 }
 
-/// Returns a read-only array of `T` for the shader stages of `visibility`.
+/// Returns the layout entry of a read-only array of `T` for the shader stages `visibility`.
 pub(crate) fn storage<T>(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only: true },
@@ -84,7 +84,7 @@ pub(crate) fn storage<T>(binding: u32, visibility: wgpu::ShaderStages) -> wgpu::
     entry(binding, visibility, ty)
 }
 
-/// Returns an array of `T` that compute shaders read and write.
+/// Returns the layout entry of an array of `T` that compute shaders read and write.
 pub(crate) fn storage_out<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Storage { read_only: false },
@@ -94,7 +94,7 @@ pub(crate) fn storage_out<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     entry(binding, wgpu::ShaderStages::COMPUTE, ty)
 }
 
-/// Returns an array of `T` that compute shaders read.
+/// Returns the layout entry of a read-only array of `T` for compute shaders.
 pub(crate) fn storage_in<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     storage::<T>(binding, wgpu::ShaderStages::COMPUTE)
 }
@@ -107,13 +107,13 @@ pub(crate) fn in_compute(entry: wgpu::BindGroupLayoutEntry) -> wgpu::BindGroupLa
 /// Threads per workgroup of compute shaders, except for the one that counts strands.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// Returns columns and rows of a dispatch of `count` workgroups: one dimension is limited to 65 535.
+/// Returns the columns and rows of a dispatch of at least `count` workgroups; each dimension is limited to 65 535.
 pub(crate) fn workgroups(count: u32) -> [u32; 2] {
     let columns = count.clamp(1, 65_535);
     [columns, count.div_ceil(columns)]
 }
 
-/// Returns a filterable float texture for fragment shaders.
+/// Returns the layout entry of a filterable float texture for fragment shaders.
 pub(crate) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: true },
@@ -123,14 +123,14 @@ pub(crate) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) 
     entry(binding, wgpu::ShaderStages::FRAGMENT, ty)
 }
 
-/// Returns a depth texture for fragment shaders.
+/// Returns the layout entry of a depth texture for fragment shaders.
 pub(crate) fn depth_texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     let sample_type = wgpu::TextureSampleType::Depth;
     let ty = wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false };
     entry(binding, wgpu::ShaderStages::FRAGMENT, ty)
 }
 
-/// Returns a filtering sampler for fragment shaders.
+/// Returns the layout entry of a filtering sampler for fragment shaders.
 pub(crate) fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
     entry(binding, wgpu::ShaderStages::FRAGMENT, ty)

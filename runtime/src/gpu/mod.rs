@@ -1,5 +1,5 @@
-//! Device and queue of the application, and everything created with them. A frame can report what it created; objects
-//! are cached by their descriptors.
+//! Device and queue of the application, and all objects created with them. Objects are cached by their descriptors, and
+//! counted so that a frame can report how many it created.
 
 mod bind_groups;
 mod binding_resource;

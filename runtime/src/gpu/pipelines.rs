@@ -1,15 +1,15 @@
-//! Pipelines, cached by the specification that a pass gives.
+//! Cache of pipelines, keyed by the specification that a pass supplies.
 
 use super::device::Gpu;
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
 
-/// Shader source and its name; two with the same name are the same.
+/// Shader source and its name. Two shaders with the same name are treated as equal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shader {
     pub(crate) name: &'static str,
-    /// Source files in order. They are joined on the device that compiles them, so that a program contains shared files
-    /// once: web pages download it.
+    /// Source files in order, joined when the shader is compiled. A program thus contains shared files only once, which
+    /// keeps the download of web pages small.
     pub(crate) parts: &'static [&'static str],
 }
 
@@ -34,7 +34,7 @@ impl Hash for Shader {
     }
 }
 
-/// Values of a shader's override constants by name. A constant that is not named keeps its declared default, which is
+/// Values of a shader's override constants by name. A constant that is not listed keeps its declared default, which is
 /// off.
 pub(crate) type Constants = Vec<(&'static str, u32)>;
 
@@ -66,7 +66,7 @@ pub(crate) const fn attribute(
     wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
 }
 
-/// Returns which sides of a surface are drawn. `mirrored`: the instance is mirrored.
+/// Returns the primitive state, with the sides of a surface that are culled. `mirrored`: the instance is mirrored.
 pub(crate) fn primitive_state(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState {
     wgpu::PrimitiveState {
         front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
@@ -75,7 +75,7 @@ pub(crate) fn primitive_state(mirrored: bool, double_sided: bool) -> wgpu::Primi
     }
 }
 
-/// Returns a depth test without stencil or bias.
+/// Returns the state of a depth test without stencil or bias.
 pub(crate) fn depth_state(
     format: wgpu::TextureFormat,
     write: bool,
@@ -107,7 +107,7 @@ pub(crate) struct RenderSpec {
 }
 
 impl RenderSpec {
-    /// Returns a specification of one triangle over a whole target of `format`.
+    /// Returns the specification of a triangle that covers a target of `format`.
     pub(crate) fn screen(
         shader: Shader,
         [vertex, fragment]: [&'static str; 2],
@@ -161,7 +161,7 @@ fn layout(gpu: &Gpu, label: &str, groups: &[wgpu::BindGroupLayout]) -> wgpu::Pip
     })
 }
 
-/// Converts override constants to the form that wgpu takes.
+/// Converts override constants to wgpu's format.
 fn to_wgpu_constants(shader: Shader, constants: &Constants) -> Vec<(&'static str, f64)> {
     // A browser rejects constants that the shader does not declare.
     let declares = |name: &str| shader.parts.iter().any(|part| part.contains(&format!("override {name}:")));

@@ -1,11 +1,11 @@
-//! Pools of texture sets that frames reuse: one set per concurrent use.
+//! Pools of texture sets that frames reuse: each concurrent use gets its own set.
 
 use std::sync::Arc;
 
-/// Frames after which an unused set is freed.
+/// Number of frames after which an unused set is freed.
 const FREED_AFTER: u64 = 32;
 
-/// Pool of sets `T`. A frame holds the sets that it draws from.
+/// Pool of sets `T`. A frame holds references to the sets that it draws from.
 #[derive(Debug)]
 pub(crate) struct Pool<T> {
     /// Sets, each with the last frame that used it.
@@ -27,14 +27,15 @@ impl<T> Pool<T> {
         self.sets.retain(|(_, last)| *last >= oldest);
     }
 
-    /// Returns a matching set to be shared, unchanged.
+    /// Returns a set that matches `wanted`, for shared read-only use.
     pub(crate) fn share(&mut self, wanted: impl Fn(&T) -> bool) -> Option<Arc<T>> {
         let (set, last) = self.sets.iter_mut().find(|(set, _)| wanted(set))?;
         *last = self.frame;
         Some(set.clone())
     }
 
-    /// Removes a set that no frame holds, to be drawn over; the least recently used if there are several.
+    /// Removes a set that no frame holds, so that it can be overwritten. If several fit, the least recently used is
+    /// removed.
     pub(crate) fn take(&mut self, fits: impl Fn(&T) -> bool) -> Option<T> {
         let free = self.sets.iter().enumerate().filter(|(_, (set, _))| Arc::strong_count(set) == 1 && fits(set));
         let (index, _) = free.min_by_key(|(_, (_, last))| *last)?;

@@ -1,4 +1,4 @@
-//! Textures of the picture's size that passes pass on to each other.
+//! Textures of the picture's size with which passes hand results to later passes.
 
 use super::device::Gpu;
 use super::pool::Pool;
@@ -11,7 +11,7 @@ pub(crate) struct Target {
     pub(crate) format: wgpu::TextureFormat,
 }
 
-/// Textures of a frame. A frame holds those that it draws from.
+/// Textures of a frame. A frame holds references to those that it draws from.
 #[derive(Debug, Default)]
 pub(crate) struct TargetSet {
     size: [u32; 2],
@@ -36,12 +36,12 @@ impl TargetSet {
         Self { size, views: wanted.iter().map(make).collect() }
     }
 
-    /// Returns the texture of a target; `None` if no pass of the frame's style has it.
+    /// Returns the texture of a target; `None` if no pass of the frame's style uses it.
     pub(crate) fn view(&self, target: &Target) -> Option<&wgpu::TextureView> {
         self.views.iter().find(|(found, _)| found == target).map(|(_, view)| view)
     }
 
-    /// Returns the size on the GPU in bytes.
+    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let of_pixel: u32 = self.views.iter().map(|(t, _)| t.format.block_copy_size(None).unwrap_or(4)).sum();
         u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(of_pixel)
@@ -52,7 +52,7 @@ impl TargetSet {
     }
 }
 
-/// Returns the `wanted` textures, excluding any that a living frame still draws from.
+/// Returns a set with the `wanted` textures that no living frame draws from.
 pub(crate) fn take_targets(
     shelf: &mut Pool<TargetSet>,
     gpu: &Gpu,

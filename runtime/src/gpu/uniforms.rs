@@ -1,11 +1,11 @@
-//! Ring of uniform buffers: the uniforms of a frame go into a slot that no other frame needs any more.
+//! Ring of uniform buffers: each frame writes its uniforms to a slot that no other frame uses.
 
 use super::device::Gpu;
 use bytemuck::Pod;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Least size in bytes of a buffer of a slot; larger if a single upload needs more.
+/// Minimum size of a slot's buffers, bytes; larger if a single upload needs more.
 const CHUNK_BYTES: u64 = 64 << 10;
 
 /// Free slots kept for later frames.
@@ -24,9 +24,9 @@ pub(crate) struct UniformRange {
 struct Chunk {
     buffer: wgpu::Buffer,
     bytes: Vec<u8>,
-    /// Number of bytes already passed to the queue.
+    /// Number of bytes already handed to the queue.
     written: usize,
-    /// Contents last passed to the queue.
+    /// Contents last handed to the queue.
     held: Vec<u8>,
 }
 
@@ -34,10 +34,10 @@ struct Chunk {
 #[derive(Debug)]
 pub(crate) struct UniformSlot {
     chunks: Vec<Chunk>,
-    /// Shared with the frame, which holds it as long as it needs the slot.
+    /// Shared with the frame, which holds a reference as long as it uses the slot.
     in_use: Arc<()>,
     alignment: u64,
-    /// Bytes that this frame uploaded.
+    /// Number of bytes that this frame uploaded.
     uploaded: u64,
 }
 
@@ -71,7 +71,7 @@ impl UniformSlot {
         let fits = |chunk: &Chunk| chunk.bytes.len() as u64 + needed <= chunk.buffer.size();
         let index = self.chunks.iter().position(fits).unwrap_or_else(|| {
             let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-            // Leaves room to grow: otherwise a herd that grows by one per frame would create a buffer in each frame.
+            // Leave room to grow: otherwise a herd that grows by one per frame would create a buffer in each frame.
             let buffer = gpu.buffer("pelage uniforms", needed.next_power_of_two().max(CHUNK_BYTES), usage);
             self.chunks.push(Chunk { buffer, bytes: Vec::new(), written: 0, held: Vec::new() });
             self.chunks.len() - 1
@@ -86,7 +86,8 @@ impl UniformSlot {
         UniformRange { buffer: chunk.buffer.clone(), offset: offset as u64, stride }
     }
 
-    /// Uploads what the queue does not have yet; nothing if the slot holds the same bytes from an earlier frame.
+    /// Uploads the bytes that the queue does not have yet; nothing if the slot holds the same bytes from an earlier
+    /// frame.
     pub(crate) fn write(&mut self, gpu: &Gpu) {
         for chunk in &mut self.chunks {
             let (from, to) = (chunk.written, chunk.bytes.len());
@@ -101,13 +102,13 @@ impl UniformSlot {
         }
     }
 
-    /// Returns the bytes that this frame uploaded so far.
+    /// Returns the number of bytes that this frame has uploaded so far.
     pub(crate) fn uploaded(&self) -> u64 {
         self.uploaded
     }
 }
 
-/// Slots of the ring. A slot is free once its frame is dropped and its commands have finished, or were dropped
+/// Slots of the ring. A slot is free once its frame is dropped and its commands have either finished or been dropped
 /// unsubmitted.
 #[derive(Debug, Default)]
 pub(crate) struct UniformRing {
@@ -137,11 +138,11 @@ impl Drop for SubmissionGuard {
 }
 
 impl UniformRing {
-    /// Returns a slot that no frame needs any more.
+    /// Returns a free slot.
     pub(crate) fn acquire(&mut self, gpu: &Gpu) -> UniformSlot {
         let free = self.slots.iter().position(|slot| Arc::strong_count(&slot.in_use) == 1);
         let mut slot = free.map_or_else(|| UniformSlot::new(gpu), |index| self.slots.swap_remove(index));
-        // Frees slots beyond the spare ones, which many frames at once had needed.
+        // Drop surplus slots, which were needed while many frames were in flight.
         let mut spare = 0;
         self.slots.retain(|slot| {
             spare += usize::from(Arc::strong_count(&slot.in_use) == 1);
@@ -156,7 +157,8 @@ impl UniformRing {
         slot
     }
 
-    /// Returns the slot of a frame prepared into `encoder` to the ring. The frame keeps the returned handle.
+    /// Returns the slot of a frame prepared into `encoder` to the ring. The frame keeps the returned handle, which
+    /// marks the slot as in use.
     pub(crate) fn release(&mut self, slot: UniformSlot, encoder: &wgpu::CommandEncoder) -> Arc<()> {
         let in_use = slot.in_use.clone();
         let submitted = SubmissionGuard { in_use: Some(in_use.clone()), lost: self.lost.clone() };
@@ -165,7 +167,7 @@ impl UniformRing {
         in_use
     }
 
-    /// Whether recorded work was lost since the last call.
+    /// Whether recorded commands were lost since the last call.
     pub(crate) fn lost_work(&self) -> bool {
         self.lost.swap(false, Ordering::Relaxed)
     }

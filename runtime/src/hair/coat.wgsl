@@ -1,46 +1,47 @@
 //! uses hair/hair, light/baked, light/key, light/point, shared/detail, shared/layer_shadow, shared/opacity,
 //! surface/place
-// Far fur layer: all fur layers as seen from above, flattened into one on the mesh surface. Used for fur too small to
-// be drawn in layers.
+// Far fur layer: all fur layers as seen from above, flattened into one layer on the mesh surface. Replaces layers where
+// fur is too small on screen for them.
 
 // The far fur layer is drawn on the surface.
 override COAT: bool = false;
 
-// Returns the transmittance of all layers together for the key light that reaches the surface below (formulas 4.2).
+// Returns the combined transmittance of all layers for key light on its way to the mesh surface (formulas 4.2).
 fn visible_below_coat(far: Hair, grown: f32, n_dot_l: f32, length: f32) -> f32 {
     return layer_transmittance(far.color.a * grown, frame.hair_density * path_through(slanted_path(n_dot_l), length));
 }
 
-// Far fur layer at a fragment.
+// Inputs of the far fur layer at a fragment.
 struct FarFur {
     hair: Hair,
     baked: Baked,
-    // Colour of the undercoat, lit.
+    // Lit colour of the undercoat.
     undercoat: vec3<f32>,
     base_color: vec3<f32>,
     spot: Spot,
-    // Direction towards the key light, and H, in the tile frame.
+    // Direction towards the key light in the tile frame; the next field is the half vector H.
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
-    // Length of the hair over the tile's; slope added by the vertex.
+    // Hair length relative to the tile's. The next field is the slope added by the vertex.
     length: f32,
     slope: f32,
-    // Share of the hair that grows, times how far the far fur layer has replaced the layers.
+    // Share of the hair that grows, times the weight with which the far fur layer has replaced the layers.
     share: f32,
     wetness: f32,
-    // Share of the key light that passes other objects.
+    // Share of the key light that other objects let through.
     past: f32,
 }
 
-// Returns the far fur layer over the undercoat (formulas 4.8).
+// Returns the colour of the far fur layer over the undercoat (formulas 4.8).
 fn with_coat(far: FarFur) -> vec3<f32> {
     let texel = far.hair.color;
     if texel.a < LEAST_ALPHA {
         return far.undercoat;
     }
-    // Same as for the layers that it replaces: where half of the hair grows, half of the optical depth is left.
+    // Same as for the layers that the far layer replaces: where half of the hair grows, half of the optical depth
+    // remains.
     let alpha = resampled_opacity(texel.a, far.share);
-    // No shadow map is drawn for it: the package stores how light enters it.
+    // The far layer needs no shadow map: the package stores how light enters it.
     let height = instance.coat_ambient_height;
     var arrives = 1.0;
     if !BAKED_SHADOW {

@@ -2,22 +2,23 @@
 
 // Size: 32 bytes.
 struct StrandConstants {
-    // Points per strand.
+    // Number of points per strand.
     points: u32,
-    // Strands of the model, including those that pad workgroups.
+    // Number of strands of the model, including those that pad workgroups.
     count: u32,
-    // Points of all dry strands of the tile; the wet ones follow them.
+    // Number of points of all dry strands of the tile; the wet ones follow them.
     dry_points: u32,
-    // Radius in metres of the largest stored number.
+    // Radius of the largest stored value, metres.
     radius: f32,
-    // Range of strands of the part.
+    // First strand of the part; the next field is the end of the range.
     first: u32,
     end: u32,
-    // Share of the strands that is drawn.
+    // Share of the strands that are drawn.
     share: f32,
     // Stride between the points that are used.
     step: u32,
 }
 
-// Vectors of the surface frame before the posed points of each strand: normal and wetness; tangent and handedness.
+// Number of surface-frame vectors stored before the posed points of each strand: normal with wetness, tangent with
+// handedness.
 const POSED_BEFORE: u32 = 2u;

@@ -1,8 +1,9 @@
 //! Levels of detail: how much of a model's fur is drawn when it is small on screen.
 //!
-//! A package stores the chain (`FORMAT.md`, "Levels of detail"): ever fewer layers, each representing more of the baked
-//! ones, and last the mesh surface with the far fur layer. No level is drawn twice: between two levels, layers
-//! disappear one after another and pass their opacity to those that stay.
+//! A package stores the chain of levels (`FORMAT.md`, "Levels of detail"). Each level has fewer layers, and each layer
+//! represents more of the baked ones; the last level is the mesh surface with the far fur layer. Only one level is
+//! drawn at a time: between two levels, layers disappear one after another and transfer their opacity to those that
+//! remain.
 
 use super::strand_lod::{drawn_share, effective_samples, point_step, strand_transition, transition_shares};
 use crate::bounds::Hull;
@@ -25,17 +26,18 @@ pub(crate) struct InstanceDrawing {
     pub(crate) layers: u32,
     /// Stride between the layers that are drawn.
     pub(crate) step: u32,
-    /// Number of layers that have already moved to the next level, [`detail_fade`](crate::shared::detail::detail_fade).
+    /// Number of layers that have already changed to the next level,
+    /// [`detail_fade`](crate::shared::detail::detail_fade).
     pub(crate) gone: f32,
-    /// Density of the level and of the next. If the next is the far fur layer: density that remains of the level, and
-    /// share of the far layer.
+    /// Density of the current and of the next level. If the next level is the far fur layer: remaining density of the
+    /// current level, and share of the far layer.
     pub(crate) weights: [f32; 2],
-    /// Mip level, a whole number, at which texels of the hair are as large as pixels at the nearest point of the model.
-    /// Used where only one level is read.
+    /// Mip level, a whole number, at which hair texels are as large as pixels at the nearest point of the model. Used
+    /// where only one mip level is sampled.
     pub(crate) texel_level: f32,
-    /// Index list that is drawn: 0 for the mesh's own, else one of the simplified ones.
+    /// Index list to draw: 0 for the mesh's own, otherwise one of the simplified ones.
     pub(crate) list: usize,
-    /// Share of the layers' opacity that remains beside single strands.
+    /// Share of the layers' opacity that remains while single strands are also drawn.
     pub(crate) layer_share: f32,
     /// Stride between the points of single strands that are drawn.
     pub(crate) point_step: u32,
@@ -43,7 +45,7 @@ pub(crate) struct InstanceDrawing {
     most_pieces: Option<u32>,
     /// Pixels per metre of the instance on screen, times the application's bias.
     px_per_m: f32,
-    /// Suitable layer count of the shadow maps, skin included; 1 if no layers are drawn.
+    /// Layer count that suits the shadow maps, skin included; 1 if no layers are drawn.
     pub(crate) map_layers: u32,
 }
 
@@ -52,24 +54,24 @@ pub(crate) struct InstanceDrawing {
 pub(crate) struct StrandSetDrawing {
     /// Index of the model's strand set.
     pub(crate) set: usize,
-    /// Share of the strands that is drawn.
+    /// Share of the strands that are drawn.
     pub(crate) share: f32,
-    /// Factor on the strands' natural width.
+    /// Factor on the natural width of the strands.
     pub(crate) widened: f32,
     /// Stride between the points that are drawn.
     pub(crate) step: u32,
 }
 
 impl StrandSetDrawing {
-    /// Returns the set drawn with all points of all strands, at their natural width.
+    /// Returns the set with all points of all strands, at their natural width.
     pub(crate) fn full_detail(&self) -> Self {
         Self { share: 1.0, widened: 1.0, step: 1, ..*self }
     }
 }
 
 impl InstanceDrawing {
-    /// Returns how `params` draws an instance, with that many samples per pixel. `hull`: bounds of the posed instance
-    /// in world space.
+    /// Returns the state with which an instance is drawn, for `params` and that many samples per pixel. `hull`: bounds
+    /// of the posed instance in world space.
     pub(crate) fn for_instance(
         instance: &Instance,
         hull: &Hull,
@@ -90,7 +92,7 @@ impl InstanceDrawing {
         let way = match fur.hair {
             HairGeometry::Shells => 0.0,
             HairGeometry::Strands => 1.0,
-            // A caller who asks for layers wants to see them.
+            // Layers that the caller requests explicitly must be visible.
             HairGeometry::Auto if fur.layers.is_some() || matches!(fur.detail, Detail::Level(_)) => 0.0,
             HairGeometry::Auto => {
                 strand_transition(fur, px_per_m * strands.mean_width_m * detail_bias(fur.detail), samples)
@@ -102,7 +104,7 @@ impl InstanceDrawing {
         }
     }
 
-    /// Applies the [transition](way_to_strands) from layers to single strands. The far fur layer is part of both.
+    /// Applies the [transition](strand_transition) from layers to single strands. The far fur layer is drawn with both.
     fn with_strands(mut self, way: f32) -> Self {
         let [strands, layers] = transition_shares(way);
         self.detail.strands = strands * (1.0 - self.detail.coat);
@@ -111,7 +113,7 @@ impl InstanceDrawing {
         self
     }
 
-    /// Returns the drawing adapted to the device limits: with fewer points if its buffers cannot hold all.
+    /// Returns the state adapted to the device limits: strands with fewer points if the buffers cannot hold all.
     pub(crate) fn clamped_to(self, limits: &wgpu::Limits, model: &Model) -> Self {
         let Some(strands) = model.fur_strands().filter(|_| self.has_strands()) else { return self };
         let fits = |step: &u32| *step >= self.point_step && strands.ribbon_bytes(*step) <= largest_buffer(limits);
@@ -120,9 +122,9 @@ impl InstanceDrawing {
         Self { point_step, detail, ..self }
     }
 
-    /// Returns which of the model's strand sets are drawn, with that many samples per pixel, within the device limits.
+    /// Returns the strand sets of the model that are drawn, within the device limits. `samples`: number per pixel.
     ///
-    /// Hair groups are drawn as strands at any size. If they are too thin for the samples, fewer and wider ones are
+    /// Hair groups are drawn as strands at any size. If strands are too thin for the samples, fewer and wider ones are
     /// drawn.
     pub(crate) fn sets(
         &self,
@@ -259,22 +261,22 @@ impl InstanceDrawing {
             point_step: 1,
             most_pieces: None,
             px_per_m: f32::INFINITY,
-            // The maps are not redrawn for every number of layers.
+            // A map layer count per level keeps the maps from being redrawn for every number of layers.
             map_layers: of_level + 1,
         }
     }
 
-    /// Whether layers are left out or fading.
+    /// Whether some layers are skipped or fading.
     pub(crate) fn is_reduced(&self) -> bool {
         self.detail.level > 0 || self.detail.fade > 0.0 || self.has_strands()
     }
 
-    /// Whether there are layers above the surface, drawn or not.
+    /// Whether there are layers above the mesh surface, drawn or not.
     pub(crate) fn has_shells(&self) -> bool {
         self.detail.layers > 0
     }
 
-    /// Whether the layers are drawn.
+    /// Whether the layers above the mesh surface are drawn.
     pub(crate) fn draws_shells(&self) -> bool {
         self.has_shells() && self.layer_share > 0.0
     }
@@ -284,7 +286,7 @@ impl InstanceDrawing {
         self.detail.strands > 0.0
     }
 
-    /// Returns the level of detail for reports.
+    /// Returns the level of detail as reported to the application.
     pub(crate) fn reported(&self) -> InstanceDetail {
         InstanceDetail { layers: if self.draws_shells() { self.detail.layers } else { 0 }, ..self.detail }
     }
@@ -295,7 +297,7 @@ impl InstanceDrawing {
     }
 }
 
-/// Returns the factor on the size on screen.
+/// Returns the factor that `detail` puts on the size on screen.
 fn detail_bias(detail: Detail) -> f32 {
     if let Detail::Auto { bias } = detail { bias } else { 1.0 }
 }

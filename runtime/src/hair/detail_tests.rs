@@ -31,7 +31,7 @@ fn params() -> FrameParams {
     FrameParams::new(Camera::look_at(Vec3::Z, Vec3::ZERO, projection), [834, 424])
 }
 
-/// Checks that each level draws its layers, and that the layers of a level together are as opaque as all baked layers.
+/// Checks that each level draws its layers, and that together they are as opaque as all baked layers.
 #[test]
 fn layer_exponents_sum_to_the_baked_layers() {
     for baked in [2u32, 3, 4, 5, 16, 17, 64] {
@@ -48,7 +48,7 @@ fn layer_exponents_sum_to_the_baked_layers() {
         }
     }
     assert_eq!(detail_count(16, 0), 0);
-    // Their opacity decreases towards the far fur layer.
+    // The exponent decreases towards the far fur layer.
     assert_eq!(detail_exponent(15, 16, 4, 0.0, 0.75, 0.25), 3.0);
 }
 
@@ -59,7 +59,7 @@ fn drawing_parameters_follow_the_level() {
     let full = at(0, 0.0);
     assert!(!full.is_reduced() && full.shell_instances() == (1..16) && full.map_layers == 16);
     let fading = at(0, 0.5);
-    // Of the seven layers that the next level leaves out, three are gone and the fourth is half gone.
+    // Of the seven layers that the next level drops, three are gone and the fourth is half gone.
     assert!(fading.is_reduced() && fading.detail.layers == 12 && fading.shell_instances() == (0..12));
     assert_eq!((fading.step, fading.gone, fading.detail.fins, fading.map_layers), (1, 3.5, 0.75, 16));
     let half = at(1, 0.0);
@@ -92,7 +92,7 @@ fn light_in_far_fur_interpolates_the_baked_values() {
         (far_layer_light(1.0, base, slope) - 0.75).abs() < 1e-6
             && (far_layer_light(4.0, base, slope) - 0.5).abs() < 1e-6
     );
-    // Black hair gives only finite numbers.
+    // Black hair must give only finite numbers.
     let dark = far_layer_light_coefficients(&FarLayerInfo::default());
     assert!(dark.iter().all(|x| x.is_finite()) && far_layer_light(2.0, dark[0], dark[1]) <= 1e-3);
 }

@@ -1,8 +1,8 @@
 //! uses shared/fins, shared/frame, shared/skinning, shared/tile_frame, surface/geometry, surface/place
-// Corners of fins. Fins have no vertex buffer: every corner needs both ends of its edge, and reads them from the posed
-// vertices.
+// Corners of fins. Fins have no vertex buffer: each corner needs both ends of its edge, so the shader reads them from
+// the posed vertices.
 
-// The colour is packed.
+// The colour is packed into 32 bits.
 struct AttributeVertex {
     tile_uv: vec2<f32>,
     base_uv: vec2<f32>,
@@ -25,7 +25,7 @@ struct Fin {
 
 // Vertices of a quad: two triangles.
 const CORNERS: u32 = 6u;
-// Quads above each other on fins that lean, so that they can bend.
+// Number of quads stacked on each leaning fin, so that it can bend.
 const LEANING_ROWS: u32 = 3u;
 
 fn vertex_of(index: u32) -> Vertex {
@@ -51,14 +51,14 @@ struct FinCorner {
     tile: TileFrame,
     // Height: 0 on the skin, 1 at the outermost layer.
     height: f32,
-    // Coordinate along the slab.
+    // Texture coordinate along the fin's slab of hair.
     along: f32,
     // Position along the edge: 0 at its first end, 1 at its second.
     across: f32,
     slab: u32,
-    // Opacity of the whole fin: depends on the view angle, and is lower where fins are dense (formulas 4.6).
+    // Opacity of the whole fin. Depends on the view angle, and is lower where fins are dense (formulas 4.6).
     opacity: f32,
-    // Turn of the surface away from the eye at the ends of the whole fin, 0..1.
+    // 1 minus the smaller |N·E| at the two ends of the fin: 0 if the surface faces the eye, 1 at the silhouette.
     turned: f32,
 }
 
@@ -67,7 +67,7 @@ fn fin_corner(index: u32) -> FinCorner {
     let quad = index / CORNERS;
     let corner = index % CORNERS;
     let fin = fins[quad / rows];
-    // Order: a, b, b above, a, b above, a above.
+    // Order of the corners: a, b, b above, a, b above, a above.
     let at_b = corner == 1u || corner == 2u || corner == 4u;
     let above = corner == 2u || corner > 3u;
 

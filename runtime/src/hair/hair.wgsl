@@ -1,5 +1,5 @@
 //! uses light/baked, light/scatter, shared/detail, shared/opacity, shared/tile_frame, surface/place
-// Reading the hair volume, for all geometries: texels of a layer, dry and wet, groom values, and the thinning of
+// Sampling of the hair volume, for all geometries: dry and wet texels of a layer, groom values, and the resampling of
 // layers.
 
 @group(1) @binding(3) var groom_texture: texture_2d<f32>;
@@ -13,9 +13,9 @@
 
 // The direction texture has two components.
 override PLANAR_DIRECTIONS: bool = false;
-// The number of drawn layers differs from the baked one.
+// The number of drawn layers differs from that of baked layers.
 override RESAMPLED: bool = false;
-// A level of detail leaves out or fades some of the layers.
+// A level of detail drops or fades some of the layers.
 override DETAIL: bool = false;
 // At least one vertex is bare or wet.
 override GROOM_VERTICES: bool = false;
@@ -24,11 +24,11 @@ override GROOM_TEXTURE: bool = false;
 // The package has wet hair, which is mixed in.
 override WET: bool = false;
 
-// Hair takes base colour and groom from the surface at its root.
+// Hair uses the base colour and groom of the surface at its root.
 override AT_ROOT: bool = false;
 
-// Threshold of the alpha test for layers. Below half a step of an 8-bit texel nothing is visible and no depth is
-// written.
+// Threshold of the alpha test for layers: half a step of an 8-bit texel. Fragments below it are invisible and write no
+// depth.
 const LEAST_ALPHA: f32 = 0.5 / 255.0;
 
 // Returns the height of a drawn layer: 0 on the skin, 1 for the outermost layer (formulas 4.6).
@@ -44,7 +44,7 @@ fn drawn_layer(index: u32) -> u32 {
     return detail_layer(index, instance.baked_layers, instance.layer_step, instance.layers_gone);
 }
 
-// Returns the number of baked layers per drawn layer when the layer count differs from the baked one (formulas 3.2).
+// Returns the number of baked layers per drawn layer if the two layer counts differ (formulas 3.2).
 fn resampled_exponent() -> f32 {
     return max(f32(instance.baked_layers) - 1.0, 1.0) / (f32(instance.drawn_layers) - 1.0);
 }
@@ -63,8 +63,8 @@ fn stands_for(layer: u32) -> f32 {
     return 1.0;
 }
 
-// Returns the groom at a point: share of the hair that grows, and wetness, both 0..=1. `at_vertex`: bareness and
-// wetness.
+// Returns the groom at a point: share of the hair that grows, and wetness, both 0..=1. `at_vertex`: interpolated
+// bareness and wetness.
 fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
     var groom = groom_of_vertex(at_vertex);
     if GROOM_TEXTURE {
@@ -84,18 +84,18 @@ fn groom_with(groom: vec2<f32>, texel: vec4<f32>) -> vec2<f32> {
     return vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
 }
 
-// Index of the last of Material.asides.
+// Index of the last element of Material.asides.
 const LAST_ASIDE: f32 = 7.0;
 
-// Returns the offset of hair from its root at a relative height of the fur, as root_aside takes it.
+// Returns the offset of hair from its root at a relative height in the fur, in the form that root_aside expects.
 fn aside_at(height: f32) -> vec3<f32> {
     let at = clamp(height, 0.0, 1.0) * LAST_ASIDE;
     let below = min(u32(at), u32(LAST_ASIDE) - 1u);
     return mix(material.asides[below].xyz, material.asides[below + 1u].xyz, at - f32(below));
 }
 
-// Base colour and groom of hair that is seen at `uv` and has its root at `root`. The mip level depends only on `uv`,
-// because roots change abruptly from hair to hair.
+// Returns the base colour and groom of hair that is visible at `uv` and has its root at `root`. The mip level depends
+// only on `uv`, because roots change abruptly from hair to hair.
 fn base_color_at_root(tint: vec4<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec4<f32> {
     if AT_ROOT && BASE_COLOR_TEXTURE {
         return tint * textureSampleGrad(base_color_texture, base_color_sampler, root, dpdx(uv), dpdy(uv));
@@ -144,10 +144,10 @@ fn dry_hair_at(uv: vec2<f32>, layer: u32) -> Hair {
     return Hair(color, direction);
 }
 
-// Mip level beyond the last of any texture of layers: sampling clamps it to the smallest level.
+// Mip level beyond the last one of any layer texture; sampling clamps it to the smallest mip level.
 const SMALLEST_LEVEL: f32 = 16.0;
 
-// Returns the mean colour of the dry hair of a layer; `known` if multiple scattering is off.
+// Returns the mean colour of the dry hair of a layer, or `known` if multiple scattering is off.
 fn mean_of_layer(layer: u32, known: vec3<f32>) -> vec3<f32> {
     if !MULTIPLE {
         return known;
@@ -172,8 +172,8 @@ fn length_share(v: Vertex) -> f32 {
     return v.fur_height * material.share_per_m;
 }
 
-// Returns the direction of hair, adjusted to the length and lean of its vertices (formulas 2.5). `slope`: slope that
-// they add.
+// Returns the direction of hair, adjusted to the length and lean of the vertices (formulas 2.5). `slope`: slope added
+// by the vertices.
 fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     if SHORT || LEAN {
         return hair_direction(direction, select(1.0, share, SHORT), slope);
@@ -181,8 +181,8 @@ fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     return direction;
 }
 
-// Returns the path length through layers relative to their thickness, for hair of relative length `share`
-// (formulas 4.2).
+// Returns the path length through layers, relative to their thickness, for hair of relative length `share` (formulas
+// 4.2).
 fn path_through(path: f32, share: f32) -> f32 {
     if SHORT {
         return shortened_path(path, share);

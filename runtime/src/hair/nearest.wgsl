@@ -1,9 +1,9 @@
-// Nearest hair segments per pixel, in an area of the picture: NEAREST keys per pixel, nearest first, then the optical
-// depth of the segments behind them (formulas 4.11).
+// Nearest hair segments per pixel, in an area of the picture. Each pixel has NEAREST keys, nearest first, followed by
+// the optical depth of the segments behind them (formulas 4.11).
 
 const NEAREST: u32 = 8u;
 const OF_A_PIXEL: u32 = NEAREST + 1u;
-// Fixed-point value of optical depth 1 in the last number.
+// Fixed-point value that represents optical depth 1 in the last word of a pixel.
 const OPTICAL_DEPTH: f32 = 256.0;
 
 struct NearestHair {
@@ -11,9 +11,9 @@ struct NearestHair {
     area: vec4<u32>,
     // Size of the whole picture, pixels.
     size: vec2<f32>,
-    // Segments per strand.
+    // Number of segments per strand.
     pieces: u32,
-    // Round of the gathering: 0 sorts keys, 1 stores light.
+    // Pass of the gathering. 0: sorts keys; 1: stores light.
     round: u32,
 }
 

@@ -1,12 +1,12 @@
-// Light packed into 32 bits: nine bits per channel and a shared five-bit exponent. A channel is its nine bits times two
-// to the exponent, less PACKED_OFFSET.
+// Light packed into 32 bits: nine bits per channel and a shared five-bit exponent. The value of a channel is its nine
+// bits times 2^(exponent - PACKED_OFFSET).
 
 const PACKED_OFFSET: i32 = 24;
-// Largest channel that fits: 511 * 2^(31 - 24).
+// Largest representable channel value: 511 * 2^(31 - 24).
 const MOST_PACKED: f32 = 65408.0;
 // Biased exponent of a float below which the packed exponent is 0.
 const FLOAT_OFFSET: i32 = 111;
-// Smallest number that rounds up to ten bits.
+// Smallest value whose rounding needs ten bits.
 const TEN_BITS: f32 = 511.5;
 
 // Returns an integer power of two, built from the bits of a float.

@@ -1,9 +1,9 @@
 //! uses hair/constants, hair/strand, shared/skinning, surface/place
-// Posed strands of a part, for passes that run after posing.
+// Posed strands of a part, for passes that run after the posing pass.
 
 @group(2) @binding(0) var<storage, read> posed: array<vec4<f32>>;
 @group(2) @binding(1) var<storage, read> strands: array<Strand>;
-// Data of a point: offset; height and radius; colour; visibility.
+// Data of a tile point: offset; height and radius; colour; visibility.
 @group(2) @binding(2) var<storage, read> tile: array<vec4<u32>>;
 @group(2) @binding(3) var<uniform> constants: StrandConstants;
 
@@ -16,7 +16,7 @@ fn world_normal(index: u32) -> vec3<f32> {
     return normalize_or(normal, vec3(0.0, 1.0, 0.0));
 }
 
-// Returns the strand index of a thread in workgroups of 64.
+// Returns the strand index of a thread, for workgroups of 64 threads.
 fn number_of(id: vec3<u32>, groups: vec3<u32>) -> u32 {
     return constants.first + id.y * groups.x * 64u + id.x;
 }

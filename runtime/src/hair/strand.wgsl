@@ -1,17 +1,17 @@
 //! uses hair/hair, surface/place
-// Strands as the runtime places them. A pass that includes this file declares groom_texture, base_color_sampler,
-// GROOM_VERTICES and GROOM_TEXTURE.
+// Strands as placed on the mesh by the runtime. A pass that includes this file declares groom_texture,
+// base_color_sampler, GROOM_VERTICES and GROOM_TEXTURE.
 
 // Size: 32 bytes.
 struct Strand {
     base_uv: vec2<f32>,
     // Vertex colour, unorm.
     color: u32,
-    // Bareness and wetness, unorm; openness of the body at the strand, packed.
+    // Bareness and wetness, unorm. The next field is the packed openness of the body at the strand.
     groom: u32,
-    // Index of the tile's strand.
+    // Index of the strand in the tile.
     of_tile: u32,
-    // Random number in 0..1 that selects a share of all strands; 1 for strands that do not grow.
+    // Random number in 0..1; a strand is drawn if it is below the drawn share. 1 for strands that do not grow.
     selection: f32,
     lean: f32,
     fur_height: f32,

@@ -1,13 +1,13 @@
-//! Level of detail for strands thinner than pixels: when they replace layers, how many are drawn and in how many
+//! Level of detail for strands thinner than a pixel: when they replace layers, how many are drawn, and with how many
 //! segments.
 
 use crate::model::StrandSet;
 use crate::params::{Detail, FurParams, StrandEdges};
 
-/// Samples per pixel to which blended edges are equivalent.
+/// Samples per pixel that blended edges are equivalent to.
 const BLENDED_EFFECTIVE_SAMPLES: u32 = 16;
 
-/// Returns the effective samples per pixel for thin strands, in a pass with `samples`.
+/// Returns the effective number of samples per pixel for thin strands, in a pass with `samples` per pixel.
 pub(super) fn effective_samples(fur: &FurParams, samples: u32) -> u32 {
     match fur.strand_edges {
         StrandEdges::Samples => samples,
@@ -15,34 +15,35 @@ pub(super) fn effective_samples(fur: &FurParams, samples: u32) -> u32 {
     }
 }
 
-/// Hair width on screen, in pixels divided by samples, below which fewer and wider hairs are drawn.
+/// Minimum hair width on screen, in pixels divided by the sample count. For thinner hair, fewer and wider hairs are
+/// drawn.
 const MIN_WIDTH_PX: f32 = 0.36;
 
-/// Limits as `MIN_WIDTH_PX`, in pixels, for guided hair and for fur, both with blended edges. A pixel stores only its
-/// nearest eight segments.
+/// Minimum hair widths with blended edges, pixels: for guided hair, and for fur. Used like `MIN_WIDTH_PX`. Blended
+/// edges need a limit because a pixel stores only its eight nearest segments.
 const MIN_BLENDED_WIDTH_PX: [f32; 2] = [0.36, 0.18];
 
-/// Smallest share of hairs that is drawn.
+/// Minimum share of hairs that are drawn.
 const MIN_HAIR_SHARE: f32 = 0.02;
 
-/// Limit as `MIN_WIDTH_PX` for fur drawn in samples, in pixels divided by the square root of the samples. From this
-/// width on, fur shimmers less than twice as much as the reference picture.
+/// Minimum width of multisampled fur, used like `MIN_WIDTH_PX`, in pixels divided by the square root of the sample
+/// count. At this width or above, fur shimmers less than twice as much as the reference picture.
 const MIN_FUR_WIDTH_PX: f32 = 0.9;
 
-/// Smallest share of fur strands drawn in samples. If fewer would be needed, layers are drawn.
+/// Minimum share of multisampled fur strands that are drawn. If fewer would be needed, layers are drawn instead.
 const MIN_FUR_SHARE: f32 = 0.25;
 
-/// Samples per pixel from which `MIN_FUR_SHARE` applies. With fewer samples, hairs one pixel wide have jagged edges,
-/// so all thinner ones are drawn in layers.
+/// Samples per pixel from which `MIN_FUR_SHARE` applies. With fewer samples, hairs one pixel wide have jagged edges, so
+/// all thinner hair is drawn in layers.
 const MIN_SAMPLES_FOR_THINNING: u32 = 4;
 
-/// Returns the smallest share of fur strands; 1 if the application asks for full detail.
+/// Returns the minimum share of fur strands; 1 if the application requests full detail.
 fn min_fur_share(fur: &FurParams, samples: u32) -> f32 {
     if fur.detail == Detail::Full || samples < MIN_SAMPLES_FOR_THINNING { 1.0 } else { MIN_FUR_SHARE }
 }
 
-/// Returns the share of hairs that is drawn, correspondingly wider, for hairs of `width_px` and the given samples per
-/// pixel.
+/// Returns the share of hairs that are drawn, for hairs of `width_px` and the given samples per pixel. The drawn hairs
+/// are correspondingly wider.
 pub(super) fn drawn_share(fur: &FurParams, guided: bool, width_px: f32, samples: u32) -> f32 {
     let [of_guided, of_coats] = MIN_BLENDED_WIDTH_PX;
     let (thinnest_px, fewest) = match (fur.strand_edges, guided) {
@@ -54,23 +55,24 @@ pub(super) fn drawn_share(fur: &FurParams, guided: bool, width_px: f32, samples:
     (width_px / thinnest_px).clamp(fewest, 1.0)
 }
 
-/// Strand width at which strands begin to replace layers, relative to the width at which they have. Both are drawn in
-/// between, so the range is narrow.
+/// Strand width at which strands begin to replace layers, relative to the width at which they have replaced them. Both
+/// are drawn in between, so the range is narrow.
 const MIXED_FROM: f32 = 0.8;
 
-/// Strand width in pixels from which strands with blended edges replace layers. They have no transition: they are as
+/// Strand width in pixels from which strands with blended edges replace layers. They have no transition: strands are as
 /// bright as layers, and layers between them would fill dark gaps.
 const BLENDED_FROM_PX: f32 = 0.2025;
 
-/// Points in the transition from layers to strands: where all strands are present, and where layers begin to fade.
+/// Progress of the transition from layers to strands at which all strands are present. The next constant is the
+/// progress at which layers begin to fade.
 const STRANDS_COMPLETE_AT: f32 = 0.6;
 const LAYERS_FADE_FROM: f32 = 0.4;
 
-/// Returns the shares of the strands and of the layers' opacity in the transition from layers, 0, to single strands, 1.
-/// Strands appear between the layers first, then the layers fade.
+/// Returns the share of the strands and of the layers' opacity at a point of the transition from layers, 0, to single
+/// strands, 1. The strands first appear between the layers; then the layers fade.
 pub(super) fn transition_shares(way: f32) -> [f32; 2] {
     let left = ((1.0 - way) / (1.0 - LAYERS_FADE_FROM)).min(1.0);
-    // Many layers together are more opaque than one, so the last of them fade slowly.
+    // Many layers together are more opaque than one, so the last layers must fade slowly.
     [(way / STRANDS_COMPLETE_AT).min(1.0), left * left]
 }
 
@@ -86,17 +88,18 @@ pub(super) fn strand_transition(fur: &FurParams, width_px: f32, samples: u32) ->
     }
 }
 
-/// Maximum deviation of the mean strand from its simplified form, in pixels divided by the square root of the samples.
+/// Maximum deviation of the mean strand from its simplified shape, in pixels divided by the square root of the sample
+/// count.
 const MAX_DEVIATION_PX: f32 = 0.28;
 
-/// Strand width in pixels below which strands may deviate more, in inverse proportion to their width. For these the
-/// largest error is which strands the samples hit.
+/// Strand width in pixels below which the allowed deviation grows in inverse proportion to the width. At such widths,
+/// the choice of strands that the samples hit causes the largest error.
 const UNDERSAMPLED_WIDTH_PX: f32 = 0.5;
 
 /// Number of samples above which the allowed deviation no longer decreases.
 const MAX_DEVIATION_SAMPLES: u32 = 4;
 
-/// Fewest segments per strand: two points do not represent fur.
+/// Minimum number of segments per strand; a single straight segment cannot represent fur.
 const FEWEST_PIECES: u32 = 2;
 
 /// Returns the stride between the points that are drawn, for `px_per_m` and the given samples per pixel. `most_pieces`:
@@ -127,7 +130,7 @@ mod tests {
         let widths = [1.0, 0.9, 0.45, 0.225, 0.1];
         assert_eq!(widths.map(|px| drawn_share(&fur, false, px, 1)), [1.0; 5]);
         assert_eq!(widths.map(|px| drawn_share(&fur, false, px / 2.0, 4)), [1.0, 1.0, 0.5, 0.25, 0.25]);
-        // Where layers are gone no hair is thinner than the limit.
+        // At the width where layers have disappeared, no hair is thinner than the limit.
         assert_eq!([0.11, 0.1125].map(|px| strand_transition(&fur, px, 4) == 1.0), [false, true]);
         let full = FurParams::default().with(|fur| fur.detail = Detail::Full);
         assert_eq!([0.9, 0.45, 0.1].map(|px| drawn_share(&full, false, px, 4)), [1.0; 3]);

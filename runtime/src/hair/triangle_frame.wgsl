@@ -1,6 +1,6 @@
 //! uses shared/skinning
-// Returns the frame along the first edge, perpendicular to it in the plane, and along the normal. A triangle without
-// area gets the coordinate axes.
+// Returns a matrix with the columns: direction of the first edge, perpendicular to it in the plane, normal. A
+// degenerate triangle gets the coordinate axes.
 fn triangle_frame(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> mat3x3<f32> {
     let along = normalize_or(b - a, vec3(0.0));
     let normal = normalize_or(cross(b - a, c - a), vec3(0.0));

@@ -1,5 +1,5 @@
-//! Override constants of the hair shaders: code that a package or a frame does not need is compiled out. On rasterisers
-//! that mask instead of branching, a branch on a uniform costs as much as its body.
+//! Override constants of the hair shaders. Code that a package or a frame does not need is compiled out, because on
+//! rasterisers that mask instead of branching, a branch on a uniform costs as much as its body.
 
 use super::detail::{InstanceDrawing, StrandSetDrawing};
 use crate::gpu::{Constants, flag};
@@ -11,7 +11,7 @@ use crate::shared::skinning;
 use glam::Mat3;
 use pelage_formats::Shading;
 
-/// Shader sources shared by all hair geometries, joined before each.
+/// Lists the shader sources shared by all hair geometries, followed by the given ones.
 macro_rules! hair_wgsl {
     ($($geometry:expr),+ $(,)?) => {
         &[
@@ -46,14 +46,14 @@ macro_rules! hair_wgsl {
 }
 pub(crate) use hair_wgsl;
 
-/// Shader variant for an instance in a frame: everything that selects its pipelines.
+/// Shader variant for an instance in a frame: all settings that select its pipelines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Variant {
     /// The instance is mirrored: its front faces wind clockwise.
     pub(crate) mirrored: bool,
-    /// The number of drawn layers differs from the baked one.
+    /// The number of drawn layers differs from that of baked layers.
     pub(crate) resampled: bool,
-    /// Layers are left out or fading.
+    /// Some layers are skipped or fading.
     pub(crate) detail: bool,
     /// The far fur layer is drawn on the surface.
     pub(crate) coat: bool,
@@ -67,9 +67,9 @@ pub(crate) struct Variant {
     self_shadow: bool,
     /// Hair shadows itself by data baked into the package.
     baked_shadow: bool,
-    /// Guided hair also shadows the hair; the package does not include that.
+    /// Guided hair also casts shadows on the hair; the baked data does not include them.
     guided_shadow: bool,
-    /// The layer-wise maps have other layers than are drawn.
+    /// The layers of the layer-wise maps differ from those drawn.
     pub(crate) maps_between: bool,
     /// The number of layer-wise maps differs from the baked layer count.
     pub(crate) maps_resampled: bool,
@@ -83,12 +83,12 @@ pub(crate) struct Variant {
     dark_key: bool,
     /// Scattering mode, if hair is lit with the tables of its fibres.
     scattering: Option<Scattering>,
-    /// Constants of the lighting equation.
+    /// Constants of the lighting model.
     shading: Shading,
 }
 
 impl Variant {
-    /// Returns the variant for an instance drawn as `drawing`, with the shadow maps of `maps`.
+    /// Returns the variant for an instance drawn as `drawing`, with the shadow maps `maps`.
     pub(crate) fn new(
         instance: &Instance,
         params: &FrameParams,
@@ -114,7 +114,7 @@ impl Variant {
             self_shadow,
             baked_shadow,
             guided_shadow: baked_shadow && maps.is_some_and(|key| key.guided() && key.hair != HairMapKind::None),
-            // Reduced layers are lit at the height of the hair that is visible in them.
+            // Layers of a reduced level are lit at the height of the hair that is visible in them.
             maps_between: self_shadow && (map_layers != drawing.layers || drawing.is_reduced()),
             maps_resampled: map_layers != baked,
             soft_shadow: maps.is_some_and(|key| key.soft_shadow),
@@ -133,7 +133,8 @@ impl Variant {
         constants
     }
 
-    /// Returns the constants of lit strands. They need no `GUIDED_SHADOW`: their own map includes guided hair.
+    /// Returns the constants of lit strands. They need no `GUIDED_SHADOW`: the strands' deep opacity map includes
+    /// guided hair.
     pub(crate) fn lit_strand_constants(&self) -> Constants {
         vec![
             flag("SQUARED_DIFFUSE", self.shading.diffuse_exponent == 2.0),
@@ -161,19 +162,19 @@ pub(crate) fn cutout_constants(part: &Part) -> Constants {
     vec![flag("BASE_COLOR_TEXTURE", part.cutout && part.has_texture), flag("CUTOUT", part.cutout)]
 }
 
-/// Returns the constants of shaders that test whether hair of a part grows.
+/// Returns the constants of shaders that test whether hair grows on a part.
 pub(crate) fn growth_constants(model: &Model, part: &Part) -> Constants {
     vec![flag("GROOM_VERTICES", model.varies().groom), flag("GROOM_TEXTURE", part.has_groom_texture)]
 }
 
-/// Returns the constants of `growth_constants`, and whether wet hair is mixed in.
+/// Returns the `growth_constants` and the flag that wet hair is mixed in.
 pub(crate) fn growth_and_wetness_constants(model: &Model, part: &Part) -> Constants {
     let mut constants = growth_constants(model, part);
     constants.push(flag("WET", model.manifest().fur.wet.is_some()));
     constants
 }
 
-/// Returns the constants of shaders that read the hair of a part, except for its lean.
+/// Returns the constants of shaders that read the hair of a part; its lean is not included.
 pub(crate) fn groom_constants(model: &Model, part: &Part) -> Constants {
     let mut constants = growth_and_wetness_constants(model, part);
     constants.extend([flag("SHORT", model.varies().length), flag("AT_ROOT", part.at_root)]);

@@ -1,17 +1,17 @@
 //! uses light/point, light/visibility, shared/frame, shared/tile_frame, surface/place
-// Vertex computations of all hair geometries. Values that are linear over a triangle belong here: the directions to the
-// light and H, in the tile frame of the direction texture.
+// Vertex computations shared by all hair geometries. Values that are linear over a triangle belong here, such as the
+// directions to the light and of H, in the tile frame of the direction texture.
 
 struct HairVertex {
     position: vec4<f32>,
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
-    // Base colour without its texture.
+    // Base colour without the texture.
     tint: vec4<f32>,
     base_uv: vec2<f32>,
     // Bareness, wetness.
     groom: vec2<f32>,
-    // Position in the shadow maps.
+    // Coordinates in the shadow maps.
     place: vec4<f32>,
     // Cosine between the surface normal and the direction to the eye.
     n_dot_e: f32,

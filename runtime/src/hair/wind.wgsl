@@ -17,8 +17,8 @@ fn wave(turns: f32) -> f32 {
     return 8.0 * part * (1.0 - 2.0 * abs(part));
 }
 
-// Amplitudes of the two waves of a gust; frequency of the second over that of the first, incommensurable; its phase in
-// turns.
+// Amplitudes of the two waves of a gust. The next constants are the second wave's frequency relative to the first,
+// incommensurable, and its phase in turns.
 const GUST_WAVES: vec2<f32> = vec2(0.6, 0.4);
 const GUST_RATIO: f32 = 2.618;
 const GUST_PHASE: f32 = 0.3;
@@ -31,7 +31,7 @@ const EDDY_Y2: vec4<f32> = vec4(0.9, 1.7, -0.6, 0.2);
 const EDDY_Z1: vec4<f32> = vec4(-0.41, 0.57, 0.71, 0.8);
 const EDDY_Z2: vec4<f32> = vec4(1.5, -0.7, 1.0, 0.5);
 
-// Returns the velocity of the air, as formulas 2.6 and 2.7 take it.
+// Returns the velocity of the air for formulas 2.6 and 2.7.
 fn wind_at(wind: Wind, place: vec3<f32>, time_s: f32) -> vec3<f32> {
     let moment = time_s / max(wind.gust_s, 1e-3);
     let swell = GUST_WAVES.x * wave(moment) + GUST_WAVES.y * wave(GUST_RATIO * moment + GUST_PHASE);

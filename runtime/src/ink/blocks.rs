@@ -7,7 +7,7 @@ use crate::shared::srgb::encoded;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Mat4};
 
-/// Uniform block of a frame, in shader layout.
+/// Uniform block for a frame, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct InkFrame {
@@ -32,7 +32,7 @@ pub(crate) struct InkFrame {
     pub(crate) far_depth: f32,
 }
 
-/// Uniform block of an instance, in shader layout.
+/// Uniform block for an instance, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct InkModel {
@@ -116,7 +116,7 @@ impl InkModel {
     }
 }
 
-/// Returns the height of 1 m at clip w 1, pixels.
+/// Returns the height in pixels of 1 m at clip-space w = 1.
 fn px_per_unit(clip_from_view: Mat4, viewport: [u32; 2]) -> f32 {
     clip_from_view.y_axis.y.abs() * 0.5 * viewport[1] as f32
 }
@@ -124,7 +124,7 @@ fn px_per_unit(clip_from_view: Mat4, viewport: [u32; 2]) -> f32 {
 /// Returns the rectangle of the target that lines can reach: left, top, width and height, pixels. Screen passes skip
 /// the rest.
 pub(crate) fn painted_rect(hull: &Hull, clip_from_world: Mat4, params: &InkParams, viewport: [u32; 2]) -> [u32; 4] {
-    // Lines extend beyond their features, and features lie beside the drawn geometry.
+    // Lines extend beyond their features, and features can lie beside the drawn geometry.
     let margin = (params.reach_px(viewport[1]) + params.step_px + 1) as f32;
     let [left, top, right, bottom] = hull.screen_rect(clip_from_world, viewport, margin);
     [left, top, right - left, bottom - top]

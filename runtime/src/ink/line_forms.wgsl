@@ -1,10 +1,10 @@
-// Line functions as pelage draws them. A study of Fang 2006 as printed replaces this file.
+// Default form of the line functions. A study of Fang 2006 in its published form replaces this file.
 
 // Lines are at most as wide as the template.
 const TEMPLATE: bool = true;
-// Lines bleed slightly into the paper, like wash.
+// Line edges are soft, because ink bleeds slightly into the paper, like wash.
 const SOFT: bool = true;
-// Features are traced, and those that are not on a line are dropped.
+// Features are traced; those that are not on a line are dropped.
 const FOLLOWED: bool = true;
 
 // Returns the strength of a feature. `dots`: dot products of the pixel's normal with its neighbours' normals.
@@ -13,14 +13,14 @@ fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
 }
 
 // Returns the reach of a feature's line (formulas 5.2): a weak feature leaves pixels beside it to stronger neighbours.
-// `w`: half of the line's width. With the square root, which is used for bands, two outlines and a fold that meet in a
-// corner would merge.
+// `w`: half the width of the line. A plain square root, as used for bands, would merge two outlines and a fold that
+// meet in a corner.
 fn form_of_reach(w: f32, strength: f32) -> f32 {
     return w * sqrt(sqrt(strength));
 }
 
-// Returns the cost of a feature at offset `d` whose line reaches `w`. The line that reaches farthest has the lowest
-// cost; it is at most 0 if the line covers the pixel.
+// Returns the cost of a feature at offset `d` whose line has reach `w`. The line that extends farthest has the lowest
+// cost. The cost is at most 0 if the line covers the pixel.
 fn line_cost(d: vec2<f32>, w: f32) -> f32 {
     return dot(d, d) - w * w;
 }
@@ -29,7 +29,7 @@ fn line_distance(d: vec2<f32>) -> f32 {
     return length(d);
 }
 
-// Returns opacity and grey of a line.
+// Returns the opacity and grey of a line.
 fn form_of_line(
     brushed: vec2<f32>,
     even_grey: f32,

@@ -7,15 +7,15 @@ struct InkModel {
     // Up vector of the view.
     up_ws: vec3<f32>,
     wash_range: f32,
-    // Periods of the wash tile per unit of the stored mesh.
+    // Number of wash tile periods per unit of the stored mesh.
     periods: f32,
-    // 1 if the wash depends on the angle alone.
+    // 1 if the wash depends only on the angle.
     normalised: f32,
-    // Weights of the wash tile, of the base colour's darkness, and of fur strokes.
+    // Weight of the wash tile. The next fields are the weights of the base colour's darkness and of fur strokes.
     grain: f32,
     tone: f32,
     fur: f32,
-    // Factor on line width, and variation of brush pressure.
+    // Factor on the line width. The next field is the variation of brush pressure.
     line: f32,
     pressure: f32,
     // Factor on the breadth of the sphere map's rim.
@@ -26,7 +26,7 @@ struct InkModel {
     paper_period: f32,
     // Width of a fur stroke, pixels.
     stroke_px: f32,
-    // Pixels per metre at clip w 1.
+    // Pixels per metre at clip-space w = 1.
     px_per_unit: f32,
     reserved1: f32,
     reserved2: f32,
@@ -40,12 +40,12 @@ struct InkModel {
 @group(2) @binding(5) var tile_sampler: sampler;
 @group(2) @binding(6) var clamp_sampler: sampler;
 
-// Width of a stroke in the texture, in tiles.
+// Width of a stroke in the texture, as a fraction of the tile.
 const STROKE_TILES: f32 = 0.022;
 
-// Samples fur strokes that never get thinner on screen than a brush (formulas 5.5). As fur gets small, the texture is
-// scaled up by 2, 4 and so on. Adjacent scales are blended, so that strokes neither blur into grey nor jump. along:
-// axes that are scaled.
+// Samples fur strokes so that they never get thinner on screen than a brush (formulas 5.5). As the fur gets small, the
+// texture is enlarged by powers of 2. Adjacent scales are blended, so that strokes neither blur into grey nor jump.
+// `along`: axes that are scaled.
 fn fur_strokes_at(uv: vec2<f32>, along: vec2<f32>, layer: u32) -> vec4<f32> {
     let dx = dpdx(uv) * along;
     let dy = dpdy(uv) * along;

@@ -1,4 +1,4 @@
-// Uniform block of a frame and full-screen triangle, shared by the screen passes.
+// Uniform block of a frame, and a full-screen triangle; shared by the screen passes.
 
 struct InkFrame {
     // Ink colour, sRGB-encoded, because ink and paper are mixed in that encoding.
@@ -10,27 +10,28 @@ struct InkFrame {
     paper_grain: f32,
     // Size of the target, pixels.
     size: vec2<f32>,
-    // Thresholds T1 and T2.
+    // Threshold T1 of Fang 2006; the next field is T2.
     t1: f32,
     t2: f32,
-    // Distance to the neighbours whose normals are compared, pixels.
+    // Distance in pixels to the neighbours whose normals are compared.
     step: i32,
-    // Largest distance of a line's pixels from its feature, whole pixels.
+    // Greatest distance between a line's pixel and its feature, whole pixels.
     reach: i32,
-    // Half width of the widest line: a constant part, pixels; and a part in metres, times pixels per metre at clip w 1.
+    // Half width of the widest line: constant part, pixels. The next field is the part that scales with distance,
+    // metres times pixels per metre at clip-space w = 1.
     half_width: f32,
     half_width_scaled: f32,
-    // k and levelColor of the line grey D.
+    // k in the line grey D of Fang 2006; the next field is levelColor.
     tone: f32,
     lightness: f32,
     // Dryness of lines.
     dryness: f32,
     // Period of the paper, pixels.
     paper_period: f32,
-    // Clip w where mist begins, and where only mist is visible.
+    // Clip-space w at which mist begins. The next field is the w beyond which only mist is visible.
     mist_from: f32,
     mist_to: f32,
-    // Smallest relative step of 1 / clip w between neighbours that makes a feature; 0 for none.
+    // Minimum relative difference of 1 / clip w between neighbours that makes a feature; 0 for none.
     depth_step: f32,
     // Depth of the background.
     far_depth: f32,
@@ -40,7 +41,7 @@ struct InkFrame {
 
 // Largest half width of a line that the feature texture can hold, pixels.
 const WIDEST_HALF: f32 = 16.0;
-// Strength of lines with the body on both sides, unless a depth step raises it (formulas 5.2).
+// Strength of lines with the body on both sides, unless a depth discontinuity raises it (formulas 5.2).
 const FOLD: f32 = 0.5;
 
 @vertex
@@ -53,8 +54,8 @@ fn clamp_to_target(p: vec2<i32>) -> vec2<i32> {
     return clamp(p, vec2(0), vec2<i32>(ink.size) - 1);
 }
 
-// Returns the weight of a pixel at a distance along a row or column: 1 at distance 0, 0 out of reach. All weights add
-// up to reach + 1.
+// Returns the weight of a pixel at a distance along a row or column: 1 at distance 0, 0 beyond the reach. Over both
+// sides, the weights add up to reach + 1.
 fn nearness(distance: f32) -> f32 {
     return 1.0 - abs(distance) / f32(ink.reach + 1);
 }

@@ -1,15 +1,16 @@
 //! uses light/scatter, shared/visibility, surface/place
-// Baked lighting of a point of hair: the share of each light that passes the other strands.
+// Baked lighting of a point of hair: the share of each light that the other strands let through.
 
 // The package contains baked visibility, and the frame uses it.
 override BAKED_SHADOW: bool = false;
-// Single strands shadow each other by the deep opacity map, for the key light.
+// Single strands shadow each other in the key light by the deep opacity map.
 override DEEP_SHADOW: bool = false;
 
 struct Baked {
-    // Texel for visibility_towards.
+    // Texel, as visibility_towards expects it.
     texel: vec4<f32>,
-    // Share of the hair that grows there; length of the hair over the tile's; slope added by the lean of the vertex.
+    // Share of the hair that grows at the point. The next fields: hair length relative to the tile's; slope added by
+    // the lean of the vertex.
     kept: f32,
     length: f32,
     slope: f32,
@@ -17,15 +18,16 @@ struct Baked {
     within: f32,
 }
 
-// Returns the sine of a light's height above the surface, s' of formulas 4.13, for hair that the share `open` of
-// ambient light reaches; 0 if the body hides the light.
+// Returns the sine of a light's elevation above the surface, s' of formulas 4.13. `open`: share of ambient light that
+// reaches the hair. Returns 0 if the body occludes the light.
 fn above_rim(height: f32, open: f32) -> f32 {
     let rim = max(material.rim * open, 1e-3);
     let risen = max(height + rim, 0.0);
     return select(0.25 * risen * risen / rim, height, height > rim);
 }
 
-// Returns the share of a light from that direction, in the tile frame, that other strands let through (formulas 4.9).
+// Returns the share of a light that other strands let through (formulas 4.9). `light_ts`: direction towards the light
+// in the tile frame.
 fn visible_past_strands(b: Baked, light_ts: vec3<f32>) -> f32 {
     if !BAKED_SHADOW {
         return 1.0;
@@ -37,6 +39,6 @@ fn visible_past_strands(b: Baked, light_ts: vec3<f32>) -> f32 {
     if SCATTERING {
         towards.z = above_rim(towards.z, b.texel.w);
     }
-    // Hair that does not grow hides nothing.
+    // Hair that does not grow casts no shadow.
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
 }

@@ -36,13 +36,13 @@ use crate::bounds::Sphere;
 /// # Ok(()) }
 /// ```
 pub struct Casters<'a> {
-    /// Bounds that the maps must cover besides the furry instances: all objects that cast or receive a shadow. Objects
-    /// outside cast no shadow and are lit. `None` adds nothing.
+    /// Bounds that the maps must cover in addition to the furry instances: all objects that cast or receive a shadow.
+    /// Objects outside cast no shadow and are fully lit. `None` adds nothing.
     ///
-    /// Keep the bounds close around the fur: larger bounds mean larger texels. Objects nearer to the surface they shade
-    /// than a thousandth of the bounds cast no shadow on it.
+    /// Keep the bounds close to the fur, because larger bounds give larger texels. An object casts no shadow on a
+    /// surface nearer than a thousandth of the bounds.
     pub bounds: Option<Sphere>,
-    /// Revision; change it whenever the geometry changes. The maps are kept while it stays the same.
+    /// Revision; change it whenever the geometry changes. While it stays the same, the maps are reused.
     pub revision: u64,
     /// Callback that records the draws, as described above.
     pub draw: &'a mut dyn FnMut(&mut wgpu::RenderPass<'_>, &LightView, CasterPass),
@@ -67,7 +67,7 @@ impl<'a> Casters<'a> {
     }
 }
 
-/// The two depth maps that casters are drawn into, both with the same geometry.
+/// Depth maps into which casters are drawn, both with the same geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CasterPass {
     /// Surface nearest to the light; it casts the shadows.
@@ -77,7 +77,7 @@ pub enum CasterPass {
 }
 
 impl CasterPass {
-    /// Returns the depth comparison of the pipeline, which writes depth.
+    /// Returns the depth comparison of the pipeline; depth writes are enabled.
     pub fn compare(self) -> wgpu::CompareFunction {
         match self {
             Self::Nearest => wgpu::CompareFunction::LessEqual,
@@ -85,8 +85,8 @@ impl CasterPass {
         }
     }
 
-    /// Returns the faces of closed objects to cull. Sheets visible from both sides cull nothing, and receive on both
-    /// sides.
+    /// Returns the faces to cull of closed objects. Sheets visible from both sides need no culling, and receive shadows
+    /// on both sides.
     pub fn cull_mode(self) -> Option<wgpu::Face> {
         match self {
             Self::Nearest => None,

@@ -12,7 +12,7 @@ fn vs_caster(v: Vertex) -> CasterVarying {
     return CasterVarying(frame.clip_from_world * vec4(position_ws(v), 1.0), v.color * material.base_color, v.base_uv);
 }
 
-// Fragment shader for parts with holes.
+// Fragment shader for parts with cutout.
 @fragment
 fn fs_caster(in: CasterVarying) {
     if is_cut(base_color(in.tint, in.base_uv).a) {

@@ -1,5 +1,5 @@
-//! Deep opacity map of strands: the amount of hair before each point in the key light, counted from the first hair of
-//! each texel.
+//! Deep opacity map of strands: optical depth of the hair between the key light and each point, counted from the first
+//! hair of each texel.
 
 use super::view::LightView;
 use crate::bounds::Hull;
@@ -12,27 +12,27 @@ use crate::study;
 pub(crate) struct DeepMapSettings {
     /// Texels along each edge.
     pub(crate) size: u32,
-    /// Number of slabs per texel.
+    /// Number of depth slabs per texel.
     pub(crate) slabs: u32,
     /// Total depth of the slabs of a texel, metres.
     pub(crate) reach_m: f32,
-    /// Some of the hair is guided; its opacity before each texel is stored separately.
+    /// Some of the hair is guided; its opacity in front of each texel is stored separately.
     pub(crate) guided: bool,
-    /// Depth at which the slabs begin, if not at the texel's first hair.
+    /// Depth at which the slabs begin, if not at the first hair of each texel.
     pub(crate) whole_from: f32,
 }
 
-/// Depth of the slabs behind the first hair, in heights of the highest fur.
+/// Depth range of the slabs behind the first hair, relative to the height of the highest fur.
 const REACH: f32 = 2.0;
 
-/// Minimum width of a texel relative to that of a strand. In finer texels a strand covers some completely and others
+/// Minimum width of a texel relative to a strand's. In a finer map, a strand covers some texels completely and others
 /// not at all, and too much light passes.
 const TEXEL_WIDTHS: f32 = 1.25;
 
-/// Size of the smallest map, texels along each edge.
+/// Minimum size of a map, texels along each edge.
 const LEAST_SIZE: u32 = 16;
 
-/// Properties of the hair in a map: greatest height and greatest strand width.
+/// Properties of the hair in a map: maximum height, maximum strand width, and whether some of it is guided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DeepMapHair {
     pub(crate) fur_m: f32,
@@ -41,7 +41,7 @@ pub(crate) struct DeepMapHair {
 }
 
 impl DeepMapHair {
-    /// Returns the settings that suit both.
+    /// Returns properties that suit both kinds of hair: the maxima, and guided if either is.
     pub(crate) fn union(self, other: Self) -> Self {
         Self {
             fur_m: self.fur_m.max(other.fur_m),
@@ -64,8 +64,7 @@ impl DeepMapSettings {
         let wanted = params.shadows.slabs;
         let (slabs, reach_m, whole_from) = if study::opacity_spans_all(params) {
             let (from, to) = depths(hull, view);
-            // N planes have one slab fewer between them. In the printed form, the planes are that much closer to each
-            // other.
+            // N planes enclose one slab fewer. In the published form, the planes are that much closer together.
             let slabs = wanted.saturating_sub(1).max(1);
             let share = if study::spacing_is_printed(params) { slabs as f32 / (slabs + 1) as f32 } else { 1.0 };
             (slabs, (to - from) * view.range_m * share, from)
@@ -132,7 +131,7 @@ mod tests {
             )
         };
         let size = |map_size, width_m| key(&frame(map_size), width_m).size;
-        // The maps are a little wider than the hull: about 2 mm a texel.
+        // The maps are slightly wider than the hull: about 2 mm per texel.
         assert!((0.0019..0.0023).contains(&view.texel_m(512)), "{}", view.texel_m(512));
         assert_eq!([0.0005, 0.0015, 0.0018, 0.004, 1.0].map(|width_m| size(512, width_m)), [512, 512, 256, 128, 16]);
         assert_eq!((size(2048, 0.0), size(8192, 0.0), size(100, 0.0)), (2048, 2048, 100));
@@ -148,8 +147,8 @@ mod tests {
         assert_eq!(both, DeepMapHair { fur_m: 2.0, width_m: 0.1, guided: true });
     }
 
-    /// Checks 16 planes over a sphere of 1 m diameter: from its near end to its far end, or in the printed form to a
-    /// sixteenth before that.
+    /// Checks 16 planes over a sphere of 1 m diameter. They reach from its near end to its far end; in the published
+    /// form, to a sixteenth before the far end.
     #[cfg(feature = "study")]
     #[test]
     fn planes_span_the_hair() {

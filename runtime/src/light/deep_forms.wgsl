@@ -1,23 +1,25 @@
-// Placement of the slabs for strand shadows, and offset of the light lookup (formulas 4.10). A study of the printed
-// forms replaces this file by another.
+// Default placement of the slabs for strand shadows, and offset of the light lookup (formulas 4.10). A study of the
+// published forms replaces this file.
 
-// Returns the depth at which the slabs of a texel begin: its first hair. `whole`: depth at which all hair begins.
+// Returns the depth at which the slabs of a texel begin: its first hair. `first`: depth of that hair; `whole`: depth at
+// which all hair begins.
 fn slabs_begin(first: f32, whole: f32) -> f32 {
     return first;
 }
 
-// Whether hair `behind` slabs after the first hair is stored.
+// Whether hair at a distance of `behind` slabs after the first hair is stored.
 fn is_kept(behind: f32, slabs: u32) -> bool {
     return true;
 }
 
-// Returns the share of the hair before a point `behind` slabs after the first hair that shadows the point.
+// Returns the share of the hair in front of a point that shadows it. `behind`: distance of the point after the first
+// hair, in slabs.
 fn shadowing(behind: f32, slabs: u32) -> f32 {
     return 1.0;
 }
 
-// Returns the offset of the light lookup towards the eye, in strand radii. Half of a strand's light never passes
-// through the strand itself.
+// Returns the offset of the light lookup towards the eye, in strand radii. On average, half of a strand's light never
+// passes through the strand itself.
 fn radii_towards_eye() -> f32 {
     return 1.0;
 }

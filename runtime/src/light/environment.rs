@@ -1,5 +1,5 @@
-//! Environment light for surfaces and hair by facing direction: a small map over all directions, rebuilt when the
-//! environment map changes. Also tables of how fibres scatter light that is spread about a direction.
+//! Environment light on surfaces and hair, by the direction that they face: a small map over all directions, rebuilt
+//! when the environment map changes. Also tables of how fibres scatter light that is spread about a direction.
 
 use crate::error::RuntimeError;
 use crate::gpu::Gpu;
@@ -12,17 +12,17 @@ use pelage_formats::meaning::scattering::broad::{BroadSize, BroadTables, HORIZON
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// Texels along each edge of the map.
+/// Size of the map, texels along each edge.
 const MAP_SIZE: u32 = 24;
-/// Number of sampled light directions, 6 degrees apart.
+/// Number of sampled light directions, about 6 degrees apart.
 const DIRECTIONS: usize = 1024;
-/// Half-width of the fade-in above the lowest light direction ([`HORIZON_SINE`]), as sine of the height: half the
-/// spacing of directions.
+/// Half width of the fade-in above the lowest light direction ([`HORIZON_SINE`]), as the sine of the elevation: half
+/// the spacing of directions.
 const RISE: f32 = 0.05;
 /// Largest value of a half float.
 const MAX_HALF: f32 = 65_000.0;
 
-/// Environment map as frames read it.
+/// Environment map in the form that shaders read.
 #[derive(Debug)]
 pub(crate) struct EnvironmentMap {
     of: Environment,
@@ -46,7 +46,7 @@ pub(crate) struct EnvironmentCache {
 }
 
 impl EnvironmentCache {
-    /// Returns the map of an environment, built if it changed.
+    /// Returns the map of an environment; rebuilds it if the environment has changed.
     pub(crate) fn sky(&mut self, gpu: &Gpu, environment: &Environment) -> Arc<EnvironmentMap> {
         if let Some(sky) = self.sky.as_ref().filter(|sky| sky.of == *environment) {
             return sky.clone();
@@ -58,12 +58,12 @@ impl EnvironmentCache {
         sky
     }
 
-    /// Returns the tables for the fibres of `models`, `None` for a model without fibres, and for each model the index
-    /// of its first table.
+    /// Returns the tables for the fibres of `models`, and for each model the index of its first table; `None` for a
+    /// model without fibres.
     ///
     /// # Errors
     ///
-    /// [`RuntimeError::DeviceLimit`] if there are more fibres than a texture has layers.
+    /// [`RuntimeError::DeviceLimit`] if there are more fibres than a texture can have layers.
     pub(crate) fn broad<'m>(
         &mut self,
         gpu: &Gpu,
@@ -109,8 +109,8 @@ impl EnvironmentCache {
     }
 }
 
-/// Returns three layers over facing directions: total light from above the horizon and slightly below it; its mean
-/// direction; irradiance divided by π. The last value is `EnvironmentMap::most`.
+/// Returns three layers over the facing direction, and the maximum of the irradiance divided by π. Layers: total light
+/// from above the horizon and slightly below it; mean direction of that light; irradiance divided by π.
 fn build_map(environment: &Environment) -> (Vec<Vec4>, f32) {
     let lights: Vec<(Vec3, Vec3, f32)> = (0..DIRECTIONS)
         .map(|i| {
@@ -141,14 +141,14 @@ fn build_map(environment: &Environment) -> (Vec<Vec4>, f32) {
         most = most.max(irradiance.max_element());
         let texel = |v: Vec3| v.min(Vec3::splat(MAX_HALF)).extend(0.0);
         layers[0].push(texel(whole));
-        // Any direction will do where it is dark.
+        // In the dark, any direction will do.
         layers[1].push(texel(if bright > 0.0 { middle / bright } else { 0.5 * normal }));
         layers[2].push(texel(irradiance));
     }
     (layers.concat(), most)
 }
 
-/// Creates a filterable texture of half floats with the given columns, rows and layers.
+/// Creates a filterable texture of half floats with this number of columns, rows and layers.
 fn texture(gpu: &Gpu, label: &str, [width, height, layers]: [u32; 3], texels: &[Vec4]) -> wgpu::TextureView {
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
     let texture = gpu.texture(&wgpu::TextureDescriptor {
@@ -190,7 +190,7 @@ mod tests {
             assert!((whole / all - Vec3::new(1.0, 0.5, 0.25)).abs().max_element() < 0.01, "{whole}");
             assert!((at(&layers, 2, normal) - Vec3::new(1.0, 0.5, 0.25)).abs().max_element() < 0.01);
         }
-        // No texel faces straight up: the nearest faces slightly to the side, and so does its light.
+        // No texel faces straight up: the nearest ones face slightly to the side, and so does their light.
         let texel = from_octahedral(Vec2::splat(1.0 / (MAP_SIZE - 1) as f32));
         let middle = at(&layers, 1, Vec3::Y);
         assert!(middle.distance(LEAST_MEAN as f32 * texel) < 0.01 && (most - 1.0).abs() < 0.01, "{middle} {most}");

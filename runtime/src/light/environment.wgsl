@@ -1,8 +1,8 @@
 //! uses light/baked, light/fibre, light/fills, light/point, light/scatter, light/visibility, shared/environment,
 //! shared/frame, shared/kajiya_kay, shared/scattering, shared/skinning, shared/tile_frame, shared/visibility,
 //! surface/place
-// Light from an environment map (formulas 4.15): the light from above the surface's horizon is treated as one light,
-// spread about its mean direction.
+// Light from an environment map (formulas 4.15). The light from above the surface's horizon is treated as one light
+// that is spread about its mean direction.
 
 @group(0) @binding(6) var environment_map: texture_2d_array<f32>;
 @group(0) @binding(7) var broad_tables: texture_2d_array<f32>;
@@ -14,18 +14,18 @@ override BROAD_FIRST: u32 = 0u;
 // The key light is black; only its direction is used.
 override DARK_KEY: bool = false;
 
-// Size of the broad-light tables in texels (formulas 4.15): mean cosine, angle to the eye, angle of the light, azimuth.
+// Size of the broad-light tables, texels (formulas 4.15): mean cosine, angle to the eye, angle of the light, azimuth.
 const BROAD_MEANS: f32 = 8.0;
 const BROAD_TO: f32 = 24.0;
 const BROAD_FROM: f32 = 24.0;
 const BROAD_PHI: f32 = 16.0;
 
 struct Around {
-    // Total light from above the horizon.
+    // Total light from above the horizon of the surface.
     whole: vec3<f32>,
     // Irradiance divided by pi.
     irradiance: vec3<f32>,
-    // Mean direction of the light in the tile frame; the shorter, the wider the light is spread.
+    // Mean direction of the light in the tile frame. The shorter the vector, the wider the light is spread.
     towards: vec3<f32>,
 }
 
@@ -33,13 +33,13 @@ fn environment_texel(place: vec2<f32>, layer: u32) -> vec3<f32> {
     return textureSampleLevel(environment_map, map_sampler, place, layer, 0.0).rgb;
 }
 
-// Smallest open share of a body, relative to that of most bodies.
+// Minimum open share of a body, relative to that of most bodies.
 const LEAST_OPEN: f32 = 0.02;
-// Smallest length of a mean direction of light, and smallest height of one above the surface.
+// Minimum length of a mean light direction. The next constant is its minimum height above the surface.
 const LEAST_LONG: f32 = 0.05;
 const LEAST_HIGH: f32 = 0.05;
 
-// Returns the environment light at a spot of a body with that colour (formulas 4.15).
+// Returns the environment light at a point of a body with that colour (formulas 4.15).
 fn around_at(spot: Spot, color: vec3<f32>) -> Around {
     let tile = tile_of(spot);
     let share = clamp(length(spot.open), LEAST_OPEN, 1.0 / USUALLY_OPEN);
@@ -47,36 +47,36 @@ fn around_at(spot: Spot, color: vec3<f32>) -> Around {
     let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
     let place = environment_place(facing);
     var towards = to_tile(tile, environment_texel(place, 1u));
-    // The smaller the open share, the less the light is spread.
+    // The smaller the open share, the narrower the spread of the light.
     let long = max(length(towards), 1e-6);
     towards *= max(1.0 - share * (1.0 - long), LEAST_LONG) / long;
-    // No light comes from below.
+    // The mean direction must not point below the surface.
     towards.z = max(towards.z, LEAST_HIGH);
     let hidden = max(1.0 - share, 0.0);
     let whole = environment_texel(place, 0u) * environment_share(color, hidden) * max(share, 1.0);
     // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
-    // least: an open cone contributes the square of its sine.
+    // least: the contribution of an open cone is the square of its sine.
     let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
     let irradiance = environment_texel(place, 2u) * environment_share(color, below * below);
     return Around(whole, irradiance, towards);
 }
 
-// Returns the coordinates in the environment map for a surface that faces `facing`.
+// Returns the texture coordinates in the environment map for a surface that faces `facing`.
 fn environment_place(facing: vec3<f32>) -> vec2<f32> {
     let size = f32(textureDimensions(environment_map).x);
     return ((0.5 + 0.5 * octahedral(facing)) * (size - 1.0) + 0.5) / size;
 }
 
-// Returns the effective height (sine) of light above the surface, z' of formulas 4.15, for hair that the share `open`
-// of ambient light reaches. The surface curves away below the light's path. The path through the hair is as long as
-// under light of the returned height over a plane: R (sqrt(z^2 + 2 d / R) - z), with hair depth d and body radius R.
+// Returns the effective height (sine) of light above the surface, z' of formulas 4.15. `open`: share of ambient light
+// that reaches the hair. The surface curves away below the light's path. The returned height gives the same path
+// through hair over a plane: R (sqrt(z^2 + 2 d / R) - z), with hair depth d and body radius R.
 fn over_curve(height: f32, open: f32) -> f32 {
     let dip = material.rim * open;
     return 0.5 * (height + sqrt(height * height + dip * dip));
 }
 
-// Returns the share of light with that mean direction that other strands let through (formulas 4.9, 4.15). The share is
-// linear in the direction, so that of the mean direction is the mean of the shares.
+// Returns the share of light with this mean direction that other strands let through (formulas 4.9, 4.15). The share is
+// linear in the direction, so the share of the mean direction is the mean of the shares.
 fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     if !BAKED_SHADOW {
         return 1.0;
@@ -92,9 +92,9 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
 }
 
-// Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame: d_p of
-// formulas 4.15. `variance`: variance of the lobe along the fibre. `about_eye`: concentration of a von Mises
-// distribution around the fibre, about the eye; if negative, about the opposite side.
+// Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame: d_p of formulas
+// 4.15. `variance`: variance of the lobe along the fibre. `about_eye`: concentration of a von Mises distribution around
+// the fibre. It is centred on the eye, or on the opposite side if the value is negative.
 fn lit_from(
     tip: vec3<f32>,
     light: vec3<f32>,
@@ -105,7 +105,7 @@ fn lit_from(
 ) -> vec3<f32> {
     let sin_j = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
-    // Along the fibre, lobe and light are nearly Gaussian, and so is their product.
+    // Along the fibre, the lobe and the light are nearly Gaussian, and so is their product.
     let theta = (asin(sin_j) * concentration * variance - asin(sin_o)) / (1.0 + concentration * variance);
     let sine = sin(theta);
     let cosine = cos(theta);
@@ -121,8 +121,8 @@ fn lit_from(
     return sine * tip + cosine * (mean_cosine_around(both) / max(both, 1e-4)) * aside;
 }
 
-// Reads the broad-light tables (formulas 4.14, 4.15), interpolated between texels: R, TT, all internal reflections, and
-// the path of TT within the fibre.
+// Samples the broad-light tables with interpolation (formulas 4.14, 4.15): R, TT, all internal reflections, and the
+// path length of TT inside the fibre.
 fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     let size = vec2(BROAD_MEANS * BROAD_FROM, BROAD_TO * BROAD_PHI);
     let within = vec2(asin(sin_i) / PI + 0.5, phi) * vec2(BROAD_FROM - 1.0, BROAD_PHI - 1.0) + 0.5;
@@ -141,19 +141,19 @@ fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     return mix(mix(a, b, share.x), mix(c, d, share.x), share.y);
 }
 
-// Concentration kappa_p around the fibre (formulas 4.15): of R and TRT about the eye, and of TT about the opposite
-// side.
+// Concentration kappa_p around the fibre (formulas 4.15): R and TRT about the eye. The next constant is that of TT,
+// about the opposite side.
 const REFLECTED_ABOUT: f32 = 0.7;
 const THROUGH_ABOUT: f32 = -3.0;
 
 // Mean cosines A_p towards the eye around the fibre (formulas 4.15), for R, TT, TRT and the rest.
 const LEANS_TO_EYE: vec4<f32> = vec4(0.33, -0.85, 0.33, 0.0);
 
-// Returns the light that a fibre sends to the eye from uniform light of the half-space above the surface, and of the
-// one below (formulas 4.15). Light that leaves along a fibre arrived along it from the other end, which is below for
-// upright hair. All in the tile frame.
+// Returns the light that a fibre sends to the eye, for uniform light from the half-space above the surface and from the
+// one below (formulas 4.15). Light that leaves along a fibre has entered along it from the other end, which is below
+// for upright hair. Directions are in the tile frame.
 fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
-    // Share from above for a directional density linear in z: 1/2 + 3/4 of the mean z.
+    // Share of light from above, for a directional density linear in z: 1/2 plus 3/4 of the mean z.
     let risen = -sin_o * tip.z + LEANS_TO_EYE * (eye.z - sin_o * tip.z);
     let above = clamp(0.5 + 0.75 * risen, vec4(0.0), vec4(1.0));
     let shares = fibre_shares(fibre, sqrt(max(1.0 - sin_o * sin_o, 0.0)));
@@ -167,7 +167,8 @@ fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left
 }
 
 // Returns the light that a fibre of that colour sends to the eye from environment light (formulas 4.15). `deeper`:
-// colour of the hair below it; `direct`: share of the light that passes other fibres. All in the tile frame.
+// colour of the hair below; `direct`: share of the light that other fibres let through. Directions are in the tile
+// frame.
 fn scatter_around(
     direction: vec3<f32>,
     around: Around,
@@ -182,7 +183,7 @@ fn scatter_around(
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let long = length(around.towards);
     let light = around.towards / long;
-    // Uniform light is the widest distribution; two lights from opposite sides are treated as uniform.
+    // Uniform light is the widest distribution; light from two opposite sides is treated as uniform.
     let mean = clamp(long, LEAST_MEAN, 1.0);
     let sin_j = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
@@ -190,7 +191,7 @@ fn scatter_around(
     let across = sqrt(1.0 - sin_j * sin_j) * cos_o;
     let cos_phi = clamp((dot(light, eye) - sin_j * sin_o) / max(across, 1e-6), -1.0, 1.0);
     let phi = acos(cos_phi) / PI;
-    // Mean cosines of the light's angle and of the difference angle.
+    // Mean cosine of the light's inclination; the next value is that of the difference angle.
     let cos_i = sqrt(max(1.0 - mean_square(mean, sin_j), 0.0));
     let cos_d = sqrt(clamp(0.5 * (1.0 + cos_i * cos_o + mean * sin_j * sin_o), 0.0, 1.0));
     let absorbed = fibre_absorption(color, optics.y);
@@ -200,7 +201,7 @@ fn scatter_around(
     let first_back = fibres[number].back[0];
     let often = (first_on.w + first_back.w) / max(first_on.z + first_back.z + first_on.w + first_back.w, 1e-6);
     let within = left * left * texel.z * (1.0 - often + often * left);
-    // Visibility per lobe, for the directions that the lobe collects light from.
+    // Visibility per lobe, for the directions from which the lobe collects light.
     var visible = vec3(direct);
     if BAKED_SHADOW && !HANGS {
         let concentration = 1.0 / max(broad_variance(mean), 1e-2);
@@ -215,7 +216,7 @@ fn scatter_around(
         * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
     if MULTIPLE {
         let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
-        // Multiply scattered light passed through the hair below.
+        // Multiply scattered light has passed through the hair below.
         let left_deeper = fibre_transmittance(cos_d, optics, fibre_absorption(deeper, optics.y));
         let sides = absorbing_fibre_shares(fibres[number], cos_i, left_deeper);
         var met = sides;
@@ -223,13 +224,13 @@ fn scatter_around(
             met = hanging_sheet_shares(sides);
         }
         let d = diffused_light(met[0], met[1], direct);
-        // Light that does not arrive from the directions of the lobes is scattered by other strands, with the
-        // reflectance of deep fur.
+        // Light from directions that the lobes do not collect is scattered by other strands, with the reflectance of
+        // deep fur.
         let sent_on = d.sent_on + max(direct - reaches, 0.0) * d.from_below;
         let halves = sent_of_halves(fibres[number], tip, eye, sin_o, left);
         let to_here = halves[0];
         let to_there = halves[1];
-        // multiple_scattering_by_height over the sine, which the irradiance already includes.
+        // multiple_scattering_by_height divided by the sine, which the irradiance already includes.
         let root = 2.0 * d.root_lost;
         let falls = (1.0 + root) / (1.0 + around.towards.z * root);
         let spread = d.from_light * to_here + d.from_below * to_there;
@@ -238,8 +239,8 @@ fn scatter_around(
     return sent;
 }
 
-// Returns the terms of eq. (1) for environment light (formulas 4.1, 4.15). Sines are means over its directions, and the
-// highlight is widened accordingly.
+// Returns the terms of eq. (1) for environment light (formulas 4.1, 4.15). The sines are means over the light's
+// directions, and the highlight is widened accordingly.
 fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetness: f32) -> vec2<f32> {
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let long = length(towards);
@@ -253,15 +254,16 @@ fn fibre_around(direction: vec3<f32>, towards: vec3<f32>, eye: vec3<f32>, wetnes
         return vec2(diffuse, 0.0);
     }
     let dry_or_wet = highlight(wetness);
-    // H turns half as far as the light.
+    // The half vector H turns by half the light's angle.
     let wider = 1.0 / (1.0 + 0.5 * dry_or_wet.y * broad_variance(mean));
     let lobe = pow(max(sin_squared(tip, half_vector(light, eye)), 1e-12), dry_or_wet.y * wider);
     return vec2(diffuse, dry_or_wet.x * sqrt(wider) * lobe);
 }
 
-// Share of ambient light that passes other strands to hanging hair, at visible points (formulas 4.15).
+// Share of ambient light that reaches visible points of hanging hair past other strands (formulas 4.15).
 const SEEN_HANGING: f32 = 0.2;
-// Extra path of light from a half-space through a layer: its diffusivity factor, 1.66, less 1 (formulas 4.15).
+// Additional path of diffuse light through a layer, relative to the perpendicular path: diffusivity factor 1.66 minus 1
+// (formulas 4.15).
 const DIFFUSE_PATH: f32 = 0.66;
 
 // Returns the light that hair sends to the eye from the environment (formulas 4.15).
@@ -271,14 +273,14 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     let eye = to_tile(tile_of(p.spot), direction_to(frame.eye_ws, p.spot.position_ws));
     var direct = visible_past_strands_around(p.baked, around.towards);
     if (HANGS && DEEP_SHADOW) || (!BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW)) {
-        // The depth of a point in such hair is known only towards the key light. Spread light crosses the hair at a
-        // slant.
+        // The depth of a point in hanging hair is known only in the direction of the key light. Diffuse light crosses
+        // the hair at a slant.
         let long = length(around.towards);
         let spread = (1.0 - clamp(long, LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
         direct = pow(p.arriving.visible, 1.0 + DIFFUSE_PATH * spread);
         if HANGS {
             direct *= p.arriving.past;
-            // From other sides, the depth is about that of visible hair.
+            // From other directions, the depth is about that of visible hair.
             let facing = clamp(dot(p.spot.open, p.arriving.light_ts), 0.0, 1.0);
             direct = mix(direct, SEEN_HANGING, spread * (1.0 - facing));
         }
@@ -292,20 +294,20 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     return lit * around.whole * (direct / PI);
 }
 
-// Returns the environment light on the mat of an undercoat with that colour.
+// Returns the environment light that the mat of an undercoat with that colour reflects.
 fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     let around = around_at(p.spot, color);
     let direct = visible_past_strands_around(p.baked, around.towards);
     return around.irradiance * reaches_mat(1.0, color, direct);
 }
 
-// Returns the environment light on bare surface, by Lambert's law. side: -1 for the back of a double-sided part.
+// Returns the environment light on a bare surface, by Lambert's law. `side`: -1 for the back of a double-sided part.
 fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
     if !ENVIRONMENT {
         return vec3(0.0);
     }
     if side < 0.0 {
-        // The openness of a body is known only for its outside.
+        // The openness of a body is known only for its outer side.
         let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
         return color * instance.diffuse_constant * environment_texel(environment_place(normal), 2u);
     }

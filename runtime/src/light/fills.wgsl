@@ -14,7 +14,7 @@ fn tile_of(spot: Spot) -> TileFrame {
     return tile_frame(normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)), spot.tangent.xyz, spot.tangent.w);
 }
 
-// Returns the terms of eq. (1) and Attenu_Back, summed over the fill lights (formulas 4.1).
+// Returns the terms of eq. (1) times Attenu_Back, summed over the fill lights (formulas 4.1).
 fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
     let spot = p.spot;
     let color = p.color * p.tint;
@@ -40,7 +40,7 @@ fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
     return sum;
 }
 
-// Returns the fill light on the mat of an undercoat with that colour (formulas 4.13).
+// Returns the fill light that the mat of an undercoat with that colour reflects (formulas 4.13).
 fn fill_lights_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     let tile = tile_of(p.spot);
     var sum = vec3(0.0);
@@ -51,7 +51,7 @@ fn fill_lights_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     return sum;
 }
 
-// Returns the fill light on bare surface, by Lambert's law (formulas 4.1). side: -1 for the back of a double-sided
+// Returns the fill light on a bare surface, by Lambert's law (formulas 4.1). `side`: -1 for the back of a double-sided
 // part.
 fn fill_lights_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
     var sum = vec3(0.0);

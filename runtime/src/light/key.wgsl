@@ -2,24 +2,26 @@
 //! surface/place
 // Key light and ambient light on hair: Yang 2006, eqs. (2) and (3) (formulas 4.1).
 
-// Light that reaches a point. Geometries that compute some of it at vertices pass it on from there.
+// Light that reaches a point. Geometries may compute parts of it per vertex.
 struct Arriving {
-    // ka times the ambient light, times its share at the point's height.
+    // ka times the ambient light, times the share that reaches the point's height.
     ambient: vec3<f32>,
-    // kd and ks times the key light.
+    // kd times the key light; the next field is ks times the key light.
     diffuse: vec3<f32>,
     specular: vec3<f32>,
-    // Direction towards the key light, and H, in the tile frame, with lengths near 1; or the values of half_or_factors.
+    // Direction towards the key light in the tile frame; the next field is the half vector H. Lengths are near 1. With
+    // lighting at vertices, the values of half_or_factors.
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
-    // Attenuation Attenu_Back.
+    // Back attenuation Attenu_Back.
     facing: f32,
-    // Shares of the key light that pass the hair, t, and other objects, Attenu_Shadow.
+    // Share of the key light that the hair lets through, t; the next field is the share that other objects let through,
+    // Attenu_Shadow.
     visible: f32,
     past: f32,
 }
 
-// Returns the light that reaches a point at that relative height of the fur.
+// Returns the light that reaches a point at this relative height in the fur.
 fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f32, past: f32) -> Arriving {
     var out: Arriving;
     out.ambient = instance.ambient * ambient_attenuation(height, instance.ambient_floor);
@@ -42,10 +44,10 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
         visible *= visible_past_strands(p.baked, a.light_ts);
     }
     if SCATTERING {
-        // With scattering, the specular colour holds the light's colour, and the diffuse constant is 1.
+        // With scattering, the specular colour is the colour of the light, and the diffuse constant is 1.
         let eye = eye_of(a.light_ts, a.half_ts, 1.0);
         if (!BAKED_SHADOW || DEEP_SHADOW) && !(HANGS && SOFT_SHADOW) {
-            // The maps do not store where the body hides the light from its own fur beside the outline.
+            // Near the outline, a body hides the light from its own fur; the maps do not store this.
             visible *= back_attenuation(a.light_ts.z, max(material.rim * p.baked.texel.w, 1e-3));
         }
         let color = p.color * a.diffuse / max(p.opacity, 1e-6);
@@ -59,7 +61,7 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
     return p.color * (a.ambient + a.diffuse * sent.x) + a.specular * (sent.y * p.opacity);
 }
 
-// Returns the key light on bare surface, by Lambert's law with the package's constants (formulas 4.1). Bare parts are
+// Returns the key light on a bare surface, by Lambert's law with the package's constants (formulas 4.1). Bare parts are
 // as bright as the fur beside them.
 fn key_light_on_bare(color: vec3<f32>, n_dot_l: f32, visible: f32) -> vec3<f32> {
     let light = select(instance.diffuse, instance.specular, SCATTERING);

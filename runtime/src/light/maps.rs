@@ -1,4 +1,4 @@
-//! Shadow maps of the key light: what is requested, what is drawn, and when maps must be redrawn.
+//! Shadow maps of the key light: which ones a frame needs, what they contain, and when they must be redrawn.
 
 use super::deep::{self, DeepMapHair, DeepMapSettings};
 use super::view::LightView;
@@ -14,11 +14,11 @@ use glam::{Mat4, Vec3};
 use pelage_formats::meaning::TOTAL_MAP_LAYERS;
 use std::sync::Arc;
 
-/// Shadow maps of the key light in a frame: [`crate::Frame::shadows`]. They belong to the renderer and are kept while
+/// Shadow maps of the key light in a frame: [`crate::Frame::shadows`]. They belong to the renderer and are reused while
 /// nothing in them changes.
 ///
-/// All are square, of [`crate::ShadowParams::map_size`] texels a side, seen from the light as in [`LightView`]. Their
-/// usages include `TEXTURE_BINDING` and `COPY_SRC`. A shader that only needs the amount of arriving light uses
+/// All maps are square, with [`crate::ShadowParams::map_size`] texels a side, seen from the light as in [`LightView`].
+/// Their usages include `TEXTURE_BINDING` and `COPY_SRC`. A shader that only needs the amount of arriving light uses
 /// [`crate::Frame::shadow_receiver`] and [`crate::shared::receiver`] instead.
 #[derive(Debug)]
 pub struct ShadowMaps {
@@ -30,7 +30,7 @@ pub struct ShadowMaps {
     pub(crate) deep: Option<wgpu::Buffer>,
 }
 
-/// Texture with a view of all of it.
+/// Texture and a view of the whole texture.
 #[derive(Debug)]
 pub(crate) struct Map {
     pub(crate) texture: wgpu::Texture,
@@ -44,7 +44,7 @@ pub(crate) struct LayerMaps {
     pub(crate) slices: Vec<wgpu::TextureView>,
 }
 
-/// Textures of the soft shadow.
+/// Textures of soft shadows.
 #[derive(Debug)]
 pub(crate) struct WidthMaps {
     pub(crate) farthest: Map,
@@ -56,8 +56,8 @@ pub(crate) struct WidthMaps {
 impl ShadowMaps {
     /// Format of the depth maps into which [`crate::Casters::draw`] records.
     pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-    /// Format of the layer-wise maps. 8 bits are too few: a product of many nearly clear layers would stall at the same
-    /// value.
+    /// Format of the layer-wise maps. 8 bits are too few: the product of many nearly transparent layers would stop
+    /// changing.
     pub const LAYER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
     /// Format of the shadow-width map.
     pub const WIDTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -67,15 +67,15 @@ impl ShadowMaps {
         &self.key.view
     }
 
-    /// Returns the scale of the shadow-width map in metres, for [`crate::shared::soft_shadow`]; part of
-    /// [`Self::receiver`].
+    /// Returns the scale of the shadow-width map in metres, for [`crate::shared::soft_shadow`]. [`Self::receiver`]
+    /// includes it.
     pub fn soft_shadow(&self) -> SoftShadow {
         let (view, params) = (&self.key.view, &self.key.params);
         let texel = view.extent / params.map_size as f32;
         SoftShadow { range_m: view.range_m, penumbra: params.penumbra, blur: blur_texels(params.shrink) * texel, texel }
     }
 
-    /// Returns the uniform block for [`crate::shared::receiver`]; `None` without soft shadow, which has no map.
+    /// Returns the uniform block for [`crate::shared::receiver`]; `None` if soft shadows are off, which leaves no map.
     pub fn receiver(&self) -> Option<ShadowReceiver> {
         self.width.is_some().then(|| ShadowReceiver {
             map_from_world: self.key.view.map_from_world,
@@ -85,28 +85,30 @@ impl ShadowMaps {
         })
     }
 
-    /// Returns the layer-wise maps, [`Self::LAYER_FORMAT`]. Array layer k holds the transmittance of the hair above map
-    /// layer k. Layer 0 is the light that reaches the skin; the last is 1. `None` if hair is not shadowed by them.
+    /// Returns the layer-wise maps, [`Self::LAYER_FORMAT`]; `None` if they do not shadow the hair. Array layer k holds
+    /// the transmittance of the hair above map layer k. Layer 0 is the light that reaches the skin; the last layer is
+    /// 1.
     pub fn layers(&self) -> Option<&wgpu::Texture> {
         self.layers.as_ref().filter(|_| self.key.hair == HairMapKind::LayerWise).map(|layers| &layers.map.texture)
     }
 
-    /// Returns the shadow-width map, [`Self::WIDTH_FORMAT`], for a linear filter; `None` without soft shadow. Channels:
+    /// Returns the shadow-width map, [`Self::WIDTH_FORMAT`], for linear filtering; `None` without soft shadow.
+    /// Channels:
     ///
-    /// * x - occlusion, blurred: 0 if nothing nearby is in shadow, 1 deep in shadow, 1/2 at the edge
-    /// * y - depth of the shadow caster, blurred, times x
+    /// * x - blurred occlusion: 0 if nothing nearby is in shadow, 1 deep in shadow, 1/2 at the edge
+    /// * y - blurred depth of the shadow caster, times x
     /// * z - depth of the first surface
-    /// * w - transmittance of the hair above that surface, blurred except beside deeper surfaces; 1 if hair does not
-    ///   shadow hair
+    /// * w - transmittance of the hair above that surface, blurred except beside deeper surfaces; 1 if hair casts no
+    ///   shadow on hair
     ///
-    /// Depths are those of [`LightView::map_from_world`]; [`crate::shared::soft_shadow`] computes light from x, y and
-    /// z.
+    /// Depths are those of [`LightView::map_from_world`]. [`crate::shared::soft_shadow`] computes the light from x, y
+    /// and z.
     pub fn width(&self) -> Option<&wgpu::Texture> {
         self.width.as_ref().map(|w| &w.width.texture)
     }
 
-    /// Returns the depth maps, [`Self::DEPTH_FORMAT`]: nearest surface, and farthest one that faces the light. Depth is
-    /// that of [`LightView::clip_from_world`]. `None` without soft shadow.
+    /// Returns the two depth maps, [`Self::DEPTH_FORMAT`]: nearest surface, and farthest surface that faces the light.
+    /// The depth is that of [`LightView::clip_from_world`]. `None` without soft shadow.
     pub fn depths(&self) -> Option<[&wgpu::Texture; 2]> {
         self.width.as_ref().map(|w| [&self.nearest.texture, &w.farthest.texture])
     }
@@ -116,7 +118,7 @@ impl ShadowMaps {
         self.key.view.texel_m(self.key.params.map_size)
     }
 
-    /// Returns the size on the GPU in bytes.
+    /// Returns the size in GPU memory, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         let of = |map: &Map| {
             let t = &map.texture;
@@ -129,13 +131,13 @@ impl ShadowMaps {
         textures + self.deep.as_ref().map_or(0, wgpu::Buffer::size)
     }
 
-    /// Returns the deep opacity map, in which single strands shadow each other, with the usage `COPY_SRC`. Its contents
-    /// are described in [`crate::shared::deep_opacity`]. `None` if no strands are drawn with self-shadow.
+    /// Returns the deep opacity map, by which single strands shadow each other, with the usage `COPY_SRC`. `None` if no
+    /// strands are drawn with self-shadow. [`crate::shared::deep_opacity`] describes the contents.
     pub fn deep(&self) -> Option<&wgpu::Buffer> {
         self.deep.as_ref()
     }
 
-    /// Returns the parameters for reading [`Self::deep`]; zeros without it.
+    /// Returns the parameters for reading [`Self::deep`]; zeros without such a map.
     pub fn deep_opacity(&self) -> DeepOpacity {
         let (view, params) = (&self.key.view, &self.key.params);
         let Some(key) = self.key.deep else { return DeepOpacity::default() };
@@ -151,8 +153,8 @@ impl ShadowMaps {
     }
 }
 
-/// Returns half the width of the blur in texels: the factor from 2·occlusion − 1 to the distance from the edge. A box
-/// of `shrink` texels widened by a tent of twice that width has this slope at a straight edge.
+/// Returns half the width of the blur, texels: the factor from 2·occlusion − 1 to the distance from the edge. It is the
+/// slope at a straight edge of a box of `shrink` texels, widened by a tent of twice that width.
 fn blur_texels(shrink: u32) -> f32 {
     2.0 / 3.0 * shrink as f32
 }
@@ -162,14 +164,14 @@ fn blur_texels(shrink: u32) -> f32 {
 pub(crate) enum HairMapKind {
     /// No maps: hair casts no shadow.
     None,
-    /// Transmittance of all hair together, from a few layers, for the shadow of fur on other objects. Hair self-shadow
-    /// comes from the package.
+    /// Transmittance of all hair together, computed from a few layers. Used for the shadow of fur on other objects; the
+    /// package supplies the self-shadow.
     Total,
     /// Transmittance of the hair above each layer.
     LayerWise,
 }
 
-/// Cache key: everything that the maps depend on.
+/// Cache key of the maps: all values that they depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ShadowKey {
     pub(crate) light: Light,
@@ -179,14 +181,14 @@ pub(crate) struct ShadowKey {
     /// Deep opacity map, if single strands shadow each other.
     pub(crate) deep: Option<DeepMapSettings>,
     pub(crate) soft_shadow: bool,
-    /// The light's path through a layer grows with its slant.
+    /// The optical depth of a layer grows with the slant of the light.
     pub(crate) slanted: bool,
-    /// The penumbra lies on both sides of the hard edge.
+    /// The penumbra extends to both sides of the hard edge.
     pub(crate) centred: bool,
     /// Number of layer-wise maps, skin included.
     pub(crate) map_layers: u32,
     pub(crate) instances: Vec<InstanceKey>,
-    /// Value of [`crate::Casters::revision`].
+    /// Revision of the casters, [`crate::Casters::revision`].
     pub(crate) casters: Option<u64>,
 }
 
@@ -197,9 +199,9 @@ pub(crate) struct InstanceKey {
     /// Revision of the posed shape; unique among all shapes of all owners.
     pub(crate) revision: u64,
     pub(crate) furry: bool,
-    /// Strand sets that are drawn.
+    /// Indices of the strand sets that are drawn.
     pub(crate) sets: Vec<usize>,
-    /// Index list that is drawn.
+    /// Index list that is drawn: 0 for the mesh's own, otherwise a simplified one.
     pub(crate) list: usize,
 }
 
@@ -209,8 +211,8 @@ const MAX_MAP_LAYERS: u32 = 256;
 impl ShadowKey {
     /// Returns the key of a frame; `None` if it needs no maps.
     ///
-    /// * `by_maps`: some instance is shadowed by the layer-wise maps
-    /// * `deep`: hair properties and device limits, if strands are shadowed by a deep opacity map
+    /// * `by_maps`: the layer-wise maps shadow at least one instance
+    /// * `deep`: hair properties and device limits, if a deep opacity map shadows strands
     /// * `layers`: layer count of the finest instance, skin included; instances with other counts interpolate between
     ///   the maps
     /// * `hull`: bounds of all objects that cast or receive a shadow
@@ -223,7 +225,7 @@ impl ShadowKey {
         instances: Vec<InstanceKey>,
         casters: Option<u64>,
     ) -> Option<Self> {
-        // With an environment map, a black key light only measures the depth of hair and casts no shadows.
+        // With an environment map, a black key light serves only to measure the depth of hair; it casts no shadows.
         let soft_shadow = params.soft_shadow && !params.is_key_dark();
         let guided = deep.as_ref().is_some_and(|(hair, _)| hair.guided);
         let hair = match params.self_shadow() && (layers > 1 || guided) {
@@ -231,7 +233,7 @@ impl ShadowKey {
             true if soft_shadow => HairMapKind::Total,
             _ => HairMapKind::None,
         };
-        // A black light casts no shadow.
+        // Without an environment map, a black light needs no shadow maps.
         let is_black = params.light.color() == Vec3::ZERO && !params.is_key_dark();
         if !(hair != HairMapKind::None || soft_shadow || deep.is_some()) || is_black {
             return None;
@@ -290,11 +292,11 @@ impl ShadowMaps {
         let small = size.div_ceil(key.params.shrink);
         let layers = (key.hair != HairMapKind::None).then(|| {
             let count = match key.hair {
-                // Guided hair has a separate map of its own.
+                // Guided hair has a map of its own.
                 HairMapKind::Total => 1 + u32::from(key.guided()),
                 _ => key.map_layers,
             };
-            // Each layer starts as a copy of the one above.
+            // Each layer is initialised with a copy of the layer above.
             let copied = attachment | wgpu::TextureUsages::COPY_DST;
             let texture = texture("pelage layer shadow", size, count, Self::LAYER_FORMAT, copied);
             let view = |dimension, base_array_layer, array_layer_count| {
@@ -321,7 +323,7 @@ impl ShadowMaps {
         Self { key, nearest, layers, width, deep }
     }
 
-    /// Whether the textures fit another key.
+    /// Whether the textures can be reused for another key.
     fn fits(&self, key: &ShadowKey) -> bool {
         let slabs = |k: &ShadowKey| k.deep.map(|deep| (deep.size, deep.slabs));
         let of = |k: &ShadowKey| {
@@ -331,7 +333,8 @@ impl ShadowMaps {
     }
 }
 
-/// Returns the maps of `key`, and whether they must be redrawn. Maps that another frame still reads are left unchanged.
+/// Returns the maps for `key`, and whether they must be redrawn. Maps that another frame still reads are left
+/// unchanged.
 pub(crate) fn get_or_create(shelf: &mut Pool<ShadowMaps>, gpu: &Gpu, key: ShadowKey) -> (Arc<ShadowMaps>, bool) {
     if let Some(maps) = shelf.share(|maps| maps.key == key) {
         return (maps, false);

@@ -1,5 +1,5 @@
-//! Key light: its projection, its shadow maps and the application's geometry in them. The shaders of this folder light
-//! hair; the single function that does so is in `point.wgsl`.
+//! Key light: its projection, its shadow maps, and the application's geometry in them. The shaders in this folder light
+//! hair; `point.wgsl` has the single function that does so.
 
 mod casters;
 mod deep;

@@ -1,12 +1,12 @@
 //! uses light/baked, light/environment, light/fills, light/key, light/scatter, shared/environment, shared/tile_frame,
 //! surface/place
-// Point of hair as seen by lights, independent of its geometry, and the single function that lights it.
+// Point of hair as the lights see it, independent of the geometry, and the single function that lights it.
 
-// Location of a point, for lights that are not evaluated at vertices.
+// Location of a point, for lights that are evaluated per pixel.
 struct Spot {
     position_ws: vec3<f32>,
     normal_ws: vec3<f32>,
-    // Direction along +u of the tile; handedness.
+    // Direction along +u of the tile, with the handedness in w.
     tangent: vec4<f32>,
     // Openness of the body, as returned by unpack_openness.
     open: vec3<f32>,
@@ -19,14 +19,14 @@ fn spot_of(v: Vertex, position: vec3<f32>, tile: TileFrame) -> Spot {
 
 struct HairPoint {
     spot: Spot,
-    // Unit vector along the hair, in the tile frame.
+    // Unit vector along the hair in the tile frame.
     direction: vec3<f32>,
-    // Colour of the hair, premultiplied with its opacity. `tint` applies to lights whose colour does not already
-    // include it.
+    // Colour of the hair, premultiplied by its opacity. `tint` is applied by lights whose own colour does not include
+    // it.
     color: vec3<f32>,
     opacity: f32,
     tint: vec3<f32>,
-    // Colour of the hair below, neither premultiplied nor tinted.
+    // Colour of the hair below this point, neither premultiplied nor tinted.
     deeper: vec3<f32>,
     // Wetness, 0..=1.
     wetness: f32,
@@ -35,7 +35,7 @@ struct HairPoint {
     baked: Baked,
 }
 
-// Lights the undercoat: a mat of hair too short to resolve, which returns all light.
+// Lights the undercoat: a mat of hair too short to resolve, which reflects all light.
 fn light_undercoat(p: HairPoint) -> vec3<f32> {
     if !SCATTERING {
         return light_hair(p);

@@ -1,14 +1,14 @@
 //! uses light/visibility, shared/scattering, surface/place
 // Multiple scattering between hair fibres (formulas 4.12, 4.13). Replaces the two lobes of Kajiya-Kay if the package
-// has tables of its fibres.
+// has tables for its fibres.
 
 // The package has fibre tables, and the frame uses them.
 override SCATTERING: bool = false;
 // Light is scattered from hair to hair.
 override MULTIPLE: bool = false;
-// Hair hangs far from the surface at its root, as guided hair does.
+// The hair hangs far from the surface at its root, as guided hair does.
 override HANGS: bool = false;
-// Index of the package's fibre for guided hair; for fur it is a property of the material.
+// Index of the package's fibre, for guided hair; for fur, the material has it.
 override FIBRE: u32 = 0u;
 
 @group(1) @binding(4) var fibre_tables: texture_2d_array<f32>;
@@ -18,16 +18,16 @@ fn fibre_number() -> u32 {
     return select(material.fibre, FIBRE, HANGS);
 }
 
-// Reads a layer of the fibre's tables, interpolated, at coordinates 0..=1.
+// Samples a layer of the fibre tables with interpolation, at coordinates 0..=1.
 fn fibre_texel(place: vec2<f32>, layer: u32) -> vec4<f32> {
     let size = f32(textureDimensions(fibre_tables).x);
     let uv = (place * (size - 1.0) + 0.5) / size;
     return textureSampleLevel(fibre_tables, map_sampler, uv, 2u * fibre_number() + layer, 0.0);
 }
 
-// Returns the light that falls on a mat below hair of that colour, relative to the light on the hair (formulas 4.13).
-// It is the share `direct` that passes the fibres, times the cosine at the surface, plus the light that fibres scatter
-// on.
+// Returns the light that reaches a mat below hair of that colour, relative to the light on the hair (formulas 4.13). It
+// is the share `direct` that the fibres let through, times the cosine at the surface, plus the light scattered forward
+// by fibres.
 fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     let straight = vec3(direct * max(n_dot_l, 0.0));
     if !MULTIPLE {
@@ -41,16 +41,17 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
 
-// Azimuths phi / pi between which forward-scattered light turns from the far side to the light's side (formulas 4.13).
+// Range of azimuths phi / pi in which forward-scattered light changes from the far side to the light's side (formulas
+// 4.13).
 const SENT_ON_TURN: vec2<f32> = vec2(0.15, 0.85);
-// Exponent of F for forward-scattered light: sum of the first number and gamma, at most the second (formulas 4.13).
+// Exponent of F for forward-scattered light: gamma plus the first value, at most the second (formulas 4.13).
 const SENT_ON_FALLS: vec2<f32> = vec2(0.15, 0.5);
 
 // Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13), from a light of colour 1, which
-// brings an irradiance of pi. All directions are in one frame, the fibre towards its tip.
+// gives an irradiance of pi. All directions are in one frame; the fibre's points towards its tip.
 //
-// `deeper`: colour of the hair below; `direct`: share of the light that passes other fibres; `past`: share that passes
-// all other objects; above: sine of the light's height above the surface, as returned by above_rim.
+// `deeper`: colour of the hair below; `direct`: share of the light that other fibres let through; `past`: share that
+// all other objects let through; `above`: sine of the light's height above the surface, as returned by above_rim.
 fn scatter(
     direction: vec3<f32>,
     light: vec3<f32>,
@@ -69,7 +70,7 @@ fn scatter(
     let left = fibre_transmittance(angles.cos_d, optics, absorbed);
     var sent = direct * fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
     if MULTIPLE {
-        // Multiply scattered light passed through the hair below. The difference angle is already available and
+        // Multiply scattered light has passed through the hair below. The difference angle is already available and
         // replaces the light's own angle.
         let left_deeper = fibre_transmittance(angles.cos_d, optics, fibre_absorption(deeper, optics.y));
         let sides = absorbing_fibre_shares(fibres[number], angles.cos_i, left_deeper);
@@ -81,7 +82,7 @@ fn scatter(
             cones = hanging_cones(fibres[number], angles.cos_i, grey, direct, dot(tip, light), dot(tip, eye));
         }
         let d = diffused_light(met[0], met[1], direct);
-        // Light from half of all azimuths: from the light's side, and from the opposite side.
+        // Light from half of all azimuths: the light's side and the opposite side.
         let turned = angles.around.x;
         let to_here = mix(sides[1], sides[0], turned);
         let to_there = mix(sides[0], sides[1], turned);
@@ -89,7 +90,7 @@ fn scatter(
         // Forward-scattered light stays within about a quarter turn of its direction.
         let straight = mix(sides[1], sides[0], smoothstep(SENT_ON_TURN.x, SENT_ON_TURN.y, turned));
         // Fur receives no more grazing light than its surface does. Forward-scattered light is at the tips, which
-        // grazing light meets from the side. The farther it travels, the less is lost.
+        // grazing light meets from the side; the farther it travels, the less is lost.
         let falls = multiple_scattering_by_height(d.root_lost, above);
         let reached = pow(falls, min(SENT_ON_FALLS.x + d.root_lost, vec3(SENT_ON_FALLS.y)));
         sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;

@@ -4,42 +4,43 @@ use crate::bounds::{Hull, Sphere};
 use crate::camera::{Camera, Light, Projection};
 use glam::{Mat4, Vec3, Vec4};
 
-/// Ratio of the maps' size to what they cover: the blur needs lit texels around everything.
+/// Ratio of the maps' size to the size of their contents: the blur needs lit texels around all objects.
 const MARGIN: f32 = 1.03;
 
-/// Rounds a length up to coarse steps, so that texels keep their size while an animation changes the bounds slightly.
+/// Rounds a length up to coarse steps, so that the texel size stays constant while an animation changes the bounds
+/// slightly.
 fn round_up_coarsely(length: f32) -> f32 {
     let step = 2f32.powf(1.0 / 16.0);
     step.powf((length.max(1e-6).ln() / step.ln()).ceil())
 }
 
-/// Maximum field of view of a point light's maps, radians. Beyond it, most texels would be near the border.
+/// Maximum field of view of a point light's maps, radians. With a wider one, most texels would be near the border.
 const MAX_FOV_RAD: f32 = 2.4;
 
-/// Distance in radii from which a point light is treated as a distant one. Its rays differ by less than a texel, and
-/// distances from it would leave too few digits for the scene.
+/// Distance in radii of the scene from which a point light is treated as a distant one. There, its rays differ by less
+/// than a texel, and distances from it would leave too few digits for the scene.
 const DISTANT_RADII: f32 = 500.0;
 
 /// Projection of a light's shadow maps. They cover the instances of the frame with their fur, and
 /// [`crate::Casters::bounds`]. A point light sees at most 137°; if it is inside the scene, its maps face the centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightView {
-    /// World to the clip space of the maps, for a caster's vertex shader. Depth 0 is nearest to the light, regardless
-    /// of [`crate::RendererOptions::reversed_depth`].
+    /// Transform from world space to the clip space of the maps, for the vertex shader of a caster. Depth 0 is nearest
+    /// to the light, regardless of [`crate::RendererOptions::reversed_depth`].
     pub clip_from_world: Mat4,
-    /// World to (u·w, v·w, z, w), for a receiver's shader:
+    /// Transform from world space to (u·w, v·w, z, w), for the shader of a receiver:
     ///
     /// * u, v: coordinates in the maps after division by w, 0..=1 from the top left
     /// * z: linear depth, 0..=1, not divided
     /// * w: distance from a point light along its axis, metres; 1 for a distant light
     pub map_from_world: Mat4,
-    /// Metres from depth 0 to depth 1.
+    /// Distance between depth 0 and depth 1, metres.
     pub range_m: f32,
     /// Width and height that a map covers: metres for a distant light, metres at 1 m from a point light.
     pub extent: f32,
-    /// Distance of depth 0 from a point light, metres; `None` for a distant light.
+    /// Distance from a point light to depth 0, metres; `None` for a distant light.
     pub near_m: Option<f32>,
-    /// Sphere that contains everything the maps must cover.
+    /// Sphere that contains all objects that the maps must cover.
     pub sphere: Sphere,
 }
 
@@ -51,7 +52,8 @@ impl LightView {
         self.extent / map_size as f32 * distance
     }
 
-    /// Creates the view of `hull`, whose bounding sphere is `sphere`, from a light checked by [`Light::homogeneous`].
+    /// Creates the view of `hull`, whose bounding sphere is `sphere`, from a light that [`Light::homogeneous`] has
+    /// checked.
     pub(crate) fn new(light: &Light, hull: &Hull, sphere: Sphere) -> Self {
         match *light {
             Light::Directional { towards_light, .. } => Self::distant(towards_light, hull, sphere),
@@ -76,13 +78,13 @@ impl LightView {
         let projection = Projection::Orthographic { height_m: extent, aspect: 1.0, near_m: 0.0, far_m: range_m };
         let camera = Camera::look_at(center + 0.5 * range_m * towards, center, projection);
         let clip_from_world = projection.clip_from_view(false) * camera.view_from_world;
-        // Depth of a parallel projection is linear already.
+        // The depth of a parallel projection is already linear.
         let map_from_world = map_from_clip() * clip_from_world;
         Self { clip_from_world, map_from_world, range_m, extent, near_m: None, sphere }
     }
 
     fn near(position: Vec3, hull: &Hull, sphere: Sphere) -> Self {
-        // A light exactly in the centre may look anywhere.
+        // A light exactly in the centre may face any direction.
         let apart = position.distance(sphere.center) > 1e-6 * sphere.radius;
         let target = if apart { sphere.center } else { position - Vec3::Y };
         let looking = Camera::look_at(position, target, Projection::Custom(Mat4::IDENTITY));
@@ -101,7 +103,7 @@ impl LightView {
         let camera = Camera { projection, ..looking };
         let clip_from_world = projection.clip_from_view(false) * camera.view_from_world;
         let mut map_from_world = map_from_clip() * clip_from_world;
-        // Depth of a perspective projection is not linear; the distance along the axis, stored in w, is.
+        // The depth of a perspective projection is not linear; the distance along the axis, stored in w, is.
         let range_m = far_m - near_m;
         let distance_row = clip_from_world.row(3);
         let depth_row = (distance_row - Vec4::W * near_m) / range_m;
@@ -113,7 +115,7 @@ impl LightView {
     }
 }
 
-/// Returns the matrix from clip coordinates to texture coordinates from the top left, times w.
+/// Returns the matrix from clip space to texture coordinates from the top left, times w.
 fn map_from_clip() -> Mat4 {
     Mat4::from_cols(
         Vec4::new(0.5, 0.0, 0.0, 0.0),
@@ -169,7 +171,7 @@ mod tests {
             }
         }
         assert!(widest > 0.3, "{light:?}: the outermost is {widest} from the middle");
-        // The side towards the light is nearer by this distance.
+        // The side towards the light is nearer by this vector's length.
         let towards = direction.normalize() * 0.1;
         let center = hull.sphere().unwrap().center;
         let (front, back) = (project(view, center + towards), project(view, center - towards));

@@ -1,6 +1,6 @@
 //! uses light/baked, light/forms, light/scatter, shared/layer_shadow, shared/soft_shadow, surface/place
 // Share of the key light that reaches a point: past the hair above it, by the layer-wise maps, and past other objects,
-// by the shadow-width map. Each is a function of a receiver; the result is their product.
+// by the shadow-width map. A function computes each factor for a receiver; the result is their product.
 
 @group(0) @binding(3) var layer_maps: texture_2d_array<f32>;
 @group(0) @binding(4) var width_map: texture_2d<f32>;
@@ -8,7 +8,7 @@
 
 // Hair shadows hair: t of eq. (3).
 override SELF_SHADOW: bool = false;
-// Guided hair shadows fur whose baked shadows include only its own hair.
+// Guided hair casts shadows on fur whose baked shadows include only the fur itself.
 override GUIDED_SHADOW: bool = false;
 // Objects cast soft shadows: Attenu_Shadow of eq. (3).
 override SOFT_SHADOW: bool = false;
@@ -17,9 +17,9 @@ override SOFT_SHADOW: bool = false;
 struct Receiver {
     // Position in the shadow maps: (u w, v w, depth, w).
     place: vec4<f32>,
-    // Layer of the layer-wise maps: 0 on the skin.
+    // Layer of the receiver in the layer-wise maps: 0 on the skin.
     map_layer: f32,
-    // The receiver is between two map layers.
+    // The receiver is between two layers of the maps.
     between: bool,
     // Cosine between the surface normal and the direction towards the light.
     n_dot_l: f32,
@@ -29,7 +29,7 @@ fn map_place(position: vec3<f32>) -> vec4<f32> {
     return frame.map_from_world * vec4(position, 1.0);
 }
 
-// Returns the transmittance of the hair above a point between two of the layer-wise maps (formulas 4.2).
+// Returns the transmittance of the hair above a point between two layer-wise maps (formulas 4.2).
 fn light_between(uv: vec2<f32>, map_layer: f32) -> f32 {
     let below = floor(map_layer);
     let above = min(below + 1.0, frame.last_map_layer);
@@ -60,16 +60,17 @@ fn width_texel(place: vec4<f32>) -> vec4<f32> {
     return textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0);
 }
 
-// Resolution of the half floats of the shadow-width map, of its range.
+// Resolution of the shadow-width map's half floats, relative to their range.
 const WIDTH_MAP_STEP: f32 = 1.0 / 2048.0;
-// Slope and offset of the ramp over occlusion, from 0.4 to 0.5, above which the map's own soft shadow is used.
+// Slope of the ramp over occlusion, from 0.4 to 0.5, above which the map's own soft shadow is used. The next constant
+// is its offset.
 const OCCLUDED_SLOPE: f32 = 10.0;
 const OCCLUDED_OFFSET: f32 = 4.0;
-// Slope of the ramp over -n_dot_l within which fur behind the terminator loses light to the first surface.
+// Slope of the ramp over -n_dot_l along which fur behind the terminator loses light to the first surface.
 const AWAY_SLOPE: f32 = 10.0;
 
-// Returns the share of the key light that passes the first surface on its path (formulas 4.13). Behind a body whose
-// shadow falls on nothing else, the map stores no occlusion. Deep in a stored shadow, the map's own soft shadow is
+// Returns the share of the key light that the first surface on its path lets through (formulas 4.13). The map stores no
+// occlusion behind a body whose shadow falls on nothing else. Deep in a stored shadow, the map's own soft shadow is
 // used.
 fn visible_past_first(place: vec4<f32>, path: f32, occlusion: f32) -> f32 {
     let uv = place.xy / place.w;
@@ -88,7 +89,7 @@ fn visible_past_first(place: vec4<f32>, path: f32, occlusion: f32) -> f32 {
 fn visible_past_things(r: Receiver) -> f32 {
     var past = 1.0;
     if GUIDED_SHADOW {
-        // Last map: transmittance of guided hair only.
+        // Last layer of the maps: transmittance of guided hair only.
         let last = textureNumLayers(layer_maps) - 1u;
         past = textureSampleLevel(layer_maps, map_sampler, r.place.xy / r.place.w, last, 0.0).r;
     }
@@ -99,17 +100,17 @@ fn visible_past_things(r: Receiver) -> f32 {
     let texel = width_texel(r.place);
     past *= soft_shadow(texel, r.place.z, r.place.w, path, soft_shadow_of_frame(), CENTRED);
     if HANGS {
-        // Guided hair hangs anywhere; the surface at its root does not describe the path of the light.
+        // Guided hair can hang anywhere; the surface at its root does not determine the path of the light.
         past *= visible_past_first(r.place, MOST_SLANTED, texel.x);
     } else if SCATTERING && r.n_dot_l < 0.0 {
-        // Fur that faces away is lit only where it extends beyond the outline.
+        // Fur that faces away from the light is lit only where it extends beyond the outline.
         past *= mix(1.0, visible_past_first(r.place, path, texel.x), min(-AWAY_SLOPE * r.n_dot_l, 1.0));
     }
     return past;
 }
 
-// Returns the product of both for surface without hair of its own. The hair maps store only the first surface; if that
-// is another surface, its hair is not above this one.
+// Returns the product of both shares for a surface without hair of its own. The hair maps store only the first surface;
+// if that is a different surface, its hair is not above this one.
 fn visible_on_bare(r: Receiver) -> f32 {
     var through = visible_through_hair(r);
     if !SOFT_SHADOW {
@@ -117,7 +118,7 @@ fn visible_on_bare(r: Receiver) -> f32 {
     }
     let texel = width_texel(r.place);
     if BAKED_SHADOW {
-        // Packages do not store the shadow of hair on bare surface beside it; the map of all hair does.
+        // Packages do not store the shadow of hair on the bare surface beside it; the map of all hair does.
         through = texel.w;
     }
     let s = soft_shadow_of_frame();

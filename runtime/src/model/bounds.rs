@@ -1,26 +1,26 @@
-//! Bounds of a posed model, computed without reading its vertices every frame.
+//! Bounds of a posed model, computed without reading its vertices in every frame.
 
 use crate::bounds::Hull;
 use glam::{Mat4, Vec3};
 use pelage_formats::{MeshView, MorphDelta, Morphs, Pose};
 
-/// Bounds of a model's mesh surface before its joints move it.
+/// Bounds of a model's mesh surface before the joint transforms are applied.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ModelBounds {
-    /// Bounding box of a model without skeleton.
+    /// Bounding box of a model without a skeleton.
     Rigid(Aabb),
-    /// Bounds per joint of a model with a skeleton. A blended vertex is between the positions that its joints give, so
-    /// the boxes moved by their joints contain it.
+    /// Bounds per joint of a model with a skeleton. A skinned vertex is a weighted mean of its positions under single
+    /// joints, so the union of the transformed boxes contains it.
     Jointed(Vec<JointBounds>),
 }
 
-/// Bounds of the vertices of a joint, in mesh space.
+/// Bounds of the vertices that follow a joint, in mesh space.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct JointBounds {
-    /// Box of its vertices with morph targets at rest; empty if there are none.
+    /// Box of these vertices with morph targets at rest; empty if there are none.
     vertices: Aabb,
-    /// Morph targets in ascending order, each with the offsets of its vertices at weight 1. The box contains the
-    /// origin, because other vertices do not move.
+    /// Morph targets in ascending order, each with the bounds of its vertices' offsets at weight 1. The box contains
+    /// the origin, because other vertices do not move.
     moves: Vec<(u32, Aabb)>,
 }
 
@@ -60,7 +60,7 @@ impl JointBounds {
         }
     }
 
-    /// Returns the box of the vertices with morph targets moved by `shifts` from rest; without targets, the box at
+    /// Returns the box of the vertices with morph targets displaced by `shifts` from rest; without targets, the box at
     /// rest.
     fn shifted(&self, shifts: &[f32]) -> Aabb {
         let shift_of = |target: u32| shifts.get(target as usize).copied().unwrap_or(0.0);
@@ -72,7 +72,7 @@ impl JointBounds {
 }
 
 impl ModelBounds {
-    /// Returns the bounds of a mesh and its morph targets; `jointed` if it follows a skeleton.
+    /// Returns the bounds of a mesh and its morph targets. `jointed`: the mesh follows a skeleton.
     pub(crate) fn of(mesh: &MeshView<'_>, morphs: Option<&Morphs>, jointed: bool) -> Self {
         let points = || mesh.geometry().map(|v| Vec3::from(v.position));
         if !jointed {
@@ -90,13 +90,13 @@ impl ModelBounds {
         Self::Jointed(joints)
     }
 
-    /// Adds the posed surface in world space to `hull`, widened by `margin_m` in model space.
+    /// Adds the bounds of the posed surface in world space to `hull`, widened by `margin_m`, which is in model space.
     pub(crate) fn add_to(&self, hull: &mut Hull, pose: &Pose, world_from_model: Mat4, margin_m: f32) {
         let axes = [world_from_model.x_axis, world_from_model.y_axis, world_from_model.z_axis];
         let scale = axes.map(|axis| axis.truncate().length()).into_iter().fold(0.0, f32::max);
         let mut add = |matrix: Mat4, bounds: Aabb| {
             let corners = bounds.corners().map(|corner| (world_from_model * matrix).transform_point3(corner));
-            // An empty box has no corners; a non-finite joint draws nothing either.
+            // An empty box gives no corners; with a non-finite joint, nothing is drawn either.
             hull.0.extend(corners.into_iter().filter(|c| c.is_finite()).map(|c| (c, margin_m * scale)));
         };
         match self {

@@ -1,4 +1,4 @@
-//! Ink style of a package on the GPU.
+//! Ink style of a package, in GPU memory.
 
 use super::upload::Uploader;
 use crate::error::RuntimeError;
@@ -13,13 +13,13 @@ pub(crate) struct ModelInk {
     pub(crate) stroke: wgpu::TextureView,
     pub(crate) wash: wgpu::TextureView,
     pub(crate) paper: wgpu::TextureView,
-    /// Fur strokes in two array layers: from above and from the side.
+    /// Fur stroke texture with two array layers: from above and from the side.
     pub(crate) fur: Option<wgpu::TextureView>,
-    /// Periods of the wash tile per unit of the stored mesh. With a skeleton, that unit need not be metres.
+    /// Number of wash tile periods per unit of the stored mesh. With a skeleton, that unit need not be the metre.
     pub(crate) periods: f32,
 }
 
-/// Uploads the ink style and returns it with its size in bytes; `None` for a package without one.
+/// Uploads the ink style. Returns it with its size in bytes; `None` for a package without one.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -47,7 +47,7 @@ pub(super) fn load(
     Ok(Some((ModelInk { info: info.clone(), vertices, stroke, wash, paper, fur, periods }, bytes)))
 }
 
-/// Returns the metres per unit of the stored mesh: its extent at rest divided by its stored extent.
+/// Returns the metres per unit of the stored mesh: the ratio of its extent at rest to its stored extent.
 fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
     use glam::Vec3;
     let mut least = Vec3::INFINITY;
@@ -59,6 +59,6 @@ fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
     let bounds = &package.manifest().bounds;
     let at_rest = Vec3::from(bounds.max).distance(Vec3::from(bounds.min));
     let ratio = at_rest / most.distance(least);
-    // A single point has no scale.
+    // The ratio is undefined for a mesh of a single point.
     if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
 }

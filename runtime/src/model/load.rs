@@ -1,4 +1,4 @@
-//! Loading: from a package to a model.
+//! Creation of a model from a package.
 
 use super::bounds::ModelBounds;
 use super::ink;
@@ -19,7 +19,7 @@ use pelage_formats::{
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Uploads a package directly from the slices that it borrows.
+/// Uploads a package directly from the slices that it borrows, without a copy.
 pub(crate) fn load(
     gpu: &Gpu,
     options: &RendererOptions,
@@ -38,7 +38,7 @@ pub(crate) fn load(
     use wgpu::BufferUsages as Usage;
     let fins = package.fins()?.filter(|fins| fins.count > 0 && surfaces.fins.is_some());
     let single = surfaces.strands && (package.strands()?.is_some() || !package.hair_groups()?.is_empty());
-    // Compute shaders read both: to pose the surface, lean fur and root hair.
+    // Compute shaders also read both streams, to pose the surface, lean fur and root hair.
     let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | Usage::STORAGE)?;
     let opened = package.openness()?.map(|openness| with_openness(mesh.attributes, openness));
     let stream = opened.as_deref().unwrap_or(mesh.attributes);
@@ -73,7 +73,7 @@ pub(crate) fn load(
         (Some(view), Some(textures), Some(info)) => {
             let dry = uploader.hair(info.color_texture, info.direction_texture, &textures)?;
             let visibility = hair.map_or([None, None], |(views, _)| views.visibility);
-            // The row of texels at the skin must not repeat above the tips.
+            // Clamp, because the row of texels at the skin must not repeat above the tips.
             let clamp = sampler("pelage fins", wgpu::AddressMode::ClampToEdge, 1);
             let buffer = uploader.buffer("fins", view.fins, Usage::STORAGE)?;
             gpu_bytes += uploader.hair_bytes(&textures) + buffer.size();
@@ -103,7 +103,7 @@ pub(crate) fn load(
         }
         _ => surfaces.no_fibres.clone(),
     };
-    // Materials may share a texture.
+    // Materials may share textures; each is uploaded once.
     let mut uploaded = vec![None; manifest.textures.len()];
     let mut materials = Vec::new();
     let roots = package.roots()?;
@@ -198,9 +198,9 @@ pub(crate) fn load(
     Ok(Model { manifest: Arc::new(manifest.clone()), resources: Arc::new(resources) })
 }
 
-/// Returns the sine of the angle behind the outline of a body up to which tips of its fur are lit. Hair of height h on
-/// a body of radius R sees beyond it by the angle whose sine is √(2 h / R). The radius is derived from the bounding
-/// box, for a body that fills it as animals do.
+/// Returns the sine of the angle behind a body's outline up to which the tips of its fur are lit. For hair of height h
+/// on a body of radius R, that sine is √(2 h / R). The radius is estimated from the bounding box, for a body that fills
+/// it as animals do.
 fn rim_sine(manifest: &Manifest) -> f32 {
     const OF_SIZE: f32 = 2.53;
     let bounds = &manifest.bounds;
@@ -209,8 +209,8 @@ fn rim_sine(manifest: &Manifest) -> f32 {
     (OF_SIZE * (manifest.fur.height_m / size_m.max(1e-6)).sqrt()).clamp(0.1, 0.6)
 }
 
-/// Returns the attribute stream with the openness of the body in the last two bytes of each vertex, which are 0 in
-/// packages.
+/// Returns the attribute stream with the openness of the body in the last two bytes of each vertex; packages store 0
+/// there.
 fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
     let mut out = attributes.to_vec();
     for (vertex, of) in out.chunks_exact_mut(size_of::<AttributeVertex>()).zip(openness.chunks_exact(4)) {
@@ -221,19 +221,20 @@ fn with_openness(attributes: &[u8], openness: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Returns [`RootsInfo::uv_per_tile`] of a material; 0 if the package does not specify it.
+/// Returns [`RootsInfo::uv_per_tile`] of a material; 0 if the package does not store it.
 fn uv_per_tile(roots: Option<&RootsInfo>, material: usize) -> f32 {
     roots.and_then(|roots| roots.uv_per_tile.get(material).copied()).unwrap_or(0.0)
 }
 
-/// Returns the offset of a material's hair from its root by height, in the material's texture coordinates.
+/// Returns the offsets of a material's hair from its root, by height, in the material's texture coordinates.
 fn root_offsets(roots: Option<&RootsInfo>, material: usize) -> [[f32; 4]; ROOT_HEIGHTS] {
     let scale = uv_per_tile(roots, material);
     let scaled = |aside: RootOffset| [aside.mean[0] * scale, aside.mean[1] * scale, aside.along * scale, 0.0];
     roots.map_or([[0.0; 4]; ROOT_HEIGHTS], |roots| roots.asides.map(scaled))
 }
 
-/// Returns the index ranges of each part: in the mesh, then in each simplified list, which follow it in the buffer.
+/// Returns the index ranges of each part: in the mesh, then in each simplified list. The lists follow the mesh in the
+/// buffer.
 fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&SimplifiedView<'_>>) -> Vec<Vec<Range<u32>>> {
     let own = |part: &PackagePart| part.first_index..part.first_index + part.index_count;
     let mut ranges: Vec<_> = manifest.parts.iter().map(|part| vec![own(part)]).collect();
@@ -247,7 +248,8 @@ fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&Simplif
     ranges
 }
 
-/// Uploads the hair textures. Also returns whether directions have two components; `None` for a package without fur.
+/// Uploads the hair textures. Also returns whether their directions have two components; `None` for a package without
+/// fur.
 fn hair(
     uploader: &Uploader<'_>,
     package: &Package<'_>,

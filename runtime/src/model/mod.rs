@@ -1,4 +1,4 @@
-//! Package on the GPU.
+//! Package in GPU memory.
 
 mod bounds;
 mod ink;

@@ -1,4 +1,4 @@
-//! Package on the GPU.
+//! Package in GPU memory.
 
 use super::bounds::ModelBounds;
 use super::ink::ModelInk;
@@ -11,7 +11,7 @@ use pelage_formats::{Animation, BodyCollider, Clip, FibreInfo, Manifest, MeshVie
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Package on the GPU: vertices, textures, materials. Cheap to clone; the clones share everything.
+/// Package in GPU memory: vertices, textures, materials. Cheap to clone; the clones share all resources.
 #[derive(Clone, Debug)]
 pub struct Model {
     pub(super) manifest: Arc<Manifest>,
@@ -44,10 +44,10 @@ pub(super) struct Resources {
     pub(super) gpu_bytes: u64,
 }
 
-/// Morph target deltas of a model's vertices.
+/// Morph target deltas of a model's vertices. The deltas of all vertices are concatenated.
 #[derive(Debug)]
 pub(crate) struct MorphBuffers {
-    /// Start of each vertex's deltas, followed by the end.
+    /// Offset of each vertex's deltas, followed by the end of the last.
     pub(crate) first: wgpu::Buffer,
     pub(crate) deltas: wgpu::Buffer,
 }
@@ -55,7 +55,7 @@ pub(crate) struct MorphBuffers {
 /// Fins of a model.
 #[derive(Debug)]
 pub(crate) struct Fins {
-    /// Buffer of all fins, part after part.
+    /// Fins of all parts, concatenated.
     pub(crate) buffer: wgpu::Buffer,
     /// Fin textures, in the same layout as the shell textures.
     pub(crate) textures: wgpu::BindGroup,
@@ -63,16 +63,16 @@ pub(crate) struct Fins {
     pub(crate) planar_directions: bool,
 }
 
-/// Attributes that vary over the vertices of a model. Shaders skip those that do not.
+/// Attributes that vary over the vertices of a model. Shaders skip the others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VaryingAttributes {
     /// At least one vertex leans more than the tile's strands.
     pub(crate) lean: bool,
-    /// At least one vertex has shorter or longer fur than the manifest's height, which is that of the tile.
+    /// At least one vertex has fur of another length than the manifest's height, which is that of the tile.
     pub(crate) length: bool,
     /// At least one vertex is bare or wet.
     pub(crate) groom: bool,
-    /// At least one vertex has higher fur than the manifest's height.
+    /// At least one vertex has fur higher than the manifest's height.
     pub(crate) beyond_height: bool,
 }
 
@@ -87,17 +87,17 @@ impl VaryingAttributes {
     }
 }
 
-/// Range of the index buffer with one material.
+/// Range of the index buffer that has one material.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// Index ranges in the mesh and in each of its simplified lists.
+    /// Index ranges: in the mesh, and in each of its simplified lists.
     pub(crate) indices: Vec<Range<u32>>,
     pub(crate) fins: Range<u32>,
-    /// Strand ranges in each of the model's strand sets.
+    /// Strand ranges, one for each of the model's strand sets.
     pub(crate) strands: Vec<Range<u32>>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
-    /// Hair takes the base colour of the surface at its root.
+    /// Hair uses the base colour of the surface at its root.
     pub(crate) at_root: bool,
     pub(crate) has_groom_texture: bool,
     pub(crate) cutout: bool,
@@ -111,12 +111,12 @@ impl Model {
         &self.manifest
     }
 
-    /// Returns the model with other constants of the lighting equation than its package has. It shares everything else
-    /// with the original, including poses, shadow maps and pipelines.
+    /// Returns a copy of the model whose lighting constants replace those of its package. The copy shares everything
+    /// else with the original, including poses, shadow maps and pipelines.
     ///
     /// # Errors
     ///
-    /// [`RuntimeError::Params`] for constants out of their ranges.
+    /// [`RuntimeError::Params`] for constants out of range.
     pub fn with_shading(&self, shading: Shading) -> Result<Self, RuntimeError> {
         check_shading("Model::with_shading", &shading)?;
         let manifest = Manifest { shading, ..(*self.manifest).clone() };
@@ -133,7 +133,7 @@ impl Model {
         self.clips().iter().position(|c| c.name == name)
     }
 
-    /// Returns the morph targets, such as facial expressions: for [`crate::Instance::morphs`].
+    /// Returns the morph targets, such as facial expressions, for use in [`crate::Instance::morphs`].
     pub fn morph_targets(&self) -> &[MorphTarget] {
         self.resources.animation.as_ref().map_or(&[], |a| &a.morphs.targets)
     }
@@ -143,27 +143,28 @@ impl Model {
         self.morph_targets().iter().position(|target| target.name == name)
     }
 
-    /// Returns the size of its buffers and textures in bytes, shared by all instances.
+    /// Returns the size of the model's buffers and textures in bytes. All instances share them.
     pub fn gpu_bytes(&self) -> u64 {
         self.resources.gpu_bytes
     }
 
-    /// Returns the skeleton, if the vertices follow one.
+    /// Returns the skeleton; `None` if the model has none.
     pub fn skeleton(&self) -> Option<&Animation> {
         self.resources.animation.as_deref().filter(|_| self.resources.skin.is_some())
     }
 
-    /// Whether any of its guided hair moves in frames with hair motion ([`crate::FrameParams::hair_motion`]).
+    /// Whether any guided hair of the model moves in frames with hair motion ([`crate::FrameParams::hair_motion`]).
     pub fn has_moving_hair(&self) -> bool {
         self.hair_rest_s().is_some()
     }
 
-    /// Whether it has fur that leans in frames with hair motion.
+    /// Whether the model has fur that leans in frames with hair motion.
     pub fn has_leaning_fur(&self) -> bool {
         self.manifest().fur.height_m > fur_motion::SHORTEST_M
     }
 
-    /// Returns the seconds after which its guided hair comes to rest if nothing moves it; `None` if none of it moves.
+    /// Returns the time without movement after which the model's guided hair comes to rest, seconds; `None` if none of
+    /// it can move.
     pub(crate) fn hair_rest_s(&self) -> Option<f32> {
         let moves = self.resources.strands.iter().filter_map(|set| set.guided()?.motion);
         moves.map(|motion| rest_s(&motion)).reduce(f32::max)
@@ -201,17 +202,17 @@ impl Model {
         self.resources.fins.as_ref()
     }
 
-    /// Returns its strand sets: first the fur strands, if any, then the hair groups.
+    /// Returns the strand sets of the model: first the fur strands, if any, then the hair groups.
     pub(crate) fn strands(&self) -> &[StrandSet] {
         &self.resources.strands
     }
 
-    /// Returns its fur strands.
+    /// Returns the fur strands of the model; `None` if it has none.
     pub(crate) fn fur_strands(&self) -> Option<&StrandSet> {
         self.resources.strands.first().filter(|strands| strands.guided().is_none())
     }
 
-    /// Returns the greatest distance of hair groups from the surface, metres.
+    /// Returns the maximum distance of hair groups from the surface, metres.
     pub(crate) fn hair_reach_m(&self) -> f32 {
         self.resources.strands.iter().filter_map(StrandSet::guided).map(|guided| guided.reach_m).fold(0.0, f32::max)
     }
@@ -220,7 +221,7 @@ impl Model {
         self.resources.planar_directions
     }
 
-    /// Returns its fibre scattering data, if the package has it.
+    /// Returns the fibre scattering data of the model, if the package has it.
     pub(crate) fn fibres(&self) -> Option<&Arc<FibreInfo>> {
         self.resources.fibres.as_ref()
     }
@@ -246,7 +247,7 @@ impl Model {
         })
     }
 
-    /// Returns its ink style, if the package has one.
+    /// Returns the ink style of the model, if the package has one.
     pub(crate) fn ink(&self) -> Option<&ModelInk> {
         self.resources.ink.as_ref()
     }
@@ -270,7 +271,7 @@ impl Model {
         &self.resources.deviations_m
     }
 
-    /// Returns the triangle count of the mesh or of one of its simplified lists.
+    /// Returns the triangle count of the mesh (`list` 0) or of a simplified list.
     pub(crate) fn triangles(&self, list: usize) -> u32 {
         self.resources.parts.iter().filter_map(|part| part.indices.get(list)).map(|range| range.len() as u32 / 3).sum()
     }

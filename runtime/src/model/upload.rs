@@ -4,7 +4,7 @@ use crate::error::RuntimeError;
 use crate::gpu::Gpu;
 use pelage_formats::{FurTextures, Package, TextureFormat, TextureView};
 
-/// Uploads the contents of a package directly from the slices that it borrows.
+/// Uploads the contents of a package directly from the slices that it borrows, without a copy.
 pub(crate) struct Uploader<'a> {
     pub(super) gpu: &'a Gpu,
     pub(super) package: &'a Package<'a>,
@@ -49,11 +49,11 @@ impl Uploader<'_> {
         Ok(self.gpu.buffer_of(&label, contents, usage))
     }
 
-    /// Returns the texture format on the device. Compressed blocks are decoded once, here, if the device cannot sample
-    /// them or is a software rasteriser. The latter would decode them for every texel that it reads.
+    /// Returns the texture format to use on the device. Compressed blocks are decoded here, once, if the device cannot
+    /// sample them or is a software rasteriser, which would decode them at every texel fetch.
     ///
-    /// On software rasterisers, two-byte texels become four-byte ones: those are fetched eight at a time, these one by
-    /// one, which makes reading directions a quarter slower.
+    /// On software rasterisers, two-byte texels are expanded to four bytes. Four-byte texels are fetched eight at a
+    /// time, two-byte texels one by one, which makes reading directions a quarter slower.
     fn device_format(&self, format: TextureFormat) -> TextureFormat {
         let software = self.gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let samples_blocks = self.gpu.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC);
@@ -69,12 +69,12 @@ impl Uploader<'_> {
         view.gpu_bytes_as(self.device_format(view.format))
     }
 
-    /// Returns the size of colours and directions on the device in bytes.
+    /// Returns the size of the colour and direction textures on the device, bytes.
     pub(super) fn hair_bytes(&self, textures: &FurTextures<'_>) -> u64 {
         self.device_bytes(&textures.color).saturating_add(self.device_bytes(&textures.direction))
     }
 
-    /// Uploads colours and directions of hair as array textures.
+    /// Uploads the colours and directions of hair as array textures.
     pub(super) fn hair(
         &self,
         color: u32,
@@ -150,7 +150,8 @@ impl Uploader<'_> {
                     bytes_per_row: Some(columns * format.block_bytes()),
                     rows_per_image: Some(rows),
                 },
-                // Whole blocks, as small mip levels of compressed textures are stored in them.
+                // The extent covers whole blocks, because small mip levels of compressed textures are stored in whole
+                // blocks.
                 wgpu::Extent3d { width: columns * block, height: rows * block, depth_or_array_layers: view.layers },
             );
         }

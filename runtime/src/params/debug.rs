@@ -1,9 +1,9 @@
 //! Debug views of a frame.
 
-/// Contents of a fur frame.
+/// Image that a fur frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FurDebugView {
-    /// Lit picture.
+    /// Lit picture, no debug view.
     #[default]
     Picture,
     /// Geometry kind of each fragment: skin grey, far fur layer violet, shells green, fins yellow, single strands red.
@@ -12,7 +12,7 @@ pub enum FurDebugView {
     Overdraw,
 }
 
-/// Contents of an ink frame.
+/// Image that an ink frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum InkDebugView {
     /// Finished painting.
@@ -20,7 +20,7 @@ pub enum InkDebugView {
     Painting,
     /// Lines, black on white.
     Lines,
-    /// Feature pixels that lines run through, black on white.
+    /// Feature pixels, through which lines run, black on white.
     Features,
     /// Wash only.
     Wash,
@@ -30,12 +30,12 @@ pub enum InkDebugView {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct DebugView {
-    /// Contents of a fur frame.
+    /// Image that a fur frame shows.
     pub fur: FurDebugView,
-    /// Contents of an ink frame.
+    /// Image that an ink frame shows.
     pub ink: InkDebugView,
-    /// Draws the shells with one texture read and no lighting: the baseline of `pelage bench`.
+    /// Draws the shells with one texture read and no lighting, as a baseline for `pelage bench`.
     pub yardstick: bool,
-    /// Draws only this shell layer, 1.. ; used to count fragments.
+    /// Draws only this shell layer, from 1 up; used to count fragments.
     pub only_layer: Option<u32>,
 }

@@ -1,4 +1,4 @@
-//! Level of detail of small fur.
+//! Level of detail of fur that is small on screen.
 
 use crate::error::RuntimeError;
 
@@ -8,14 +8,14 @@ pub enum Detail {
     /// Full detail at any size on screen.
     Full,
     /// Detail by size on screen, from the package's levels of detail and the size of each instance in
-    /// [`crate::FrameParams::viewport`] (default, with a bias of 1).
+    /// [`crate::FrameParams::viewport`] (the default, with bias 1).
     Auto {
-        /// Factor on the size, above 0: 2 draws as if everything were twice as large, 0.5 saves more (1 as specified by
-        /// the package).
+        /// Factor on the size on screen, above 0: 2 draws as if everything were twice as large, 0.5 saves more. 1
+        /// follows the package.
         bias: f32,
     },
-    /// Fixed level of every package; a fraction fades between two levels. 0 draws all layers; values beyond the last
-    /// level mean the last. For measuring.
+    /// Fixed level for every package; a fraction fades between two levels. 0 draws all layers; values above the last
+    /// level are clamped to it. For measurements.
     Level(
         /// Level, at least 0.
         f32,

@@ -20,14 +20,14 @@ use pelage_formats::meaning::environment::Environment;
 pub struct FrameParams {
     /// Camera of the frame.
     pub camera: Camera,
-    /// Width and height in pixels of the part of the target that is drawn to, at least 1 each. The application's pass
-    /// has a viewport of that size. For [`Style::Ink`] it starts at the target's upper left corner.
+    /// Width and height of the part of the target that is drawn to, pixels, at least 1 each. The application's pass has
+    /// a viewport of that size. For [`Style::Ink`] it starts at the target's upper left corner.
     pub viewport: [u32; 2],
-    /// Time of the application's clock, seconds (default 0). It drives hair motion, which advances from an owner's
-    /// frame to its next frame. Frames with the same time, such as those of two cameras, show the same state. Poses are
-    /// set by [`crate::Instance::motion`].
+    /// Time of the application's clock, seconds (default 0). It drives hair motion, which advances from one frame of an
+    /// owner to the next. Frames with the same time, such as those of two cameras, show the same state. Poses are set
+    /// by [`crate::Instance::motion`].
     pub time_s: f64,
-    /// Motion of fur and guided hair (default `None`: all hair stays as groomed).
+    /// Motion of fur and guided hair (default `None`: all hair keeps its groomed shape).
     pub hair_motion: Option<HairMotionParams>,
     /// Key light, which casts shadows.
     pub light: Light,
@@ -36,28 +36,29 @@ pub struct FrameParams {
     pub fill_lights: Vec<Light>,
     /// Uniform ambient light, linear RGB; multiplies the package's ambient constant (default 1).
     pub ambient: Vec3,
-    /// Environment map that replaces the ambient light (default `None`). Its sun is not included: pass it as key light
-    /// ([`Light::sun`]).
+    /// Environment map that replaces the ambient light (default `None`). It does not include the sun; pass that as the
+    /// key light ([`Light::sun`]).
     pub environment: Option<Environment>,
-    /// Whether objects cast soft shadows, Attenu_Shadow of Yang 2006, eq. (3), by a shadow-width map (default true).
-    /// Casters are mesh surfaces, which shadow the fur, and the geometry of [`crate::Casters`]. If off,
-    /// [`crate::Frame::shadow_receiver`] lights everything.
+    /// Whether objects cast soft shadows by a shadow-width map, Attenu_Shadow of Yang 2006, eq. (3) (default true).
+    /// Casters are mesh surfaces, which shadow the fur, and the geometry of [`crate::Casters`]. If off, the block of
+    /// [`crate::Frame::shadow_receiver`] casts no shadow.
     pub soft_shadow: bool,
     /// Shadow settings of the key light (default [`ShadowParams::default`]).
     pub shadows: ShadowParams,
     /// Rendering style (default fur).
     pub style: Style,
-    /// Constants of the lighting equation, replacing the package's own (default `None`).
+    /// Constants of the lighting model that replace the package's own (default `None`).
     pub shading: Option<Shading>,
     /// Debug view shown instead of the picture (default: none).
     pub debug: DebugView,
-    /// Forms of the papers to study (default: those that pelage draws with).
+    /// Forms of the papers' formulas, for studies (default: pelage's own).
     #[cfg(feature = "study")]
     pub study: Study,
 }
 
 impl FrameParams {
-    /// Creates parameters for fur at that many pixels, seen from `camera`, with everything else at its default.
+    /// Creates parameters for fur seen from `camera` in a viewport of that many pixels. All other values are the
+    /// defaults.
     pub fn new(camera: Camera, viewport: [u32; 2]) -> Self {
         Self {
             camera,
@@ -84,35 +85,35 @@ impl FrameParams {
         self
     }
 
-    /// Returns the parameters with changes to the fur; unchanged in another style.
+    /// Returns the parameters with changes to the fur; unchanged in other styles.
     pub fn with_fur(mut self, change: impl FnOnce(&mut FurParams)) -> Self {
         self.fur_mut().map(change);
         self
     }
 
-    /// Returns the fur parameters for modification; `None` in another style.
+    /// Returns the fur parameters for modification; `None` in other styles.
     pub fn fur_mut(&mut self) -> Option<&mut FurParams> {
         if let Style::Fur(fur) = &mut self.style { Some(fur) } else { None }
     }
 
-    /// Returns the parameters with the ink style.
+    /// Returns the parameters with the ink style and its settings `ink`.
     pub fn with_ink(mut self, ink: InkParams) -> Self {
         self.style = Style::Ink(ink);
         self
     }
 
-    /// Whether the key light is black and an environment map lights the frame. Then only the key light's direction is
-    /// used.
+    /// Whether the key light is black and an environment map lights the frame. If so, only the direction of the key
+    /// light is used.
     pub(crate) fn is_key_dark(&self) -> bool {
         self.environment.is_some() && self.light.color() == Vec3::ZERO
     }
 
-    /// Whether hair shadows hair.
+    /// Whether hair casts shadows on hair.
     pub(crate) fn self_shadow(&self) -> bool {
         self.self_shadow_form() != SelfShadow::Off
     }
 
-    /// Returns the form of hair self-shadow.
+    /// Returns the method of hair self-shadow.
     pub(crate) fn self_shadow_form(&self) -> SelfShadow {
         self.style.fur().map_or(SelfShadow::Off, |fur| fur.self_shadow)
     }
@@ -151,7 +152,7 @@ impl FrameParams {
     }
 }
 
-/// Returns an error if constants of the lighting equation are out of range. `field`: name of the parameter that holds
+/// Returns an error if constants of the lighting model are out of range. `field`: name of the parameter that holds
 /// them.
 pub(crate) fn check_shading(field: &'static str, s: &Shading) -> Result<(), RuntimeError> {
     let expected = "every number in its range".into();

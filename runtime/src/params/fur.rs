@@ -3,14 +3,14 @@
 use super::detail::Detail;
 use crate::error::RuntimeError;
 
-/// Form of hair self-shadow: t of Yang 2006, eq. (2).
+/// Method of hair self-shadow: t of Yang 2006, eq. (2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SelfShadow {
     /// Baked visibility if the package has it, otherwise layer-wise maps.
     #[default]
     Auto,
-    /// Baked visibility ([`crate::shared::visibility`]), for all lights; none if the package has none. No layer-wise
-    /// maps are drawn. With soft shadows, one map of all hair is drawn, for its shadow on other objects.
+    /// Baked visibility ([`crate::shared::visibility`]), for all lights; no self-shadow if the package has none. No
+    /// layer-wise maps are drawn. With soft shadows, one map of all hair is drawn, for its shadow on other objects.
     Baked,
     /// Layer-wise shadow maps of the key light (Yang 2006, §3), redrawn when light, pose or model change.
     Maps,
@@ -22,7 +22,7 @@ pub enum SelfShadow {
 /// is always lit by Yang 2006, eq. (3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scattering {
-    /// Fibre tables (Marschner 2003), with multiple scattering between hairs.
+    /// Fibre tables (Marschner 2003) with multiple scattering between hairs.
     #[default]
     Multiple,
     /// Fibre tables without multiple scattering; correct only for black hair.
@@ -37,7 +37,7 @@ pub enum HairGeometry {
     /// Single strands if the package has them and they are wide enough on screen, otherwise layers.
     #[default]
     Auto,
-    /// Layers only.
+    /// Only layers.
     Shells,
     /// Single strands wherever the package has them and the device can draw them, except where the far fur layer is
     /// drawn.
@@ -47,11 +47,12 @@ pub enum HairGeometry {
 /// Rendering of strand edges; most strands are thinner than a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StrandEdges {
-    /// Opaque ribbons, antialiased by the samples of the application's pass.
+    /// Opaque ribbons, antialiased by the multisampling of the application's pass.
     #[default]
     Samples,
-    /// Each pixel blends its eight nearest strands by their coverage: stable and smooth with one sample per pixel. This
-    /// needs 68 bytes per pixel that hair may cover. If the device's buffers are too small, [`Self::Samples`] is used.
+    /// Each pixel blends its eight nearest strands by coverage, which is stable and smooth with one sample per pixel.
+    /// This needs 68 bytes per pixel that hair may cover. If the device's buffers are too small, [`Self::Samples`] is
+    /// used.
     Blended,
 }
 
@@ -60,9 +61,10 @@ pub enum StrandEdges {
 #[non_exhaustive]
 pub struct FurParams {
     /// Number of layers, skin included, 1..=1024; `None` (default) draws the baked number. The density of the fur stays
-    /// the same (see [`crate::shared::opacity`]). Fewer layers cost less, but their steps show at the silhouette.
+    /// the same (see [`crate::shared::opacity`]). Fewer layers are faster, but the steps between them show at the
+    /// silhouette.
     pub layers: Option<u32>,
-    /// Level of detail of small fur (default [`Detail::Full`]). `layers` overrides it.
+    /// Level of detail of fur that is small on screen (default [`Detail::Full`]). `layers` overrides it.
     pub detail: Detail,
     /// Whether fins are drawn, if the package has them (default true).
     pub fins: bool,
@@ -70,13 +72,13 @@ pub struct FurParams {
     pub hair: HairGeometry,
     /// Rendering of strand edges (default [`StrandEdges::Samples`]).
     pub strand_edges: StrandEdges,
-    /// Form of hair self-shadow, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
+    /// Method of hair self-shadow, t of Yang 2006, eq. (2) (default [`SelfShadow::Auto`]).
     pub self_shadow: SelfShadow,
     /// Scattering model, for packages with fibre data (default [`Scattering::Multiple`]).
     pub scattering: Scattering,
 }
 
-/// Upper limit of the layer count; more are assumed to be a mistake.
+/// Maximum layer count; a greater value is assumed to be a mistake.
 const MAX_LAYERS: u32 = 1024;
 
 impl Default for FurParams {

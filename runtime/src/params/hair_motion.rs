@@ -4,23 +4,24 @@ use crate::error::RuntimeError;
 use glam::Vec3;
 pub use pelage_formats::meaning::hair_motion::Wind;
 
-/// Parameters of hair motion: fur leans, and guided hair swings if the package enables it, until all comes to rest.
+/// Parameters of hair motion. Fur leans, and guided hair swings if the package enables it, until all hair comes to
+/// rest.
 ///
-/// Hair advances from the time of an owner's last frame to that of this one ([`crate::FrameParams::time_s`]), by at
-/// most 2/15 s. Longer gaps are not made up for; time that goes backwards counts as none. If no time passes, hair keeps
-/// its shape and follows the surface.
+/// Hair advances from the time of an owner's last frame to that of the current one ([`crate::FrameParams::time_s`]), by
+/// at most 2/15 s. The rest of a longer gap is skipped; time that runs backwards counts as zero. If no time passes,
+/// hair keeps its shape and follows the surface.
 ///
-/// Hair is reset to its groomed state in the first frame with these parameters, and whenever [`crate::Instance::cut`]
-/// changes.
+/// Hair is reset to its groomed state in the first frame with these parameters, and whenever
+/// [`crate::Instance::hair_revision`] changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HairMotionParams {
-    /// Acceleration by gravity, m/s² (default the earth's, downwards).
+    /// Gravitational acceleration, m/s² (default: that of the earth, downwards).
     pub gravity: Vec3,
-    /// Wind in world space (default still).
+    /// Wind in world space (default: none).
     pub wind: Wind,
-    /// Strength of the fur's lean in wind and movement, 0..=4; 1 is natural, 0 off (default 1). Fur less than a pixel
-    /// high does not lean.
+    /// Strength of the fur's lean in wind and movement, 0..=4 (default 1, natural; 0 turns it off). Fur less than a
+    /// pixel high does not lean.
     pub fur: f32,
 }
 

@@ -11,12 +11,12 @@ pub struct InkParams {
     /// Threshold T1 of Fang 2006, §2, 0.15..=1 (default 0.64, the cosine of 50°). A line is drawn where the dot product
     /// of neighbouring normals is lower. Higher values draw more lines.
     pub threshold: f32,
-    /// Difference T1 − T2, 0..=1 (default 0.15). Lines between the two thresholds are weak, thinner and paler.
+    /// Difference T1 − T2, 0..=1 (default 0.15). Lines between the two thresholds are weak: thinner and paler.
     pub weak_difference: f32,
-    /// Relative depth step between neighbours that also makes a line, at least 0 (default 0.01); weak up to four times
-    /// as much. 0 uses normals only, as printed.
+    /// Relative depth step between neighbours that also makes a line, at least 0 (default 0.01). Lines are weak for
+    /// steps up to four times that value. 0 uses only normals, as published.
     pub depth_step: f32,
-    /// Distance of the compared neighbours, pixels, 1..=8 (default 1).
+    /// Distance between the pixels whose normals are compared, pixels, 1..=8 (default 1).
     pub step_px: u32,
     /// Width of the widest line (default [`LineWidth::Auto`]).
     pub width: LineWidth,
@@ -24,9 +24,9 @@ pub struct InkParams {
     pub fins: bool,
     /// Factor on the width of the sphere map's rim, 0..=4 (default 1.5).
     pub swell: f32,
-    /// Factor k of D = k (0.5 cos + 0.5), 0..=1 (default 0.35): lightness of lines.
+    /// Lightness of lines, 0..=1 (default 0.35): factor k of D = k (0.5 cos + 0.5).
     pub tone: f32,
-    /// Lightness added to weak lines, levelColor, 0..=1 (default 0.35).
+    /// Lightness that is added to weak lines, levelColor, 0..=1 (default 0.35).
     pub weak_lightness: f32,
     /// Variation of the brush pressure, 0..=1 (default 1).
     pub pressure: f32,
@@ -42,33 +42,33 @@ pub struct InkParams {
     pub paper_grain: f32,
     /// Period of the paper tile, pixels, 1..=65536 (default 768).
     pub paper_period_px: f32,
-    /// Background beside the painting (default [`InkBackground::Paper`]).
+    /// Background around the painting (default [`InkBackground::Paper`]).
     pub background: InkBackground,
-    /// Distances at which mist starts and at which only mist is visible, metres along the view, ascending; `None`
-    /// (default) for clear air.
+    /// Distances at which mist begins and beyond which only mist is visible, metres along the view direction,
+    /// ascending. `None` (default) for clear air.
     pub mist_m: Option<[f32; 2]>,
-    /// Constants of the models' wash, fur and lines, replacing their packages' own (default `None`).
+    /// Constants of the models' wash, fur and lines that replace those of their packages (default `None`).
     pub shading: Option<InkShading>,
 }
 
 /// Width of the widest line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LineWidth {
-    /// Value of [`InkParams::default_width_px`] for the picture's height.
+    /// Default width for the picture's height, [`InkParams::default_width_px`].
     Auto,
-    /// Width in pixels, above 0 and at most 32: the same at any distance.
+    /// Width in pixels, above 0 and at most 32, independent of distance.
     Pixels(f32),
-    /// Width in metres, above 0: thinner with distance, and at most 32 pixels.
+    /// Width in metres, above 0. Lines get thinner with distance, and are at most 32 pixels wide.
     Metres(f32),
 }
 
-/// Background beside the painting.
+/// Background around the painting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum InkBackground {
-    /// Paper over the whole target, except where something nearer than the far plane was drawn before.
+    /// Paper over the whole target, except where geometry nearer than the far plane was drawn before.
     #[default]
     Paper,
-    /// Contents that the application drew before.
+    /// Picture that the application drew before.
     Picture,
 }
 
@@ -108,8 +108,8 @@ impl InkParams {
         self
     }
 
-    /// Returns the default line width: nine pixels in a picture of 424 rows, in proportion for others. That is the size
-    /// in Fang 2006, whose three dilations give seven or eight.
+    /// Returns the default line width, pixels: 9 in a picture of 424 rows, in proportion for other heights. That is the
+    /// size of the pictures in Fang 2006, whose three dilations give 7 or 8.
     pub fn default_width_px(height: u32) -> f32 {
         (9.0 * height as f32 / PRINTED_HEIGHT).clamp(1.5, WIDEST_PX)
     }
@@ -162,7 +162,7 @@ impl InkParams {
         Ok(())
     }
 
-    /// Returns half of the greatest line width in a picture of `height` pixels, as two parts that add up: pixels and
+    /// Returns half the maximum line width in a picture of `height` pixels, as two parts that add up: pixels and
     /// metres.
     pub(crate) fn half_width(&self, height: u32) -> [f32; 2] {
         match self.width {
@@ -175,7 +175,7 @@ impl InkParams {
     /// Returns the greatest distance of a line from its feature in a picture of `height` pixels, in whole pixels.
     pub(crate) fn reach_px(&self, height: u32) -> u32 {
         let [px, metres] = self.half_width(height);
-        // The size of a metre in pixels is unknown here.
+        // The size of a metre in pixels is unknown here, so the maximum width is assumed.
         let half = if metres > 0.0 { WIDEST_PX } else { px };
         half.min(0.5 * WIDEST_PX).ceil() as u32 + 1
     }

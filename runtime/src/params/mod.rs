@@ -1,4 +1,4 @@
-//! Parameters set once and parameters set per frame, as plain data.
+//! Parameters that are set once or per frame, as plain data.
 
 mod debug;
 mod detail;

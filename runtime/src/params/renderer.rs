@@ -2,8 +2,8 @@
 
 use crate::error::RuntimeError;
 
-/// Options set once: a description of the application's render pass. It must match the pass that [`crate::Frame::draw`]
-/// records into.
+/// Options that are set once; they describe the application's render pass. They must match the pass that
+/// [`crate::Frame::draw`] records into.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RendererOptions {
     /// Format of the single colour target (default `Rgba8UnormSrgb`). The shaders write linear light with premultiplied
@@ -13,17 +13,19 @@ pub struct RendererOptions {
     pub depth_format: wgpu::TextureFormat,
     /// Samples per pixel of both targets (default 1).
     pub sample_count: u32,
-    /// Whether depth is 1 at the near plane and 0 at the far plane (default false). The pass then clears depth to 0.
+    /// Whether depth is 1 at the near plane and 0 at the far plane (default false). If so, the pass must clear depth to
+    /// 0.
     pub reversed_depth: bool,
-    /// Anisotropy of the base-colour texture's sampler, 1..=16 (default 1). Hair textures are always sampled with 1.
+    /// Anisotropy of the base-colour texture's sampler, 1..=16 (default 1). Hair textures are always sampled without
+    /// anisotropy.
     pub anisotropy: u16,
     /// Maximum number of single fur strands per model (default 300 000); 0 for none. Guided hair is not affected.
     ///
-    /// A model that would have more, up to twice as many, gets a share of them, each correspondingly wider. Models with
-    /// still more strands are drawn in layers at any distance.
+    /// A model that would have up to twice as many gets a share of them, each correspondingly wider. Models with still
+    /// more strands are drawn in layers at any distance.
     ///
-    /// Strands are placed at load time, in about a microsecond each. A strand of nine points takes 176 bytes on the
-    /// GPU, and 320 to 660 more while it is drawn.
+    /// Strands are placed at load time, in about a microsecond each. A strand of nine points takes 176 bytes in GPU
+    /// memory, and 320 to 660 more while it is drawn.
     pub max_strands: u32,
 }
 

@@ -3,31 +3,33 @@
 use crate::error::RuntimeError;
 
 /// Shadow settings of the key light. [`crate::FurParams::self_shadow`] and [`crate::FrameParams::soft_shadow`] select
-/// which shadows are drawn. Set per frame; a change redraws the maps. [`crate::ShadowMaps::gpu_bytes`] returns their
-/// size.
+/// which shadows are drawn. Set per frame; a change redraws the maps. [`crate::ShadowMaps::gpu_bytes`] returns the size
+/// of the maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShadowParams {
-    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6). A map covers
-    /// everything that is drawn and [`crate::Casters::bounds`]; its texels are [`crate::LightView::extent`] /
-    /// `map_size` wide.
+    /// Width and height of every shadow map, texels, 16..=8192 (default 512, as in Yang 2006, §6). A map covers all
+    /// drawn instances and [`crate::Casters::bounds`]. The width of a texel is [`crate::LightView::extent`] /
+    /// `map_size`.
     pub map_size: u32,
-    /// Number of layer-wise maps, skin included, 2..=256; `None` (default) for as many as are drawn. Fewer cost less;
-    /// values between two maps are interpolated.
+    /// Number of layer-wise maps, skin included, 2..=256; `None` (default) for as many as there are drawn layers. Fewer
+    /// maps are faster; values between two maps are interpolated.
     pub map_layers: Option<u32>,
-    /// Slabs of the deep opacity map, in which single strands shadow each other, 1..=64 (default 4). They divide twice
-    /// the height of the highest fur, behind the first hair of each texel. More slabs are more accurate, but cost
-    /// memory and time.
+    /// Number of slabs of the deep opacity map, by which single strands shadow each other, 1..=64 (default 4). They
+    /// divide a depth range of twice the height of the highest fur, behind the first hair of each texel. More slabs are
+    /// more accurate, but cost memory and time.
     pub slabs: u32,
-    /// Factor on the layers' optical depth in the maps, 0..=4 (default 1, as drawn). Baked visibility is not affected.
+    /// Factor on the layers' optical depth in the maps, 0..=4 (default 1, same as drawn). Baked visibility is not
+    /// affected.
     pub density: f32,
-    /// Width of the penumbra relative to the distance between caster and receiver, 0..=2 (default 0.15): 1 / C_scale of
-    /// Yang 2006, §5; 2 tan of the light's angular radius. The sun has 0.009; 0 is a hard shadow.
+    /// Penumbra width divided by the distance between caster and receiver, 0..=2 (default 0.15; 0 gives hard shadows).
+    /// Equals 2 tan of the light's angular radius, and 1 / C_scale in Yang 2006, §5. For the sun, it is 0.009.
     ///
-    /// `shrink` limits the width. The shadow of hair on other objects is blurred by `shrink` texels at every distance.
+    /// `shrink` limits the width. Shadows of hair on other objects have a constant blur of `shrink` texels, whatever
+    /// the distance.
     pub penumbra: f32,
-    /// Factor by which the shadow-width map is shrunk before it is stretched again, 2..=32 (default 4, as in Yang 2006,
-    /// §4). The widest penumbra is 4/3 of that number of texels; objects much thinner than that cast no shadow.
+    /// Factor by which the shadow-width map is downsampled before it is upsampled again, 2..=32 (default 4, as in Yang
+    /// 2006, §4). The widest penumbra is 4/3 of that number of texels. Objects much thinner than that cast no shadow.
     pub shrink: u32,
 }
 

@@ -9,7 +9,7 @@ use super::ink::InkParams;
 pub enum Style {
     /// Fur of the models.
     Fur(FurParams),
-    /// Bare mesh surface in its base colour. Its light is rolled off towards the sum of all lights, so that white
+    /// Bare mesh surface in its base colour. Its light is compressed towards the sum of all lights, so that white
     /// surfaces keep visible shading.
     Bare,
     /// Ink-wash painting (Fang 2006), for packages with an ink style. The style is unlit: lights, shadows and casters
@@ -17,7 +17,7 @@ pub enum Style {
     Ink(InkParams),
 }
 
-/// Style without its parameters.
+/// Style of a frame without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum StyleKind {
@@ -30,7 +30,7 @@ pub enum StyleKind {
 }
 
 impl Default for Style {
-    /// Returns fur with everything at its default.
+    /// Returns the fur style with default parameters.
     fn default() -> Self {
         Self::Fur(FurParams::default())
     }

@@ -41,12 +41,12 @@ pub enum PassStage {
     Picture,
 }
 
-/// Pass descriptor: properties that do not depend on the frame, and the function that runs it. Stateless; the renderer
-/// owns all persistent data.
+/// Pass descriptor: properties that do not depend on the frame, and the function that runs the pass. Stateless; the
+/// renderer owns all persistent data.
 pub(crate) struct Pass {
     pub(crate) name: &'static str,
     pub(crate) place: PassStage,
-    /// Styles of the frames that include the pass.
+    /// Styles of the frames in which the pass can run.
     pub(crate) styles: &'static [StyleKind],
     /// Description for documentation.
     pub(crate) does: &'static str,
@@ -54,18 +54,18 @@ pub(crate) struct Pass {
     pub(crate) runs_when: &'static str,
     #[cfg_attr(not(test), expect(dead_code, reason = "tests compare all shaders with the Rust that feeds them"))]
     pub(crate) shaders: &'static [Shader],
-    /// Targets of the picture's size.
+    /// Targets of the picture's size that the pass uses.
     pub(crate) targets: &'static [Target],
-    /// Records the pass, or plans its draws in the application's pass, in a frame of one of its styles.
+    /// Records the pass, or plans its draws in the application's pass. Called only in frames of one of its styles.
     pub(crate) run: fn(&mut Recording<'_>) -> Outcome,
 }
 
-/// Returns a matrix in uniform layout.
+/// Returns the matrix in uniform layout: three columns padded to four components.
 pub(crate) fn columns(m: Mat3) -> [[f32; 4]; 3] {
     [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.extend(0.0).to_array())
 }
 
-/// Identifier of a pass of a frame.
+/// Identifier of a render pass.
 #[derive(Clone, Copy)]
 pub struct PassId(pub(crate) &'static Pass);
 
@@ -80,17 +80,17 @@ impl PassId {
         self.0.place
     }
 
-    /// Returns the styles of the frames that include the pass.
+    /// Returns the styles of the frames in which the pass can run.
     pub fn styles(self) -> &'static [StyleKind] {
         self.0.styles
     }
 
-    /// Returns a one-sentence description.
+    /// Returns a description of the pass, in one sentence.
     pub fn does(self) -> &'static str {
         self.0.does
     }
 
-    /// Returns the run condition, in one sentence.
+    /// Returns the condition under which the pass runs, in one sentence.
     pub fn runs_when(self) -> &'static str {
         self.0.runs_when
     }
@@ -113,25 +113,25 @@ impl fmt::Debug for PassId {
 /// Result of a pass in a frame.
 #[derive(Debug)]
 pub(crate) enum Outcome {
-    /// Skipped, with the reason.
+    /// Skipped, with the reason for the report.
     Skipped(&'static str),
-    /// Report text, and draws to record in the application's pass.
+    /// Ran, with a text for the report, and draws to record in the application's pass.
     Ran(String, Vec<Draw>),
 }
 
 impl Outcome {
-    /// Returns the outcome of a pass recorded before the application's pass.
+    /// Returns the outcome of a pass that was recorded before the application's pass. `words`: report text.
     pub(crate) fn recorded(words: String) -> Self {
         Self::Ran(words, Vec::new())
     }
 }
 
-/// Returns whether any fur is reduced because it is small on screen.
+/// Returns whether the fur of any instance is reduced because it is small on screen.
 pub(crate) fn any_reduced(frame: &Recording<'_>) -> bool {
     frame.instances.iter().any(|seen| seen.drawing.is_reduced())
 }
 
-/// Returns the outcome for frames whose style does not include the pass.
+/// Returns the outcome in frames whose style does not include the pass.
 pub(crate) fn skipped_for_style(style: StyleKind) -> Outcome {
     Outcome::Skipped(match style {
         StyleKind::Fur => "style is fur",

@@ -11,8 +11,8 @@ use crate::study;
 use glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_formats::{FarLayerInfo, Shading};
 
-/// Returns the frame block for the eye. `maps`: maps that it reads; `sky_most`: peak irradiance of the environment,
-/// over π.
+/// Returns the frame block for the eye. `maps`: shadow maps that it refers to; `sky_most`: peak irradiance of the
+/// environment divided by π.
 pub(super) fn frame_block(
     params: &FrameParams,
     clip_from_world: Mat4,
@@ -32,13 +32,13 @@ pub(super) fn frame_block(
         }),
         last_map_layer: maps.map_or(0.0, |maps| (maps.key.map_layers - 1) as f32),
         fill_lights: params.fill_lights.len() as u32,
-        // Also used by far fur layers, which have no maps.
+        // Far fur layers also use this value, and they have no maps.
         hair_density: if params.self_shadow() { params.shadows.density } else { 0.0 },
         environment_most: sky_most,
     }
 }
 
-/// Returns the lights without shadow, in shader layout.
+/// Returns the fill lights in shader layout.
 pub(super) fn fill_lights(params: &FrameParams) -> Result<[blocks::FillLight; MAX_FILL_LIGHTS], RuntimeError> {
     let mut lights = [blocks::FillLight::default(); MAX_FILL_LIGHTS];
     for (slot, light) in lights.iter_mut().zip(&params.fill_lights) {
@@ -50,18 +50,18 @@ pub(super) fn fill_lights(params: &FrameParams) -> Result<[blocks::FillLight; MA
     Ok(lights)
 }
 
-/// Returns the mip level at which an instance's hair texels match those of the maps. Rounded, so that one level is read
-/// instead of two.
+/// Returns the mip level at which an instance's hair texels match those of the shadow maps in size. It is rounded, so
+/// that only one level is sampled.
 pub(super) fn map_level(instance: &Instance, maps: &ShadowMaps) -> f32 {
     let fur = &instance.model.manifest().fur;
     let scale = Mat3::from_mat4(instance.transform).determinant().abs().cbrt();
     let hair_m = scale * fur.tile_size_m / fur.tile_texels.max(1) as f32;
     let level = (maps.texel_m() / hair_m).log2().round();
-    // Hair of size zero has no level.
+    // The level of hair of size zero is not finite.
     if level.is_finite() { level.max(0.0) } else { 0.0 }
 }
 
-/// Returns the block of an instance. `drawn`: layer count, mesh surface included; 1 if no fur is visible.
+/// Returns the uniform block of an instance. `drawn`: layer count, mesh surface included; 1 if no fur is visible.
 pub(super) fn instance_block(
     instance: &Instance,
     params: &FrameParams,
@@ -74,8 +74,8 @@ pub(super) fn instance_block(
     let handedness = skinning::handedness_of(linear);
     let cofactor = |a: Vec3, b: Vec3| -> [f32; 4] { (a.cross(b) * handedness).extend(0.0).to_array() };
     let constant = |k: [f32; 3], light: Vec3| (Vec3::from(k) * light).to_array();
-    // Fibre scattering uses tables; of the shading constants it needs only the ambient one. `specular` then holds the
-    // key light's colour.
+    // Fibre scattering uses tables; of the shading constants, it needs only the ambient one. `specular` then holds the
+    // colour of the key light.
     let scattered = instance.scattering(params).is_some();
     let shading = if scattered { Shading { diffuse: [1.0; 3], specular: [1.0; 3], ..shading } } else { shading };
     let unit = Shading { specular: [1.0; 3], ..shading };
@@ -87,7 +87,7 @@ pub(super) fn instance_block(
         normal_x: cofactor(linear.y_axis, linear.z_axis),
         normal_y: cofactor(linear.z_axis, linear.x_axis),
         normal_z: cofactor(linear.x_axis, linear.y_axis),
-        // An environment replaces ambient light.
+        // An environment map replaces the ambient light.
         ambient: if params.environment.is_some() { [0.0; 3] } else { constant(shading.ambient, params.ambient) },
         diffuse_half_exponent: 0.5 * shading.diffuse_exponent,
         diffuse: constant(shading.diffuse, if scattered { Vec3::ONE } else { params.light.color() }),
@@ -99,7 +99,7 @@ pub(super) fn instance_block(
         handedness,
         layer_share: drawing.layer_share,
         baked_layers: baked,
-        // The shaders divide by this minus one.
+        // At least 2, because the shaders divide by this value minus one.
         drawn_layers: drawn.max(2),
         wet_specular: unit.wet().specular[0],
         wet_specular_half_exponent: 0.5 * shading.wet().specular_exponent,
@@ -107,7 +107,7 @@ pub(super) fn instance_block(
         map_level: 0.0,
         specular_constant: shading.specular,
         detail_here: drawing.weights[0],
-        // The shaders divide by this; a level without layers draws none.
+        // At least 1, because the shaders divide by this value; a level without layers draws none.
         layer_step: drawing.step.max(1),
         layers_gone: drawing.gone,
         detail_next: drawing.weights[1],
@@ -127,6 +127,6 @@ fn coat_light(coat: &FarLayerInfo, params: &FrameParams) -> [f32; 2] {
     }
     let [base, slope] = detail::far_layer_light_coefficients(coat);
     let slope = slope * params.shadows.density;
-    // If slant has no effect, all light is treated as perpendicular.
+    // If the light's inclination has no effect, all light is treated as perpendicular.
     if study::light_is_slanted(params) { [base, slope] } else { [base + slope, 0.0] }
 }

@@ -1,4 +1,4 @@
-//! Depth passes of the opaque mesh as seen from the key light, and render passes into the light's maps.
+//! Depth passes of the opaque mesh, seen from the key light, and render passes into the light's maps.
 
 use super::recording::Recording;
 use super::visible_instance::VisibleInstance;
@@ -23,15 +23,15 @@ pub(crate) const DEPTH: Shader = Shader {
 
 /// Target of a render pass into the key light's maps.
 pub(crate) enum MapTarget<'a> {
-    /// Colour target, cleared to full light.
+    /// Colour target, cleared to full light (white).
     Light(&'a wgpu::TextureView),
-    /// Colour target, loaded, with a read-only depth map: only fragments in front of it are drawn.
+    /// Colour target with its contents kept, and a read-only depth map: only fragments in front of it are drawn.
     LightBefore { light: &'a wgpu::TextureView, nearest: &'a wgpu::TextureView },
-    /// Depth target, cleared to the initial value of the pass.
+    /// Depth target, cleared to the initial value for the caster pass.
     Depth(&'a wgpu::TextureView, CasterPass),
 }
 
-/// Begins a pass into the key light's maps.
+/// Begins a render pass into the key light's maps.
 pub(crate) fn begin_maps<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
@@ -41,7 +41,7 @@ pub(crate) fn begin_maps<'e>(
         let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
         [Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })]
     };
-    // Without operations, a depth buffer is read-only.
+    // Without operations, wgpu treats a depth buffer as read-only.
     let depth = |view, depth_ops| wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None };
     let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
     let (colors, depth) = match target {
@@ -64,12 +64,12 @@ pub(crate) fn begin_maps<'e>(
 
 /// Returns the draws of an instance's mesh into one of the depth maps.
 fn depth_draws(frame: &mut Recording<'_>, seen: &VisibleInstance, kind: CasterPass) -> Vec<Draw> {
-    // Back faces cast shadows too.
+    // Back faces also cast shadows.
     let both = kind == CasterPass::Nearest;
     let spec = |frame: &Recording<'_>, part: &Part| RenderSpec {
         shader: DEPTH,
         vertex: "vs_caster",
-        // Depth alone needs no fragment shader, unless the material has cutouts.
+        // A depth-only pass needs no fragment shader, unless the material has cutouts.
         fragment: part.cutout.then_some("fs_caster"),
         groups: vec![frame.surfaces.frame.clone(), frame.surfaces.material.clone()],
         streams: STREAMS.to_vec(),
@@ -82,7 +82,7 @@ fn depth_draws(frame: &mut Recording<'_>, seen: &VisibleInstance, kind: CasterPa
     frame.part_draws(seen, |_| true, [frame.light_group(seen), None], 0..1, spec)
 }
 
-/// Records one of the depth maps, with the application's casters.
+/// Records one of the depth maps, including the application's casters.
 pub(crate) fn record_depth(frame: &mut Recording<'_>, maps: &ShadowMaps, kind: CasterPass) {
     let depth = match (kind, &maps.width) {
         (CasterPass::Nearest, _) => &maps.nearest.view,
@@ -100,7 +100,7 @@ pub(crate) fn record_depth(frame: &mut Recording<'_>, maps: &ShadowMaps, kind: C
     }
 }
 
-/// Returns a report remark for maps of a light inside the scene, which cannot see all of it.
+/// Returns a remark for the report if the light is inside the scene, where its maps cannot cover all of it.
 pub(crate) fn light_inside_remark(maps: &ShadowMaps) -> &'static str {
     let sphere = maps.view().sphere;
     match maps.key.light {

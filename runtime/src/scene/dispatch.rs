@@ -2,17 +2,17 @@
 
 use crate::gpu::{DrawBindGroup, WORKGROUP, workgroups};
 
-/// Dispatch with its pipeline and bind groups.
+/// Compute dispatch with its pipeline and bind groups.
 #[derive(Debug)]
 pub(crate) struct Dispatch {
     pub(crate) pipeline: wgpu::ComputePipeline,
     /// Bind groups by index.
     pub(crate) groups: Vec<Option<DrawBindGroup>>,
-    /// Total threads, in workgroups of 64.
+    /// Total number of threads, dispatched in workgroups of 64.
     pub(crate) threads: u32,
 }
 
-/// Records dispatches in order; each sees the writes of those before it.
+/// Records dispatches in order; each one sees the writes of those before it.
 pub(crate) fn record_dispatches(encoder: &mut wgpu::CommandEncoder, label: &str, dispatches: &[Dispatch]) {
     let descriptor = wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None };
     let mut pass = encoder.begin_compute_pass(&descriptor);

@@ -1,4 +1,4 @@
-//! Draws of fins, whose shaders read vertices from storage buffers.
+//! Draws of fins. Their shaders read vertices from storage buffers.
 
 use super::recording::Recording;
 use super::visible_instance::VisibleInstance;
@@ -6,8 +6,8 @@ use crate::gpu::{BindingResource, Draw, DrawBindGroup, RenderSpec};
 use crate::model::Part;
 use pelage_formats::meaning::{FIN_CORNERS, fin_rows};
 
-/// Returns the draws of a model's parts with fins; none for a model without fins. `textures`: group 2; `spec`: pipeline
-/// of a part, whose groups and streams are set here.
+/// Returns the draws of a model's parts that have fins; empty for a model without fins. `textures`: bind group 2;
+/// `spec`: returns the pipeline of a part, whose bind groups and vertex streams are set here.
 pub(crate) fn fin_draws(
     frame: &mut Recording<'_>,
     seen: &VisibleInstance,

@@ -1,4 +1,4 @@
-//! Ink part of a frame: uniform blocks, and WGSL shared by the passes over surfaces.
+//! Ink-specific data of a frame: uniform blocks, and the WGSL shared by the passes over surfaces.
 
 use super::visible_instance::VisibleInstance;
 use crate::bounds::Hull;
@@ -8,7 +8,7 @@ use crate::model::ModelInk;
 use crate::params::InkParams;
 use glam::Mat4;
 
-/// Joins the WGSL shared by the ink passes over a model's surface, followed by the given files.
+/// Joins the WGSL shared by the ink passes over a model's surface with the given files.
 macro_rules! ink_surface_wgsl {
     ($($file:expr),+ $(,)?) => {
         &[
@@ -25,7 +25,7 @@ macro_rules! ink_surface_wgsl {
 }
 pub(crate) use ink_surface_wgsl;
 
-/// Viewpoint of a frame.
+/// Viewport, camera matrices and depth convention of a frame.
 pub(super) struct View {
     pub(super) viewport: [u32; 2],
     pub(super) view_from_world: Mat4,
@@ -36,7 +36,7 @@ pub(super) struct View {
 /// Ink data of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct InkScene {
-    /// Rectangle of the picture with content: left, top, width and height, pixels.
+    /// Rectangle of the picture that may be painted: left, top, width and height, pixels.
     pub(super) painted: [u32; 4],
     /// Location of the [`InkFrame`] block.
     pub(super) frame: UniformRange,

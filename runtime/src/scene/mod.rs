@@ -1,4 +1,4 @@
-//! Frame during preparation: all data that passes plan with. Does not depend on any pass.
+//! Frame in preparation: all data that passes need to plan their work. Does not depend on any pass.
 
 mod blocks;
 mod depth;

@@ -1,4 +1,4 @@
-//! Nearest hair segments of each pixel: buffers filled on the GPU once per frame.
+//! Nearest hair segments of each pixel, in buffers that are filled on the GPU once per frame.
 
 use super::visible_instance::VisibleInstance;
 use crate::bounds::Hull;
@@ -13,7 +13,7 @@ use wgpu::util::DrawIndirectArgs;
 /// Maximum number of hair segments stored per pixel.
 pub(crate) const NEAREST: u32 = 8;
 
-/// Bytes per pixel: the keys, and the opacity behind them.
+/// Bytes per pixel: the keys, and the optical depth of the segments behind them.
 const KEY_BYTES: u64 = 4 * (NEAREST as u64 + 1);
 
 /// Width and height of a tile, pixels.
@@ -23,13 +23,13 @@ pub(crate) const TILE: u32 = 8;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct NearestHairBlock {
-    /// Area of the picture: left, top, width and height in pixels, the last two multiples of [`TILE`].
+    /// Area of the picture: left, top, width and height, pixels. Width and height are multiples of [`TILE`].
     pub(crate) area: [u32; 4],
     /// Size of the whole picture, pixels.
     pub(crate) size: [f32; 2],
-    /// Segments per strand.
+    /// Number of segments per strand.
     pub(crate) pieces: u32,
-    /// Gathering round: 0 sorts keys, 1 stores light.
+    /// Round of the gathering: 0 sorts keys, 1 stores light.
     pub(crate) round: u32,
 }
 
@@ -43,11 +43,11 @@ pub(crate) struct NearestSegments {
 /// Buffers of the nearest hair segments.
 #[derive(Debug)]
 pub(crate) struct NearestBuffers {
-    /// Per pixel: sorted keys of its segments, and the opacity of the rest.
+    /// Per pixel: sorted keys of its nearest segments, and the optical depth of the others.
     pub(crate) keys: wgpu::Buffer,
-    /// Light of each key.
+    /// Light of the segment of each key.
     pub(crate) lights: wgpu::Buffer,
-    /// Indirect draw arguments, then tile and layer of each instance.
+    /// Indirect draw arguments, then the tile and layer of each instance.
     pub(crate) layers: wgpu::Buffer,
 }
 
@@ -57,10 +57,11 @@ impl NearestBuffers {
         self.keys.size() + self.lights.size() + self.layers.size()
     }
 
-    /// Takes buffers for `tiles` tiles that no live frame uses. `most`: upper limit of the reserve.
+    /// Returns buffers for `tiles` tiles that no living frame uses. `most`: maximum size including the reserve, in
+    /// tiles.
     fn take(shelf: &mut Pool<Self>, gpu: &Gpu, tiles: u64, most: u64) -> Arc<Self> {
-        // Reserve: an approaching animal must not create buffers in every frame. Much larger buffers, left from an
-        // earlier close view, are not reused.
+        // The reserve keeps an approaching animal from creating buffers in every frame. Buffers left from a close view
+        // are not reused if they are much too large.
         let room = tiles.next_power_of_two().min(most).max(tiles);
         let bytes = |tiles: u64| tiles * u64::from(TILE * TILE) * KEY_BYTES;
         let fits = |lists: &Self| (bytes(tiles)..=bytes(2 * room)).contains(&lists.keys.size());
@@ -93,8 +94,8 @@ fn tiles(area: [u32; 4]) -> u32 {
     area[2] / TILE * (area[3] / TILE)
 }
 
-/// Returns `params` as the device can draw them. Strand edges fall back to samples if its buffers cannot hold the lists
-/// of all pixels in `area`.
+/// Returns `params` with strand edges that the device supports. They fall back to samples if its buffers cannot hold
+/// the lists of all pixels in `area`.
 pub(super) fn with_supported_edges<'p>(
     params: &'p FrameParams,
     limits: &wgpu::Limits,
@@ -109,7 +110,7 @@ pub(super) fn with_supported_edges<'p>(
 }
 
 impl NearestSegments {
-    /// Returns the buffers of a frame with blended strand edges and visible strands. `hull`: extent of the instances
+    /// Returns the buffers of a frame with blended strand edges and visible strands. `hull`: bounds of the instances
     /// with strands.
     pub(super) fn take(
         shelf: &mut Pool<NearestBuffers>,

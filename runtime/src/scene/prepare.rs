@@ -1,4 +1,4 @@
-//! Preparation of a frame: checks the input, poses and culls instances, chooses shadow maps and writes uniforms.
+//! Preparation of a frame: checks the input, poses and culls instances, selects shadow maps and writes uniforms.
 
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
 use super::ink::{InkScene, View};
@@ -36,7 +36,7 @@ fn check_instances(params: &FrameParams, instances: &[&Instance]) -> Result<(), 
     Ok(())
 }
 
-/// Begins a frame. All fallible checks precede any change of state.
+/// Begins a frame. All checks that can fail precede any change of state.
 pub(crate) fn begin<'f>(
     kept: &'f mut RendererState,
     encoder: &'f mut wgpu::CommandEncoder,
@@ -218,7 +218,7 @@ pub(crate) fn begin<'f>(
     })
 }
 
-/// Thickness of hair on guides, as a share of its reach.
+/// Thickness of guided hair relative to its reach.
 const THICKNESS: f32 = 0.12;
 
 /// Returns the world-space hull of an instance, all hair included.
@@ -226,7 +226,8 @@ fn hull_with_hair(instance: &Instance, moved: &PosedInstance) -> Hull {
     moved.hull.widened(instance.scale() * instance.model.hair_reach_m())
 }
 
-/// Returns the world-space hull of an instance, all hair included; unbounded if fur is longer than the manifest states.
+/// Returns the world-space hull of an instance, all hair included. Unbounded if some fur is longer than the manifest's
+/// height.
 fn visibility_hull(instance: &Instance, moved: &PosedInstance) -> Hull {
     let anywhere = if instance.model.varies().beyond_height { f32::INFINITY } else { 0.0 };
     hull_with_hair(instance, moved).widened(anywhere)
@@ -242,21 +243,21 @@ fn shadow_key(
     drawn_sets: &[Vec<StrandSetDrawing>],
     casters: Option<&Casters<'_>>,
 ) -> Option<ShadowKey> {
-    // The finest instance decides the layer count. Layer-wise maps exist only if an instance reads them.
+    // The finest instance determines the layer count. Layer-wise maps exist only if an instance reads them.
     let by_maps = match params.self_shadow_form() {
         SelfShadow::Maps => true,
         SelfShadow::Auto => instances.iter().any(|instance| !instance.model.has_baked_visibility()),
         SelfShadow::Baked | SelfShadow::Off => false,
     };
     let layers = drawings.iter().map(|d| d.map_layers).max()?;
-    // The ink style has no light.
+    // The ink style is unlit.
     if params.style.ink().is_some() {
         return None;
     }
     let mut hull = Hull::default();
     instances.iter().zip(moved).for_each(|(instance, moved)| hull.0.extend(hull_with_hair(instance, moved).0));
     hull.0.extend(casters.and_then(|c| c.bounds).map(|b| (b.center, b.radius)));
-    // A model bound to no joint has an empty hull; its origin is used.
+    // A model bound to no joint has an empty hull, so its origin is used.
     if hull.0.is_empty() {
         hull.0.extend(instances.iter().map(|i| (i.transform.w_axis.truncate(), 0.0)));
     }

@@ -1,4 +1,4 @@
-//! Frame during preparation: all data that passes plan with.
+//! Frame in preparation: all data that passes need to plan their work.
 
 use super::ink::InkScene;
 use super::nearest::{NearestBuffers, NearestSegments};
@@ -19,7 +19,7 @@ use crate::surface::{STREAMS, Surfaces};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// State that a renderer keeps from frame to frame.
+/// State that a renderer keeps between frames.
 #[derive(Debug)]
 pub(crate) struct RendererState {
     pub(crate) gpu: Gpu,
@@ -34,7 +34,7 @@ pub(crate) struct RendererState {
     pub(crate) ring: UniformRing,
 }
 
-/// Frame data that passes plan with, and the encoder that they record into.
+/// Data with which passes plan a frame, and the encoder that they record into.
 pub(crate) struct Recording<'f> {
     pub(crate) gpu: &'f Gpu,
     pub(crate) cache: &'f mut Cache,
@@ -42,25 +42,25 @@ pub(crate) struct Recording<'f> {
     pub(crate) options: &'f RendererOptions,
     pub(crate) params: &'f FrameParams,
     pub(crate) encoder: &'f mut wgpu::CommandEncoder,
-    /// Instances, in the order given.
+    /// Instances in the order in which the application gave them.
     pub(crate) instances: Arc<[VisibleInstance]>,
     /// Shadow maps of the key light, if the frame has any.
     pub(crate) maps: Option<Arc<ShadowMaps>>,
     pub(crate) casters: Option<Casters<'f>>,
     /// Buffers of the nearest hair segments, if strands are drawn with blended edges.
     pub(crate) nearest: Option<NearestSegments>,
-    /// Intermediate targets shared by passes.
+    /// Textures of the picture's size that passes share.
     pub(crate) targets: Arc<TargetSet>,
     pub(crate) ink: Option<InkScene>,
     pub(crate) uniforms: UniformSlot,
     pub(super) ring: &'f mut UniformRing,
-    /// Group 0 for the eye; `light`: group 0 for the key light, if maps are redrawn.
+    /// Bind group 0 for the eye. The next field is that for the key light, if the maps are redrawn.
     pub(super) view: wgpu::BindGroup,
     pub(super) light: Option<wgpu::BindGroup>,
 }
 
 impl Recording<'_> {
-    /// Returns the pipeline of a spec, adapted to study and debug view.
+    /// Returns the pipeline of a specification, adapted to the study and the debug view.
     pub(crate) fn pipeline(&mut self, mut spec: RenderSpec) -> wgpu::RenderPipeline {
         #[cfg(feature = "study")]
         study::amend(self.params, &mut spec);
@@ -68,15 +68,15 @@ impl Recording<'_> {
         self.cache.pipelines.render(self.gpu, spec)
     }
 
-    /// Returns the compute pipeline of a spec, adapted to the study.
+    /// Returns the compute pipeline of a specification, adapted to the study.
     pub(crate) fn compute_pipeline(&mut self, spec: ComputeSpec) -> wgpu::ComputePipeline {
         #[cfg(feature = "study")]
         let spec = study::amend_compute(self.params, spec);
         self.cache.pipelines.compute(self.gpu, spec)
     }
 
-    /// Returns draws of the `wanted` parts of an instance, once for each of `layers`. `at`: group 0; `hair`: group 2;
-    /// `spec`: pipeline of a part.
+    /// Returns draws of the `wanted` parts of an instance, with one instance for each of `layers`. `at`: bind group 0;
+    /// `hair`: bind group 2; `spec`: returns the pipeline of a part.
     pub(crate) fn part_draws(
         &mut self,
         seen: &VisibleInstance,
@@ -87,7 +87,7 @@ impl Recording<'_> {
     ) -> Vec<Draw> {
         let mut draws = Vec::new();
         for part in seen.model.parts().iter().filter(|part| wanted(part)) {
-            // Simplified index lists may leave a part empty.
+            // A part may be empty in a simplified index list.
             let Some(range) = part.indices.get(seen.drawing.list).filter(|range| !range.is_empty()) else { continue };
             let spec = spec(self, part);
             let pipeline = self.pipeline(spec);
@@ -104,8 +104,8 @@ impl Recording<'_> {
         draws
     }
 
-    /// Returns the spec of a surface pipeline for the application's pass: opaque, or blended if `over`. Passes to other
-    /// targets override its fields.
+    /// Returns the specification of a surface pipeline for the application's pass: opaque, or blended if `over`. Passes
+    /// with other targets override its fields.
     pub(crate) fn picture_spec(
         &self,
         shader: Shader,
@@ -124,13 +124,13 @@ impl Recording<'_> {
             constants,
             primitive: primitive_state(mirrored, double_sided),
             colors: vec![self.picture_color(over)],
-            // Strict comparison hides layers that coincide with the mesh surface (fur of height 0).
+            // The strict comparison hides layers that coincide with the mesh surface, which is fur of height 0.
             depth: Some(self.picture_depth(true, over)),
             samples: self.options.sample_count,
         }
     }
 
-    /// Returns the state of the application's colour target. Hair is premultiplied.
+    /// Returns the state of the application's colour target. `over`: blend premultiplied colours over it.
     pub(crate) fn picture_color(&self, over: bool) -> wgpu::ColorTargetState {
         wgpu::ColorTargetState {
             format: self.options.color_format,
@@ -139,13 +139,13 @@ impl Recording<'_> {
         }
     }
 
-    /// Returns the state of the application's depth target: draws nearer fragments, and equally near ones unless
+    /// Returns the state of the application's depth target. Nearer fragments pass; equally near ones also, unless
     /// `strictly`.
     pub(crate) fn picture_depth(&self, write: bool, strictly: bool) -> wgpu::DepthStencilState {
         depth_state(self.options.depth_format, write, depth_compare(strictly, self.options.reversed_depth))
     }
 
-    /// Returns group 0 of an instance for the eye.
+    /// Returns bind group 0 of an instance for the eye.
     pub(crate) fn eye_group(&self, seen: &VisibleInstance) -> Option<DrawBindGroup> {
         DrawBindGroup::at(&self.view, seen.view_offset)
     }
@@ -155,18 +155,18 @@ impl Recording<'_> {
         self.light.is_some()
     }
 
-    /// Returns group 0 of an instance for the key light; `None` if no maps are drawn.
+    /// Returns bind group 0 of an instance for the key light; `None` if the maps are not redrawn.
     pub(crate) fn light_group(&self, seen: &VisibleInstance) -> Option<DrawBindGroup> {
         self.light.as_ref().and_then(|group| DrawBindGroup::at(group, seen.light_offset))
     }
 
-    /// Returns the written uniform slot to the ring. The frame keeps the returned token.
+    /// Returns the uniform slot to the ring. The frame keeps the returned handle, which marks the slot as in use.
     pub(crate) fn finish(self) -> Arc<()> {
         self.ring.release(self.uniforms, self.encoder)
     }
 }
 
-/// Returns the depth comparison for nearer fragments, and for equally near ones unless `strictly`.
+/// Returns the comparison with which nearer fragments pass the depth test; equally near ones also, unless `strictly`.
 pub(crate) fn depth_compare(strictly: bool, reversed_depth: bool) -> wgpu::CompareFunction {
     match (strictly, reversed_depth) {
         (true, false) => wgpu::CompareFunction::Less,

@@ -1,4 +1,4 @@
-//! Ribbon buffers of strands, filled on the GPU: one set for each instance and frame in flight.
+//! Ribbon buffers of strands, filled on the GPU. Each instance has one set per frame in flight.
 
 use crate::gpu::{Gpu, Pool};
 use crate::model::StrandSet;
@@ -12,21 +12,21 @@ pub(crate) struct Ribbons {
     pub(crate) seen: wgpu::Buffer,
     /// Indirect draw arguments; then, per 32 strands, the number of visible strands before them.
     pub(crate) counts: wgpu::Buffer,
-    /// Corners: three words of world-space position, then light.
+    /// Corners of the ribbons: three words of world-space position, then one of light.
     pub(crate) corners: wgpu::Buffer,
-    /// Indices of two triangles per segment, if drawn as triangles.
+    /// Indices of two triangles per segment; `None` if the ribbons are not drawn as triangles.
     pub(crate) indices: Option<wgpu::Buffer>,
 }
 
-/// Strands per word of `seen`.
+/// Number of strands per word of `seen`.
 const OF_A_NUMBER: u32 = 32;
 
-/// Corners of a segment's two triangles; each end has two.
+/// Corners of a segment's two triangles. Each end of the segment has two corners.
 const PIECE: [u32; 6] = [0, 1, 2, 2, 1, 3];
 
 impl Ribbons {
-    /// Takes buffers that no live frame uses, for strands of which every `step`th point is drawn. `drawn`: whether they
-    /// are drawn as triangles.
+    /// Returns buffers that no living frame uses, for strands with every `step`th point. `drawn`: the ribbons are drawn
+    /// as triangles.
     pub(super) fn take(shelf: &mut Pool<Self>, gpu: &Gpu, strands: &StrandSet, step: u32, drawn: bool) -> Arc<Self> {
         let pieces = strands.segments(step);
         let numbers = u64::from(strands.count / OF_A_NUMBER);

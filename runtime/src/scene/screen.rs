@@ -1,4 +1,4 @@
-//! Building blocks of the ink passes: textures of a model, and full-screen passes.
+//! Building blocks of the ink passes: a model's textures, and full-screen passes.
 
 use super::recording::Recording;
 use crate::gpu::{
@@ -7,7 +7,7 @@ use crate::gpu::{
 };
 use crate::ink::{InkFrame, InkModel};
 
-/// Joins the WGSL shared by the ink screen passes, followed by the given files.
+/// Joins the WGSL shared by the ink screen passes with the given files.
 macro_rules! ink_screen_wgsl {
     ($($file:expr),+ $(,)?) => {
         &[
@@ -21,12 +21,12 @@ macro_rules! ink_screen_wgsl {
 }
 pub(crate) use ink_screen_wgsl;
 
-/// Full-screen pass: override constants, and inputs by binding number.
+/// Full-screen pass: override constants, and inputs with their binding numbers.
 #[derive(Default)]
 pub(crate) struct ScreenPass<'a> {
     pub(crate) constants: Constants,
     pub(crate) reads: &'a [(u32, Target)],
-    /// Depth texture to read.
+    /// Depth texture that the pass reads, with its binding.
     pub(crate) depth: Option<(u32, Target)>,
     /// Bindings of the paper tile and its sampler.
     pub(crate) paper: Option<[u32; 2]>,
@@ -39,8 +39,8 @@ fn sampling(mode: wgpu::AddressMode) -> SamplerSettings {
 }
 
 impl Recording<'_> {
-    /// Returns layout and group 2 of the ink passes over an instance's surface; `None` for a model without ink data.
-    /// `behind`: additional target to read, at binding 7.
+    /// Returns bind group 2 and its layout for the ink passes over an instance's surface; `None` for a model without
+    /// ink data. `behind`: additional target to read, at binding 7.
     pub(crate) fn ink_model_group(
         &mut self,
         index: usize,
@@ -88,12 +88,12 @@ impl Recording<'_> {
         ink.map_or(&self.surfaces.white, |ink| &ink.paper).clone()
     }
 
-    /// Returns the largest distance of a line from its feature, whole pixels.
+    /// Returns the greatest distance of a line from its feature, whole pixels.
     pub(crate) fn ink_reach_px(&self) -> u32 {
         self.params.style.ink().map_or(0, |ink| ink.reach_px(self.params.viewport[1]))
     }
 
-    /// Returns pipeline spec and bind group of a full-screen pass to a target of `format`.
+    /// Returns the pipeline specification and the bind group of a full-screen pass to a target of `format`.
     pub(crate) fn screen_spec(
         &mut self,
         shader: Shader,

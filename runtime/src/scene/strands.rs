@@ -1,4 +1,4 @@
-//! Helpers of the strand passes: iteration over strand sets, and their bindings.
+//! Helpers for the strand passes: iteration over strand sets, and their bindings.
 
 use super::recording::Recording;
 use super::visible_instance::{StrandsToDraw, VisibleInstance};
@@ -14,7 +14,7 @@ pub(crate) fn strand_sets(
     instances.iter().flat_map(|seen| seen.strands().map(move |set| (seen, set)))
 }
 
-/// Returns the layout of posed strands, as declared in `hair/posed.wgsl`.
+/// Returns the layout entries of posed strands, as declared in `hair/posed.wgsl`.
 pub(crate) fn posed_layout() -> [wgpu::BindGroupLayoutEntry; 4] {
     [
         storage_in::<[f32; 4]>(0),
@@ -25,7 +25,8 @@ pub(crate) fn posed_layout() -> [wgpu::BindGroupLayoutEntry; 4] {
 }
 
 impl Recording<'_> {
-    /// Returns the bindings of [`posed_layout`] for a part's strands. `drawn`: share, width and point step.
+    /// Returns the bindings of [`posed_layout`] for a part's strands. `drawn`: share of strands, width factor and point
+    /// step.
     pub(crate) fn posed_strands(
         &mut self,
         set: &StrandsToDraw<'_>,

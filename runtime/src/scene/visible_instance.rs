@@ -1,4 +1,4 @@
-//! Instances of a frame.
+//! Instances of a frame with everything that passes need to draw them.
 
 use super::ribbons::Ribbons;
 use crate::gpu::DrawBindGroup;
@@ -9,32 +9,32 @@ use crate::report::InstanceDetail;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Instance in a frame.
+/// Instance of a frame with everything that passes need to draw it.
 #[derive(Debug)]
 pub(crate) struct VisibleInstance {
     pub(crate) model: Model,
     pub(crate) moved: PosedInstance,
-    /// Level of detail of its fur.
+    /// Level of detail of the fur.
     pub(crate) drawing: InstanceDrawing,
     pub(crate) look: Variant,
-    /// Sets of strands that are drawn.
+    /// Strand sets that are drawn.
     pub(crate) sets: Vec<VisibleStrandSet>,
-    /// Offset of its uniform block for the eye; `light_offset`: for the key light.
+    /// Offset of the instance's uniform block for the eye. The next field is that for the key light.
     pub(super) view_offset: u64,
     pub(super) light_offset: u64,
 }
 
-/// Set of strands in a frame.
+/// Strand set that is drawn in a frame.
 #[derive(Debug)]
 pub(crate) struct VisibleStrandSet {
     pub(crate) drawn: StrandSetDrawing,
     /// Posed points.
     pub(crate) posed: PosedStrands,
-    /// Ribbons of its strands, if the instance may be in the picture.
+    /// Ribbons of the strands, if the instance may be in the picture.
     pub(crate) ribbons: Option<Arc<Ribbons>>,
 }
 
-/// Set of strands with all data that passes read.
+/// Strand set with all data that passes read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StrandsToDraw<'a> {
     pub(crate) drawn: &'a StrandSetDrawing,
@@ -53,7 +53,7 @@ impl StrandsToDraw<'_> {
 }
 
 impl VisibleInstance {
-    /// Returns the sets of strands that are drawn.
+    /// Returns the strand sets that are drawn.
     pub(crate) fn strands(&self) -> impl Iterator<Item = StrandsToDraw<'_>> {
         self.sets.iter().map(|set| StrandsToDraw {
             drawn: &set.drawn,
@@ -63,7 +63,7 @@ impl VisibleInstance {
         })
     }
 
-    /// Returns the level of detail for reports.
+    /// Returns the level of detail as reported to the application.
     pub(crate) fn detail_report(&self) -> InstanceDetail {
         let detail = self.drawing.reported();
         match self.sets.first() {
@@ -75,7 +75,7 @@ impl VisibleInstance {
         }
     }
 
-    /// Returns whether hair or fur is still moving, so that the next frame differs without any input.
+    /// Returns whether hair or fur is still moving, so that the next frame differs even if the input is unchanged.
     pub(crate) fn is_animating(&self) -> bool {
         let swings = self.moved.swing.as_ref().is_some_and(|swing| !swing.is_at_rest);
         swings
@@ -88,7 +88,7 @@ impl VisibleInstance {
         self.drawing.detail.in_picture
     }
 
-    /// Returns group 2 of its shells; `None` for a model without fur.
+    /// Returns bind group 2 with the hair textures of the shells; `None` for a model without fur.
     pub(crate) fn fur(&self) -> Option<DrawBindGroup> {
         self.model.fur().and_then(DrawBindGroup::of)
     }

@@ -1,4 +1,5 @@
-// Spread light: its mean effect on a hair, and the coordinates at which tables and maps hold it (formulas 4.15).
+// Light that is spread about a direction: its mean effect on a hair, and its coordinates in tables and maps (formulas
+// 4.15).
 
 // Returns the octahedral map coordinates of a direction, -1..=1 each (formulas 4.15).
 fn octahedral(way: vec3<f32>) -> vec2<f32> {
@@ -7,56 +8,57 @@ fn octahedral(way: vec3<f32>) -> vec2<f32> {
     return select(folded, flat, way.y >= 0.0);
 }
 
-// Sine c of the angle below its horizon at which light about a direction begins. LEAST_MEAN: mean cosine (1 - c) / 2 of
-// light that is even above there (formulas 4.15).
+// Sine c of the angle below its horizon at which light about a direction begins. The next constant, LEAST_MEAN, is the
+// mean cosine (1 - c) / 2 of light that is uniform above that angle (formulas 4.15).
 const BELOW: f32 = 0.45;
 const LEAST_MEAN: f32 = 0.275;
-// Fit of the mean squared cosine across spread light, for that c (formulas 4.15).
+// Fit of the mean squared cosine perpendicular to the axis of spread light, for that c (formulas 4.15).
 const ACROSS_FIT: vec2<f32> = vec2(0.525, 0.501);
-// Last coordinate of mean cosines in the tables of broad light; narrower light is clamped to it (formulas 4.15).
+// Last mean cosine in the broad-light tables; narrower light is clamped to it (formulas 4.15).
 const LAST_MEAN: f32 = 0.83;
 
-// Returns the mean squared cosine between a direction and light spread about an axis (formulas 4.15). mean: mean cosine
-// of the light about its axis; cosine: between the direction and the axis.
+// Returns the mean squared cosine between a direction and light that is spread about an axis (formulas 4.15). `mean`:
+// mean cosine between the light and its axis; `cosine`: cosine between the direction and the axis.
 fn mean_square(mean: f32, cosine: f32) -> f32 {
     let fit = (mean - LEAST_MEAN) * (ACROSS_FIT.x - ACROSS_FIT.y * mean);
     let across = (1.0 - mean) * ((1.0 + 2.0 * mean) / 3.0 - fit);
     return across + (1.0 - 3.0 * across) * cosine * cosine;
 }
 
-// Returns the coordinate of light with that mean cosine in the tables of broad light, 0..=1 (formulas 4.15).
+// Returns the coordinate 0..=1 in the broad-light tables of light with this mean cosine (formulas 4.15).
 fn broad_coordinate(mean: f32) -> f32 {
     let rest = (1.0 - clamp(mean, LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN);
     return clamp((1.0 - sqrt(rest)) / LAST_MEAN, 0.0, 1.0);
 }
 
-// Returns the angular variance of light with that mean cosine: 1 / kappa where it is narrow (formulas 4.15).
+// Returns the angular variance of light with this mean cosine: 1 / kappa for narrow light (formulas 4.15).
 fn broad_variance(mean: f32) -> f32 {
     let m = clamp(mean, LEAST_MEAN, 1.0);
     return (1.0 - m) / m;
 }
 
-// Fit x / (a + sqrt(x^2 + b)) of I1(x) / I0(x): a and b.
+// Constants a and b of the fit x / (a + sqrt(x^2 + b)) of I1(x) / I0(x).
 const BESSEL_RATIO_FIT: vec2<f32> = vec2(0.5, 2.25);
 
-// Returns the mean cosine of a von Mises distribution with that concentration, within 4 %: A = I1 / I0 of
+// Returns the mean cosine of a von Mises distribution with this concentration, with an error below 4 %: A = I1 / I0 of
 // formulas 4.15.
 fn mean_cosine_around(concentration: f32) -> f32 {
     return concentration / (BESSEL_RATIO_FIT.x + sqrt(concentration * concentration + BESSEL_RATIO_FIT.y));
 }
 
-// Share of all directions that most bodies leave open to the tips of their hair (formulas 4.15).
+// Share of all directions that are open to the hair tips of most bodies (formulas 4.15).
 const USUALLY_OPEN: f32 = 0.725;
-// Packed components of openness: half of the range of four bits, and values per component.
+// Encoding of openness: half the range of a four-bit component. The next constant is the number of values per
+// component.
 const OPENNESS_HALF: f32 = 7.0;
 const OPENNESS_VALUES: f32 = 16.0;
-// Brightest colour of a surface whose reflected light is summed.
+// Maximum colour of a surface for which the sum of reflected light is evaluated.
 const BRIGHTEST: f32 = 0.98;
 
-// Unpacks the openness of a vertex from two numbers, 0..=1. The result is a vector in the tile frame towards the middle
-// of the open directions. Its length is the open share relative to that of most bodies.
+// Unpacks the openness of a vertex from two numbers, 0..=1. Returns a vector in the tile frame towards the middle of
+// the open directions. Its length is the open share, relative to that of most bodies.
 fn unpack_openness(packed: vec2<f32>) -> vec3<f32> {
-    // Unknown openness.
+    // The openness is unknown.
     if packed.x <= 0.0 {
         return vec3(0.0, 0.0, 1.0);
     }
@@ -67,8 +69,8 @@ fn unpack_openness(packed: vec2<f32>) -> vec3<f32> {
     return middle * (packed.x / USUALLY_OPEN * inverseSqrt(max(dot(middle, middle), 1.0)));
 }
 
-// Returns the share of environment light that reaches a point of a body of that colour, if the body hides the share
-// `hidden` of it (formulas 4.15). The hiding surface is about as bright as the point itself, and lights it.
+// Returns the share of environment light that reaches a point on a body of that colour, if the body hides the share
+// `hidden` of it (formulas 4.15). The hiding surface is assumed to be as bright as the point, and lights it.
 fn environment_share(color: vec3<f32>, hidden: f32) -> vec3<f32> {
     return (1.0 - hidden) / (1.0 - clamp(color, vec3(0.0), vec3(BRIGHTEST)) * hidden);
 }

@@ -19,7 +19,7 @@ pub(crate) struct Frame {
     pub environment_most: f32,
 }
 
-/// Light without shadow.
+/// Fill light, which casts no shadow, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct FillLight {
@@ -27,7 +27,7 @@ pub(crate) struct FillLight {
     pub color: [f32; 4],
 }
 
-/// Uniform block, one per drawn instance and frame. The WGSL describes its fields.
+/// Uniform block, one per drawn instance and frame. The WGSL file describes the fields.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Instance {
@@ -63,14 +63,14 @@ pub(crate) struct Instance {
     pub coat_light_slope: f32,
 }
 
-/// Returns the unit vector from `position_ws` towards a light or eye in homogeneous coordinates: w is 1 for a position,
-/// 0 for a direction.
+/// Returns the unit vector from `position_ws` towards a light or eye. `target_ws` is in homogeneous coordinates: w is 1
+/// for a position, 0 for a direction.
 pub fn direction_to(target_ws: Vec4, position_ws: Vec3) -> Vec3 {
     let d = target_ws.truncate() - position_ws * target_ws.w;
     d * d.dot(d).max(1e-30).sqrt().recip()
 }
 
-/// Returns H of Yang 2006, eq. (1): unit half vector between two unit vectors; zero if they are opposed.
+/// Returns H of Yang 2006, eq. (1): the unit half vector between two unit vectors; zero if they are opposite.
 pub fn half_vector(l: Vec3, v: Vec3) -> Vec3 {
     let h = l + v;
     h * h.dot(h).max(1e-12).sqrt().recip()

@@ -1,18 +1,18 @@
-//! Shader functions used by several passes, each as `<topic>.wgsl` with a Rust twin `<topic>.rs` beside it: same
-//! function names, same argument order. The twins serve tests, tools and applications that need the same numbers on the
-//! CPU. Formula numbers refer to `formats/docs/formulas.md`.
+//! Shader functions used by several passes. Each topic is a file `<topic>.wgsl` with a Rust counterpart `<topic>.rs`:
+//! same function names, same argument order. The Rust functions serve tests, tools and applications that need the same
+//! numbers on the CPU. Formula numbers refer to `formats/docs/formulas.md`.
 //!
-//! Each topic's `WGSL` is plain source without entry points or bindings; join it before your own shader.
+//! The constant `WGSL` of a topic is plain source without entry points or bindings; join it before your own shader.
 
-/// Deep opacity maps: amount of a texel's hair in front of a point in the light (formulas 4.10).
+/// Deep opacity maps: optical depth of the hair between the light and a point (formulas 4.10).
 pub mod deep_opacity;
-/// Levels of detail: which layers of hair a level draws, and how many layers each stands for (formulas 4.7, 4.8).
+/// Levels of detail: which hair layers a level draws, and how many layers each of them represents (formulas 4.7, 4.8).
 pub mod detail;
-/// Light spread about a direction, as from skies (formulas 4.14, 4.15).
+/// Light that is spread about a direction, such as sky light (formulas 4.14, 4.15).
 pub mod environment;
 /// Visibility of fins by viewing angle (formulas 4.6).
 pub mod fins;
-/// Uniform blocks of every pass: camera, light and drawn instance.
+/// Uniform blocks that all passes use: camera, light and drawn instance.
 pub mod frame;
 /// Ink-wash style: sphere map, features, lines, wash (Fang 2006; formulas 5.1, 5.2, 5.3).
 pub mod ink;
@@ -20,10 +20,10 @@ pub mod ink;
 pub mod kajiya_kay;
 /// Layer-wise shadow maps: transmittance of a hair layer (formulas 4.2).
 pub mod layer_shadow;
-/// Opacity of a layer if more or fewer layers are drawn than were baked, and along a slanted view direction (formulas
-/// 3.2, 4.5).
+/// Opacity of a layer if the number of drawn layers differs from that of baked layers, and along an inclined view
+/// direction (formulas 3.2, 4.5).
 pub mod opacity;
-/// Shadows of the key light on the application's own geometry.
+/// Shadows that the application's own geometry receives from the key light.
 pub mod receiver;
 /// Light scattering by fibres, and between fibres (formulas 4.12, 4.13).
 pub mod scattering;
@@ -31,9 +31,9 @@ pub mod scattering;
 pub mod skinning;
 /// Soft shadows from a shadow-width map (formulas 4.4).
 pub mod soft_shadow;
-/// sRGB encoding of colours (formulas 1.2).
+/// Decoding and encoding of sRGB colours (formulas 1.2).
 pub mod srgb;
 /// Frame of the hair tile on the mesh surface, and directions in it (formulas 2.4, 2.5).
 pub mod tile_frame;
-/// Baked visibility: share of light that reaches hair past other strands (formulas 4.9).
+/// Baked visibility: share of light that other strands let through to hair (formulas 4.9).
 pub mod visibility;

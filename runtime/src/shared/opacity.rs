@@ -16,19 +16,19 @@ pub fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
 /// Returns the path length of a view ray through a layer, relative to its thickness, 1..=10. `n_dot_e`: cosine between
 /// the surface normal and the direction to the eye.
 ///
-/// A shell is a sheet, and the opacity of a sheet does not depend on the angle. The slab of hair that it stands for
-/// blocks more, the longer the path through it. Without this, grazing view rays fall between the tips onto the dark
-/// roots, and the outline is too transparent. On the hare, mean FLIP against the true strands is then 1.5 times as
-/// large.
+/// A shell is a sheet, whose opacity does not depend on the angle. The slab of hair that it represents blocks more
+/// light the longer the path through it. Without this correction, grazing view rays pass between the tips onto the dark
+/// roots, and the outline is too transparent. On the hare, the mean FLIP error against the true strands is then 1.5
+/// times as large.
 pub fn view_path(n_dot_e: f32) -> f32 {
     1.0 / n_dot_e.abs().clamp(0.1, 1.0)
 }
 
-/// Smallest cross-section of a strand, seen along its axis.
+/// Minimum cross-section of a strand that is seen along its axis.
 const LEAST_ACROSS: f32 = 0.1;
 
-/// Returns the optical depth along a view ray relative to the one that a layer stores. With it as exponent,
-/// [`resampled_opacity`] is the layer's opacity along that ray.
+/// Returns the optical depth along a view ray, relative to the one that a layer stores. As the exponent of
+/// [`resampled_opacity`], it gives the layer's opacity along that ray.
 ///
 /// * `tangent` - [`crate::shared::tile_frame::grown_tangent`] of the layer's hair
 /// * `agreed` - length of the tile's direction, 0..=1; the remainder is hair in all directions
@@ -36,11 +36,12 @@ const LEAST_ACROSS: f32 = 0.1;
 /// * `n_dot_e` - as for [`view_path`]
 ///
 /// A strand segment of length l and radius r, along T, hides 2 r l |E × T| / |N·E| of the surface along E. Layers store
-/// 2 r l of it where strands are finer than texels. They store 2 r l |T_xy|, the view from above, where a strand fills
-/// its texels and is opaque there. The divisor is the mean of both.
+/// 2 r l of it where strands are finer than texels. Where a strand fills its texels and is opaque there, they store 2 r
+/// l
+/// |T_xy|, the view from above. The divisor is the mean of both.
 ///
 /// Measured on a sheet of the default hair, at view angles from 0 to 75 degrees, against traced strands (formulas 4.5).
-/// The rms error of the mean brightness is 30 % with [`view_path`] alone, 20 % without the divisor, and 8 % with it.
+/// The RMS error of the mean brightness is 30 % with [`view_path`] alone, 20 % without the divisor, and 8 % with it.
 pub fn view_depth_factor(tangent: Vec3, agreed: f32, eye: Vec3, n_dot_e: f32) -> f32 {
     let rest = 2.0 / 3.0 * (1.0 - agreed * agreed).max(0.0);
     let across = (eye.cross(tangent).length_squared() + rest).sqrt().max(LEAST_ACROSS);
@@ -48,18 +49,18 @@ pub fn view_depth_factor(tangent: Vec3, agreed: f32, eye: Vec3, n_dot_e: f32) ->
     across * view_path(n_dot_e) / (0.5 + 0.5 * from_above)
 }
 
-/// Returns the relative path length through layers, 1 or more, for hair that is `share` as long as the tile's. `path`:
-/// path length over thickness in the tile; 1 is perpendicular.
+/// Returns the relative path length through layers, 1 or more, for hair whose length is `share` of the tile's. `path`:
+/// path length in the tile divided by the thickness; 1 if perpendicular.
 ///
-/// Shorter hair is the tile's hair, pressed flat: strands are equally dense sideways, and layers are closer. A path
-/// that goes d down and s d tan θ sideways has the length √(1 + s² tan² θ) d, with s the share. Without it, a slanted
-/// view ray through short fur meets too much hair, by 1 / s at most.
+/// Shorter hair is modelled as the tile's hair pressed flat: strands have the same density sideways, and layers are
+/// closer together. A path that goes d down and s d tan θ sideways has the length √(1 + s² tan² θ) d, with s the share.
+/// Without this correction, an inclined view ray through short fur meets too much hair, by a factor of up to 1 / s.
 pub fn shortened_path(path: f32, share: f32) -> f32 {
     (1.0 + share * share * (path * path - 1.0)).sqrt()
 }
 
-/// Returns the baked layer, 1..`baked`, that serves as drawn layer `layer`, 1..`drawn` (layer 0 is the mesh surface in
-/// both).
+/// Returns the baked layer, 1..`baked`, that is used for the drawn layer `layer`, 1..`drawn`. Layer 0 is the mesh
+/// surface in both.
 ///
 /// Each baked layer gets an equal share of the drawn ones. Together with [`resampled_opacity`] at the exponent (`baked`
 /// − 1) / (`drawn` − 1), this preserves the transmittance of the stack. The result is exact if `drawn` − 1 is a
@@ -68,8 +69,8 @@ pub fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
     if layer == 0 || baked < 2 || drawn < 2 {
         return 0;
     }
-    // Middle of the drawn layer's slab, (layer − 1/2) / (drawn − 1) of the height, in baked slabs. Computed in halves,
-    // to stay exact.
+    // Middle of the drawn layer's slab, in baked slabs; its relative height is (layer − 1/2) / (drawn − 1). The
+    // computation uses halves, so that it is exact.
     let slab = (2 * u64::from(layer) - 1) * u64::from(baked - 1) / (2 * u64::from(drawn - 1));
     1 + (slab as u32).min(baked - 2)
 }

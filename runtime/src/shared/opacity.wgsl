@@ -1,19 +1,20 @@
-// Resampling of opacities, and paths through layers.
+// Resampling of opacities, and path lengths through layers.
 
 const LN_2: f32 = 0.6931472;
 const LOG2_E: f32 = 1.442695;
-// Largest opacity that is resampled: 1 has no logarithm, and 2^-11 is far below the resolution of an 8-bit texel
+// Maximum opacity that is resampled: 1 has no finite logarithm, and 2^-11 is far below the resolution of an 8-bit texel
 // (formulas 3.1).
 const MOST_ALPHA: f32 = 1.0 - 1.0 / 2048.0;
-// Opacity below which its logarithm is a series, and logarithm above which its exponential is one.
+// Opacity below which its logarithm is computed by a series. The next constant is the logarithm above which its
+// exponential is computed by one.
 const SERIES_ALPHA: f32 = 0.05;
 const SERIES_LOGARITHM: f32 = -0.1;
 
 // Returns 1 - (1 - alpha)^exponent, which preserves the product of (1 - alpha) over all layers when their number
-// changes (formulas 3.1, 3.2). exponent = baked layers / drawn layers.
+// changes (formulas 3.1, 3.2). `exponent`: baked layers divided by drawn layers.
 fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     let a = clamp(alpha, 0.0, MOST_ALPHA);
-    // -expm1(exponent * log1p(-a)), by series where 1 - exp2() would cancel. z <= 0 is the logarithm of the
+    // Computes -expm1(exponent * log1p(-a)), by series where 1 - exp2() would cancel. z <= 0 is the logarithm of the
     // transmittance.
     let log1p = -a * (1.0 + a * (0.5 + a * (1.0 / 3.0 + 0.25 * a)));
     let z = exponent * select(LN_2 * log2(1.0 - a), log1p, a < SERIES_ALPHA);
@@ -21,26 +22,26 @@ fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     return select(1.0 - exp2(LOG2_E * z), series, z > SERIES_LOGARITHM);
 }
 
-// Smallest cosine to the eye by which a path through a layer grows (formulas 4.5).
+// Minimum cosine to the eye up to which the path through a layer grows (formulas 4.5).
 const LEAST_N_DOT_E: f32 = 0.1;
 
-// Returns the path length of a view ray through a layer, relative to its thickness, at most 10 (formulas 4.5). n_dot_e:
-// cosine between the surface normal and the direction to the eye.
+// Returns the path length of a view ray through a layer, relative to its thickness, at most 10 (formulas 4.5).
+// `n_dot_e`: cosine between the surface normal and the direction to the eye.
 fn view_path(n_dot_e: f32) -> f32 {
     return 1.0 / clamp(abs(n_dot_e), LEAST_N_DOT_E, 1.0);
 }
 
-// Smallest cross-section of a strand, seen along its axis (formulas 4.5).
+// Minimum cross-section of a strand that is seen along its axis (formulas 4.5).
 const LEAST_ACROSS: f32 = 0.1;
-// Share of the square of evenly spread directions that lies across any view ray (formulas 4.5).
+// Mean squared component of uniformly distributed directions perpendicular to a view ray (formulas 4.5).
 const EVEN_ACROSS: f32 = 2.0 / 3.0;
 
-// Returns the optical depth along a view ray relative to the one that a layer stores: q of formulas 4.5. A thin strand
-// blocks by its extent across the ray. Layers store its length where strands are finer than texels, and its view from
-// above where they are not. The divisor is the mean of both.
+// Returns the optical depth along a view ray, relative to the one that a layer stores: q of formulas 4.5. A thin strand
+// blocks light by its extent perpendicular to the ray. Layers store its length where strands are finer than texels, and
+// its extent as seen from above elsewhere. The divisor is the mean of both.
 //
-// tangent: grown_tangent of the layer's hair; agreed: length of the tile's direction, 0..=1, the remainder is hair in
-// all directions; eye: unit vector to the eye in the tile's frame.
+// `tangent`: grown_tangent of the layer's hair; `agreed`: length of the tile's direction, 0..=1, whose remainder is
+// hair in all directions; `eye`: unit vector to the eye in the tile's frame.
 fn view_depth_factor(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f32) -> f32 {
     let rest = EVEN_ACROSS * max(1.0 - agreed * agreed, 0.0);
     let along = dot(eye, tangent);
@@ -50,14 +51,14 @@ fn view_depth_factor(tangent: vec3<f32>, agreed: f32, eye: vec3<f32>, n_dot_e: f
     return across * view_path(n_dot_e) / (0.5 + 0.5 * from_above);
 }
 
-// Returns the relative path length through layers, 1 or more, for hair that is `share` as long as the tile's: p' of
-// formulas 4.2. Layers are closer, so that the sideways part of the path counts less.
+// Returns the relative path length through layers, 1 or more, for hair whose length is `share` of the tile's: p' of
+// formulas 4.2. The layers are closer together, so the sideways component of the path counts less.
 fn shortened_path(path: f32, share: f32) -> f32 {
     return sqrt(1.0 + share * share * (path * path - 1.0));
 }
 
-// Returns the baked layer, 1..baked, that serves as drawn layer `layer`, 1..drawn (formulas 3.2). Layer 0, the mesh
-// surface, stays 0.
+// Returns the baked layer, 1..baked, that is used for the drawn layer `layer`, 1..drawn (formulas 3.2). Layer 0, the
+// mesh surface, stays 0.
 fn baked_layer(layer: u32, baked: u32, drawn: u32) -> u32 {
     if layer == 0u || baked < 2u || drawn < 2u {
         return 0u;

@@ -2,11 +2,11 @@ use super::{layer_shadow, soft_shadow};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
-/// WGSL source. Unlike that of other topics, it includes its dependencies, [`layer_shadow::WGSL`] and
+/// WGSL source. In contrast to other topics, it includes its dependencies, [`layer_shadow::WGSL`] and
 /// [`soft_shadow::WGSL`]: do not join those as well.
 ///
-/// Besides the twins of this module it declares the function for an application's fragment shader, which returns 0 for
-/// dark and 1 for lit:
+/// Besides the counterparts of this module's functions, it declares a function for the application's fragment shader.
+/// The function returns 0 for dark and 1 for lit:
 ///
 /// ```wgsl
 /// fn light_received(
@@ -20,10 +20,10 @@ use glam::{Mat4, Vec3, Vec4};
 pub const WGSL: &str =
     concat!(include_str!("layer_shadow.wgsl"), include_str!("soft_shadow.wgsl"), include_str!("receiver.wgsl"));
 
-/// Uniform block for `light_received`: transform to the shadow maps, and meaning of their values. 96 bytes, laid out as
-/// the WGSL structure of the same name.
+/// Uniform block for `light_received`: transform to the shadow maps, and scales of their values. 96 bytes, in the
+/// layout of the WGSL structure of the same name.
 ///
-/// [`crate::Frame::shadow_receiver`] fills it. The default, all zero, lights everything.
+/// [`crate::Frame::shadow_receiver`] fills it. The default, all zero, casts no shadow.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShadowReceiver {
@@ -44,18 +44,19 @@ impl Default for ShadowReceiver {
 }
 
 impl ShadowReceiver {
-    /// Returns the map coordinates of a world-space point, as [`light_at_place`] takes them: (u·w, v·w, depth, w).
+    /// Returns the map coordinates of a world-space point in the form that [`light_at_place`] expects: (u·w, v·w,
+    /// depth, w).
     pub fn map_coordinates(&self, position_ws: Vec3) -> Vec4 {
         self.map_from_world * position_ws.extend(1.0)
     }
 }
 
-/// Returns the share of the key light that arrives at a point, 0..=1: past occluders, and through the hair above. 1
-/// outside the maps, sideways and in depth.
+/// Returns the share of the key light that arrives at a point past occluders and through the hair above, 0..=1. The
+/// result is 1 outside the maps, sideways and in depth.
 ///
-/// * `texel` - of the shadow-width map at `place.xy / place.w`
-/// * `place` - [`ShadowReceiver::place`] of the point
-/// * `n_dot_l` - cosine between its normal and the direction towards the light
+/// * `texel` - texel of the shadow-width map at `place.xy / place.w`
+/// * `place` - [`ShadowReceiver::map_coordinates`] of the point
+/// * `n_dot_l` - cosine between the normal at the point and the direction towards the light
 pub fn light_at_place(texel: Vec4, place: Vec4, n_dot_l: f32, receiver: &ShadowReceiver) -> f32 {
     let inside = place.w > 0.0 && place.min_element() >= 0.0 && place.x.max(place.y) <= place.w && place.z <= 1.0;
     if !inside {

@@ -1,8 +1,8 @@
 //! uses shared/layer_shadow, shared/soft_shadow
-// Key light on the application's own geometry: lookup of the shadow maps for shaders outside pelage. Needs
+// Key light on the application's own geometry: lookup in the shadow maps for shaders outside pelage. Join
 // layer_shadow.wgsl and soft_shadow.wgsl before it.
 
-// 96 bytes. All zero if nothing casts a shadow: everything is then outside the maps, and lit.
+// Size: 96 bytes. All zero if nothing casts a shadow: every point is then outside the maps, and lit.
 struct ShadowReceiver {
     // Transform from world space to the shadow maps: (u w, v w, depth, w).
     map_from_world: mat4x4<f32>,
@@ -14,9 +14,9 @@ struct ShadowReceiver {
     reserved2: u32,
 }
 
-// Returns the share of the key light that arrives at a point, 0..=1 (formulas 4.4): past occluders, and through the
-// hair above; 1 outside the maps. texel: of the shadow-width map; place: map_from_world of the point; n_dot_l: cosine
-// between its normal and the light.
+// Returns the share of the key light that arrives at a point past occluders and through the hair above, 0..=1 (formulas
+// 4.4); 1 outside the maps. `texel`: texel of the shadow-width map; `place`: the point transformed by map_from_world;
+// `n_dot_l`: cosine between the normal at the point and the light.
 fn light_at_place(texel: vec4<f32>, place: vec4<f32>, n_dot_l: f32, receiver: ShadowReceiver) -> f32 {
     let inside = place.w > 0.0 && all(place.xyz >= vec3(0.0)) && all(place.xyz <= vec3(place.ww, 1.0));
     let path = slanted_path(n_dot_l);
@@ -24,8 +24,8 @@ fn light_at_place(texel: vec4<f32>, place: vec4<f32>, n_dot_l: f32, receiver: Sh
     return select(1.0, past * texel.w, inside);
 }
 
-// Returns the share of the key light that arrives at a world-space point. width_map, receiver: from the frame;
-// map_sampler: linear.
+// Returns the share of the key light that arrives at a world-space point. `width_map` and `receiver` come from the
+// frame; `map_sampler` is linear.
 fn light_received(
     width_map: texture_2d<f32>,
     map_sampler: sampler,
@@ -34,7 +34,7 @@ fn light_received(
     receiver: ShadowReceiver,
 ) -> f32 {
     let place = receiver.map_from_world * vec4(position_ws, 1.0);
-    // Points behind a point light are outside the maps; the clamp only avoids a division by zero.
+    // Points behind a point light are outside the maps, so the clamp serves only to avoid a division by zero.
     let uv = place.xy / max(place.w, 1e-6);
     return light_at_place(textureSampleLevel(width_map, map_sampler, uv, 0.0), place, n_dot_l, receiver);
 }

@@ -5,32 +5,32 @@ use pelage_formats::meaning::scattering::colour;
 use pelage_formats::meaning::scattering::means::FibreMeans;
 use std::f32::consts::PI;
 
-/// WGSL source; depends on no other topic.
+/// WGSL source; does not depend on other topics.
 pub const WGSL: &str = include_str!("scattering.wgsl");
 
-/// Table coordinates and cosines of a pair of light and eye directions, relative to a fibre.
+/// Table coordinates and cosines for a pair of light and eye directions, relative to a fibre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FibreAngles {
     /// Coordinates in the table of longitudinal scattering, 0..=1 (`FORMAT.md`, "FIBR", layer 0).
     pub along: Vec2,
     /// Coordinates in the table of azimuthal scattering, 0..=1 (`FORMAT.md`, "FIBR", layer 1).
     pub around: Vec2,
-    /// Cosine of the angle between the light and the plane across the fibre, 0..=1.
+    /// Cosine of the light's inclination: the angle between the light and the normal plane of the fibre, 0..=1.
     pub cos_i: f32,
     /// Cosine of the difference angle, 0..=1.
     pub cos_d: f32,
 }
 
-/// Table-free properties of a fibre, in shader layout.
+/// Properties of a fibre that are not in its tables, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fibre {
-    /// 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `FibreMeans::aside` of the package; longitudinal variance of the reflected
-    /// lobe, in full angles.
+    /// Values: 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `FibreMeans::aside` of the package; longitudinal variance of the
+    /// reflected lobe, in full angles.
     pub optics: [f32; 4],
-    /// `FibreMeans::on` of the package.
+    /// Coefficients of the shares scattered forward, `FibreMeans::on` of the package.
     pub on: [[f32; 4]; 3],
-    /// `FibreMeans::back` of the package.
+    /// Coefficients of the shares scattered backward, `FibreMeans::back` of the package.
     pub back: [[f32; 4]; 3],
 }
 
@@ -54,13 +54,13 @@ impl Fibre {
 const DRAWN_OUT: f32 = 0.3;
 const LEAST_COS_D: f32 = 0.1;
 
-/// Returns the table row of a cosine of the difference angle, 0..=1.
+/// Returns the table row for a cosine of the difference angle, as a coordinate 0..=1.
 pub fn fibre_row(cos_d: f32) -> f32 {
     ((cos_d - LEAST_COS_D) / (1.0 - LEAST_COS_D)).clamp(0.0, 1.0)
 }
 
-/// Returns the angles of unit vectors: the fibre towards its tip, towards the light, towards the eye. A direction along
-/// the fibre has no azimuth; an arbitrary one is used. Finite for all inputs.
+/// Returns the angles for three unit vectors: the fibre towards its tip, towards the light, towards the eye. A
+/// direction along the fibre has no azimuth, so an arbitrary one is used. The result is finite for all inputs.
 pub fn fibre_angles(tip: Vec3, light: Vec3, eye: Vec3) -> FibreAngles {
     let sin_i = tip.dot(light).clamp(-1.0, 1.0);
     let sin_o = tip.dot(eye).clamp(-1.0, 1.0);
@@ -80,35 +80,35 @@ pub fn fibre_angles(tip: Vec3, light: Vec3, eye: Vec3) -> FibreAngles {
     }
 }
 
-/// Returns the absorption per fibre radius at which deep fur has that colour, each channel independently (Chiang 2016,
-/// section 4.2). `per_depth`: 1 / d of `FORMAT.md`, "FIBR".
+/// Returns the absorption per fibre radius at which deep fur has that colour, for each channel independently (Chiang
+/// 2016, section 4.2). `per_depth`: 1 / d of `FORMAT.md`, "FIBR".
 pub fn fibre_absorption(color: Vec3, per_depth: f32) -> Vec3 {
     let root = color.clamp(Vec3::splat(1e-3), Vec3::ONE).map(f32::ln) * per_depth;
     root * root
 }
 
-/// Returns the transmittance of one crossing of a fibre with that absorption per radius. `cos_d`: cosine of the
+/// Returns the transmittance of one path through a fibre with that absorption per radius. `cos_d`: cosine of the
 /// difference angle; `optics`: as in [`Fibre`].
 pub fn fibre_transmittance(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
     let c = cos_d.max(LEAST_COS_D);
-    // Squares of 1 / cos θt, and of the sine of the refraction angle in the cross-section, at the mean square offset of
-    // incidence.
+    // Squares of 1 / cos θt and, below, of the sine of the refraction angle in the cross-section, at the mean square
+    // offset of incidence.
     let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
     let bent = optics.z * c * c * optics.x * slant;
     (-2.0 * (slant * (1.0 - bent)).sqrt() * absorbed).map(f32::exp)
 }
 
-/// Combines the tables' texels along and around a fibre: scattered light per steradian over its irradiance, times the
-/// cosine of the light's angle. `left`: from [`fibre_transmittance`]. TRT crosses the fibre twice, and the remaining
-/// orders three times.
+/// Combines the longitudinal and azimuthal texels of a fibre's tables. Returns the scattered light per steradian,
+/// divided by its irradiance and times the cosine of the light's inclination. `left`: from [`fibre_transmittance`]. TRT
+/// crosses the fibre twice, and the remaining orders three times.
 pub fn fibre_scatters(along: Vec4, around: Vec4, absorbed: Vec3, left: Vec3) -> Vec3 {
     let ways = along * around;
     let through = (-absorbed * around.w).map(f32::exp);
     Vec3::splat(ways.x) + ways.y * through + left * left * (Vec3::splat(ways.z) + along.w * left)
 }
 
-/// Returns the shares of light that a fibre without absorption scatters forward, to its far side, and backward; each by
-/// R, TT, TRT and the rest. `cos_theta`: cosine of the angle between the light and the plane across the fibre.
+/// Returns the shares of light that a fibre without absorption scatters forward, to its far side, and backward; each
+/// for R, TT, TRT and the rest. `cos_theta`: cosine of the light's inclination.
 pub fn fibre_shares(fibre: &Fibre, cos_theta: f32) -> [Vec4; 2] {
     let u = 1.0 - cos_theta.max(LEAST_COS_D);
     let square = u * u;
@@ -129,19 +129,19 @@ pub fn absorbing_fibre_shares(fibre: &Fibre, cos_theta: f32, left: Vec3) -> [Vec
 /// Light in deep fur, relative to the incident light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DiffusedLight {
-    /// Light that other fibres have only scattered forward; its direction is close to that of the light.
+    /// Light that other fibres have scattered only forward; its direction is close to that of the incident light.
     pub sent_on: Vec3,
-    /// Other light from the light's side.
+    /// Other light that arrives from the light's side.
     pub from_light: Vec3,
-    /// Light that comes back from below.
+    /// Light that returns from below.
     pub from_below: Vec3,
-    /// Square root of the share that a fibre absorbs of its light.
+    /// Square root of the share of light that a fibre absorbs.
     pub root_lost: Vec3,
 }
 
-/// Returns the light in deep fur at a point where the share `direct`, 0..=1, passes all fibres. `on` and `back`: shares
-/// that each fibre scatters forward and backward (Kubelka and Munk 1931). Never negative or infinite, even without
-/// absorption.
+/// Returns the light in deep fur at a point that the share `direct`, 0..=1, reaches past all fibres. `on` and `back`:
+/// shares that each fibre scatters forward and backward (Kubelka and Munk 1931). Never negative or infinite, even
+/// without absorption.
 pub fn diffused_light(on: Vec3, back: Vec3, direct: f32) -> DiffusedLight {
     let lost = (Vec3::ONE - on - back).max(Vec3::splat(1e-4));
     let root_lost = lost.map(f32::sqrt);
@@ -158,31 +158,31 @@ pub fn diffused_light(on: Vec3, back: Vec3, direct: f32) -> DiffusedLight {
     }
 }
 
-/// Returns the multiply scattered light under a light at a height of that sine, 0..=1, relative to one at the zenith.
-/// Proportional to the excess of Hapke's H function over 1 (after Hapke 1981).
+/// Returns the multiply scattered light under a light at an elevation with that sine, 0..=1, relative to a light at the
+/// zenith. Proportional to the excess of Hapke's H function over 1 (after Hapke 1981).
 pub fn multiple_scattering_by_height(root_lost: Vec3, sine: f32) -> Vec3 {
     let root = 2.0 * root_lost;
     sine * (1.0 + root) / (1.0 + sine * root)
 }
 
-/// Share of forward scattered light that turns back in a sheet of free hanging hair; `TURNED_BACK`: of backward
-/// scattered light.
+/// Share of forward-scattered light that turns back in a sheet of free hanging hair. The next constant, `TURNED_BACK`,
+/// is that of backward-scattered light.
 const TURNED_ON: f32 = 0.15;
 const TURNED_BACK: f32 = 0.8;
 /// Share of scattered light that leaves a sheet of hanging hair at its edges.
 const LEAKS: f32 = 0.12;
 
 /// Returns the forward and backward shares of a sheet of hanging fibres for [`diffused_light`], given those of one
-/// fibre. The two differ: light turned aside by many fibres goes back in the end, and some of it leaves the sheet at
-/// its edges.
+/// fibre. The two differ: light deflected by many fibres finally turns back, and some of it leaves the sheet at its
+/// edges.
 pub fn hanging_sheet_shares(sides: [Vec3; 2]) -> [Vec3; 2] {
     let back = TURNED_ON * sides[0] + TURNED_BACK * sides[1];
     [(1.0 - LEAKS) * (sides[0] + sides[1]) - back, back]
 }
 
-/// Returns the light scattered from one inclination to another, relative to an even distribution over all inclinations.
-/// Arguments: their sines to the plane across the fibre, and the lobe's `variance` (d'Eon 2011). I0 is approximated
-/// within 2 %.
+/// Returns the light scattered from one inclination to another, relative to a uniform distribution over all
+/// inclinations. Arguments: sines of both inclinations, and the `variance` of the lobe (d'Eon 2011). The approximation
+/// of I0 has an error below 2 %.
 pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     let k = variance.clamp(1e-3, 1e3).recip();
     let a = k * ((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o)).max(0.0).sqrt();
@@ -192,22 +192,22 @@ pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
 
 /// Returns [`along_cone`] in hair that hangs side by side: of light that was only scattered forward, and of other
 /// light. Parallel fibres keep light near its cone of incidence, and each scattering widens the cone (after Zinke
-/// 2008). `left`: from [`fibre_transmittance`], for grey; `direct`: share of the light that passes all fibres.
+/// 2008). `left`: grey value from [`fibre_transmittance`]; `direct`: share of the light that passes all fibres.
 pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> [f32; 2] {
     let [shares_on, shares_back] = fibre_shares(fibre, cos_i);
     let light = Vec4::new(1.0, left, left * left, left * left * left);
-    // The lobe of TT is half as wide, and that of TRT twice as wide.
+    // The lobe of TT is half as wide as that of R, and the lobe of TRT twice as wide.
     let wide = fibre.optics[3] * Vec4::new(1.0, 0.25, 4.0, 4.0);
-    // Fits may be zero or negative for opaque fibres.
+    // For opaque fibres, the fits may be zero or negative.
     let on = shares_on.dot(light).max(1e-4);
     let all = on + shares_back.dot(light).max(0.0);
     let width = (shares_on + shares_back).dot(light * wide) / all;
     let depth = -direct.clamp(1e-30, 1.0).ln();
-    // Conditional on at least one forward scattering.
+    // Mean number of forward scatterings; `sent / (1 - exp(-sent))` is the mean given that there is at least one.
     let sent = (on * depth).max(1e-3);
     let sent_on = shares_on.dot(light * wide) / on * sent / (1.0 - (-sent).exp());
-    // Mean number of scatterings of light that comes back from the sheet, from the decrease of that light with growing
-    // absorption.
+    // Mean number of scatterings of light that returns from the sheet, derived from the decrease of that light with
+    // growing absorption.
     let back = TURNED_ON * on + TURNED_BACK * (all - on);
     let lost = (1.0 - (1.0 - LEAKS) * all).max(1e-4);
     let met = back / (lost * (lost + 2.0 * back)).sqrt();

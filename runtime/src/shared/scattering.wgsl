@@ -1,40 +1,40 @@
 // Light scattering by fibres (Marschner 2003; d'Eon 2011; Chiang 2016; formulas 4.12, 4.13): coordinates in a package's
-// tables, evaluation of their texels, and scattering from fibre to fibre.
+// tables, evaluation of their texels, and scattering between fibres.
 
-// Table coordinates and cosines of a pair of light and eye directions, relative to a fibre.
+// Table coordinates and cosines for a pair of light and eye directions, relative to a fibre.
 struct FibreAngles {
-    // Coordinates in the tables, 0..=1: of longitudinal and of azimuthal scattering.
+    // Coordinates in the table of longitudinal scattering, 0..=1. The next field is for azimuthal scattering.
     along: vec2<f32>,
     around: vec2<f32>,
-    // Cosine of the angle between the light and the plane across the fibre, and of the difference angle.
+    // Cosine of the light's inclination. The next field is the cosine of the difference angle.
     cos_i: f32,
     cos_d: f32,
 }
 
-// Table-free properties of a fibre (FORMAT.md, "FIBR").
+// Properties of a fibre that are not in its tables (FORMAT.md, "FIBR").
 struct Fibre {
-    // 1 / eta^2, 1 / d, mean square offset of incidence, longitudinal variance of the reflected lobe.
+    // Values: 1 / eta^2, 1 / d, mean square offset of incidence, longitudinal variance of the reflected lobe.
     optics: vec4<f32>,
     on: array<vec4<f32>, 3>,
     back: array<vec4<f32>, 3>,
 }
 
-// Undistorted share of the axis of sin theta_h. LEAST_COS_D: smallest cosine of the difference angle, cos theta_d
-// (formulas 4.12).
+// Undistorted share of the sin theta_h axis of the table (formulas 4.12). The next constant, LEAST_COS_D, is the
+// minimum cosine of the difference angle, cos theta_d.
 const DRAWN_OUT: f32 = 0.3;
 const LEAST_COS_D: f32 = 0.1;
 const PI: f32 = 3.14159265;
-// Variances along the fibre of the lobes R, TT, TRT and of the rest, over that of R: beta_TT = beta_R / 2 and
+// Longitudinal variances of the lobes R, TT, TRT and of the rest, relative to that of R: beta_TT = beta_R / 2 and
 // beta_TRT = 2 beta_R (Marschner 2003).
 const LOBE_VARIANCE: vec4<f32> = vec4(1.0, 0.25, 4.0, 4.0);
 
-// Returns the table row of a cosine of the difference angle, 0..=1 (formulas 4.12).
+// Returns the table row for a cosine of the difference angle, as a coordinate 0..=1 (formulas 4.12).
 fn fibre_row(cos_d: f32) -> f32 {
     return clamp((cos_d - LEAST_COS_D) / (1.0 - LEAST_COS_D), 0.0, 1.0);
 }
 
-// Returns the angles of unit vectors (formulas 4.12): the fibre towards its tip, towards the light, towards the eye. A
-// direction along the fibre has no azimuth; an arbitrary one is used.
+// Returns the angles for three unit vectors (formulas 4.12): the fibre towards its tip, towards the light, towards the
+// eye. A direction along the fibre has no azimuth, so an arbitrary one is used.
 fn fibre_angles(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>) -> FibreAngles {
     let sin_i = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
@@ -51,33 +51,33 @@ fn fibre_angles(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>) -> FibreAngles
     );
 }
 
-// Returns the absorption per fibre radius at which deep fur has that colour. per_depth: 1 / d of FORMAT.md, "FIBR".
+// Returns the absorption per fibre radius at which deep fur has that colour. `per_depth`: 1 / d of FORMAT.md, "FIBR".
 fn fibre_absorption(color: vec3<f32>, per_depth: f32) -> vec3<f32> {
     let root = log(clamp(color, vec3(1e-3), vec3(1.0))) * per_depth;
     return root * root;
 }
 
-// Returns the transmittance of one crossing of a fibre with that absorption per radius, sigma of formulas 4.12. cos_d:
-// cosine of the difference angle.
+// Returns the transmittance of one path through a fibre with that absorption per radius, sigma of formulas 4.12.
+// `cos_d`: cosine of the difference angle.
 fn fibre_transmittance(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
     let c = max(cos_d, LEAST_COS_D);
-    // Squares of 1 / cos theta_t, and of the sine of the refraction angle in the cross-section, at the mean square
-    // offset of incidence.
+    // Squares of 1 / cos theta_t and, below, of the sine of the refraction angle in the cross-section, at the mean
+    // square offset of incidence.
     let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
     let bent = optics.z * c * c * optics.x * slant;
     return exp(-2.0 * sqrt(slant * (1.0 - bent)) * absorbed);
 }
 
-// Combines the tables' texels along and around a fibre (formulas 4.12): scattered light per steradian over its
-// irradiance, times the cosine of the light's angle. left: from fibre_transmittance. TRT crosses the fibre twice, the
-// remaining orders three times.
+// Combines the longitudinal and azimuthal texels of a fibre's tables (formulas 4.12). Returns the scattered light per
+// steradian, divided by its irradiance and times the cosine of the light's inclination. `left`: from
+// fibre_transmittance. TRT crosses the fibre twice, the remaining orders three times.
 fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, absorbed: vec3<f32>, left: vec3<f32>) -> vec3<f32> {
     let ways = along.xyz * around.xyz;
     return vec3(ways.x) + ways.y * exp(-absorbed * around.w) + left * left * (vec3(ways.z) + along.w * left);
 }
 
-// Returns the shares of light that a fibre without absorption scatters forward and backward, each by R, TT, TRT and the
-// rest (formulas 4.13). cos_theta: cosine of the angle between the light and the plane across the fibre.
+// Returns the shares of light that a fibre without absorption scatters forward and backward, each for R, TT, TRT and
+// the rest (formulas 4.13). `cos_theta`: cosine of the light's inclination.
 fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
     let u = 1.0 - max(cos_theta, LEAST_COS_D);
     let square = u * u;
@@ -98,18 +98,19 @@ fn absorbing_fibre_shares(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> arra
     );
 }
 
-// Light in deep fur, whose fibres scatter the shares `on` and `back` forward and backward (Kubelka and Munk 1931).
+// Light in deep fur, relative to the incident light. Each fibre scatters the shares `on` and `back` forward and
+// backward (Kubelka and Munk 1931).
 struct DiffusedLight {
-    // Relative to the incident light: light that other fibres have only scattered forward; other light from the light's
-    // side; light from below.
+    // Light that other fibres have scattered only forward. The next fields are other light from the light's side, and
+    // light from below.
     sent_on: vec3<f32>,
     from_light: vec3<f32>,
     from_below: vec3<f32>,
-    // Square root of the share that a fibre absorbs.
+    // Square root of the share of light that a fibre absorbs.
     root_lost: vec3<f32>,
 }
 
-// Returns the light at a point where the share `direct` passes all fibres (formulas 4.13).
+// Returns the light in deep fur at a point that the share `direct` reaches past all fibres (formulas 4.13).
 fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
     let root_lost = sqrt(lost);
@@ -122,16 +123,16 @@ fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight 
     return DiffusedLight(max(sent_on - direct, vec3(0.0)), from_light, given_back * arrives, root_lost);
 }
 
-// Returns the multiply scattered light under a light at a height of that sine, relative to one at the zenith: F of
-// formulas 4.13. Proportional to the excess of Hapke's H function over 1 (after Hapke 1981). root_lost: square root of
-// the absorbed share.
+// Returns the multiply scattered light under a light at an elevation with that sine, relative to a light at the zenith:
+// F of formulas 4.13. Proportional to the excess of Hapke's H function over 1 (after Hapke 1981). `root_lost`: square
+// root of the absorbed share.
 fn multiple_scattering_by_height(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
     let root = 2.0 * root_lost;
     return sine * (1.0 + root) / (1.0 + sine * root);
 }
 
-// Free hanging hair (formulas 4.13): shares of forward and backward scattered light that turn back in a sheet of it,
-// and share that leaves it at its edges.
+// Share of forward-scattered light that turns back in a sheet of free hanging hair (formulas 4.13). The next constants
+// are that of backward-scattered light, and the share that leaves the sheet at its edges.
 const TURNED_ON: f32 = 0.15;
 const TURNED_BACK: f32 = 0.8;
 const LEAKS: f32 = 0.12;
@@ -142,12 +143,12 @@ fn hanging_sheet_shares(sides: array<vec3<f32>, 2>) -> array<vec3<f32>, 2> {
     return array((1.0 - LEAKS) * (sides[0] + sides[1]) - back, back);
 }
 
-// Fit (1 + 2 a + A a^2 / (a + B) - C a / (1 + D a^2))^(-1/2) of exp(-a) I0(a): A, B, C and D.
+// Constants A, B, C and D of the fit (1 + 2 a + A a^2 / (a + B) - C a / (1 + D a^2))^(-1/2) of exp(-a) I0(a).
 const I0E_FIT: vec4<f32> = vec4(4.2832, 0.9183, 0.6664, 0.3884);
 
-// Returns the light scattered from one inclination to another, relative to an even distribution over all inclinations
-// (formulas 4.13). sin_i, sin_o: sines of the angles of light and eye to the plane across the fibre; variance: of the
-// lobe (d'Eon 2011). I0 is approximated within 2 %.
+// Returns the light scattered from one inclination to another, relative to a uniform distribution over all inclinations
+// (formulas 4.13). `sin_i`, `sin_o`: sines of the inclinations of light and eye; `variance`: variance of the lobe
+// (d'Eon 2011). The approximation of I0 has an error below 2 %.
 fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     let k = 1.0 / clamp(variance, 1e-3, 1e3);
     let a = k * sqrt(max((1.0 - sin_i * sin_i) * (1.0 - sin_o * sin_o), 0.0));
@@ -157,23 +158,23 @@ fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     return 2.0 * k * i0e * exp(a - k * (1.0 + sin_i * sin_o)) / (1.0 - exp(-2.0 * k));
 }
 
-// Returns along_cone in hair that hangs side by side (formulas 4.13): of light that was only scattered forward (x), and
-// of other light (y). Parallel fibres keep light near its cone of incidence, and each scattering widens the cone.
-// direct: share of the light that passes all fibres; left: from fibre_transmittance, for grey.
+// Returns along_cone in hair that hangs side by side (formulas 4.13): x for light that was only scattered forward, y
+// for other light. Parallel fibres keep light near its cone of incidence, and each scattering widens the cone.
+// `direct`: share of the light that passes all fibres; `left`: grey value from fibre_transmittance.
 fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> vec2<f32> {
     let shares = fibre_shares(fibre, cos_i);
     let light = vec4(1.0, left, left * left, left * left * left);
     let wide = fibre.optics.w * LOBE_VARIANCE;
-    // Fits may be zero or negative for opaque fibres.
+    // For opaque fibres, the fits may be zero or negative.
     let on = max(dot(shares[0], light), 1e-4);
     let all = on + max(dot(shares[1], light), 0.0);
     let width = dot(shares[0] + shares[1], light * wide) / all;
     let depth = -log(clamp(direct, 1e-30, 1.0));
-    // Conditional on at least one forward scattering.
+    // Mean number of forward scatterings; `sent / (1 - exp(-sent))` is the mean given that there is at least one.
     let sent = max(on * depth, 1e-3);
     let sent_on = dot(shares[0], light * wide) / on * sent / (1.0 - exp(-sent));
-    // Mean number of scatterings of light that comes back from the sheet, from the decrease of that light with growing
-    // absorption.
+    // Mean number of scatterings of light that returns from the sheet, derived from the decrease of that light with
+    // growing absorption.
     let back = TURNED_ON * on + TURNED_BACK * (all - on);
     let lost = max(1.0 - (1.0 - LEAKS) * all, 1e-4);
     let met = back * inverseSqrt(lost * (lost + 2.0 * back));

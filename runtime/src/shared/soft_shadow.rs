@@ -1,29 +1,30 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
-/// WGSL source; depends on no other topic.
+/// WGSL source; does not depend on other topics.
 pub const WGSL: &str = include_str!("soft_shadow.wgsl");
 
-/// Scales of the shadow-width map in metres. 16 bytes, laid out as the WGSL structure of the same name.
+/// Scales of the shadow-width map, metres. 16 bytes, in the layout of the WGSL structure of the same name.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct SoftShadow {
-    /// Metres from depth 0 to depth 1.
+    /// Distance between depth 0 and depth 1, metres.
     pub range_m: f32,
-    /// Width of the penumbra over the distance from the occluder: 1 / C_scale of Yang 2006, §5. 0 is a hard shadow.
+    /// Width of the penumbra divided by the distance from the occluder; 0 gives a hard shadow. 1 / C_scale of Yang
+    /// 2006, §5.
     pub penumbra: f32,
-    /// Half the width of the map's blur, metres; at 1 m from a point light, anywhere for a distant one.
+    /// Half the width of the map's blur, metres; for a point light, at a distance of 1 m.
     pub blur: f32,
-    /// Size of a texel, in the unit of `blur`.
+    /// Width of a texel, in the unit of `blur`.
     pub texel: f32,
 }
 
-/// Returns Attenu_Shadow of Yang 2006, §5, made safe: 1 − `sw` / (`penumbra` · `sd`), with the penumbra inside the hard
-/// edge.
+/// Returns Attenu_Shadow of Yang 2006, §5, with the penumbra inside the hard edge: 1 − `sw` / (`penumbra` · `sd`). The
+/// width of the penumbra is clamped, unlike in the paper.
 ///
-/// * `sd` - metres behind the occluder; 0 and less is lit
-/// * `sw` - metres from the edge into the shadow, 0..=`blur`
-/// * `blur` - largest `sw`; wider penumbrae are limited to it, so that their middle gets dark
+/// * `sd` - distance behind the occluder, metres; lit if 0 or less
+/// * `sw` - distance from the edge into the shadow, metres, 0..=`blur`
+/// * `blur` - maximum of `sw`; wider penumbrae are clamped to it, so that their middle gets dark
 pub fn inner_attenuation(sd: f32, sw: f32, penumbra: f32, blur: f32) -> f32 {
     let width = (sd * penumbra).max(1e-6).min(blur);
     if sd <= 0.0 { 1.0 } else { (1.0 - sw / width).clamp(0.0, 1.0) }
@@ -31,25 +32,26 @@ pub fn inner_attenuation(sd: f32, sw: f32, penumbra: f32, blur: f32) -> f32 {
 
 /// Returns Attenu_Shadow with the penumbra on both sides of the hard edge, as for a round light.
 ///
-/// * `edge` - metres from the hard edge, positive in the shadow, −`blur`..=`blur`
+/// * `edge` - signed distance from the hard edge, metres, positive in the shadow, −`blur`..=`blur`
 pub fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 {
     let width = (sd * penumbra).max(1e-6).min(2.0 * blur);
     if sd <= 0.0 { 1.0 } else { (0.5 - edge / width).clamp(0.0, 1.0) }
 }
 
-/// Returns the depth bias: metres that a surface may be behind the first one and still count as the same. Arguments as
-/// of [`soft_shadow()`].
+/// Returns the depth bias, metres: distance that a surface may be behind the first one and still count as the same.
+/// Arguments as for [`soft_shadow()`].
 pub fn depth_bias(distance: f32, path: f32, s: &SoftShadow) -> f32 {
     s.texel * distance * (0.5 + path)
 }
 
 /// Returns Attenu_Shadow of Yang 2006, eq. (3), at a receiver: 1 lit, 0 dark.
 ///
-/// * `texel` - of the shadow-width map: blurred occlusion, depth of the occluder times that, depth of the first surface
+/// * `texel` - texel of the shadow-width map: blurred occlusion, depth of the occluder times that, depth of the first
+///   surface
 /// * `z` - depth of the receiver in the map's range, 0..=1
-/// * `distance` - from a point light, metres; 1 for a distant one
+/// * `distance` - distance from a point light, metres; 1 for a distant light
 /// * `path` - [`crate::shared::layer_shadow::slanted_path`] at the receiver
-/// * `centred` - the penumbra extends to both sides of the hard edge, not only inwards
+/// * `centred` - whether the penumbra extends to both sides of the hard edge, not only inwards
 pub fn soft_shadow(texel: Vec4, z: f32, distance: f32, path: f32, s: &SoftShadow, centred: bool) -> f32 {
     let blur = s.blur * distance;
     let bias = depth_bias(distance, path, s);

@@ -1,17 +1,17 @@
-//! Modification of pipelines for studies, by shader name.
+//! Modification of pipelines for studies, selected by shader name.
 
 use super::{light_is_slanted, opacity_spans_all, penumbra_is_centred, spacing_is_printed};
 use crate::gpu::{ComputeSpec, RenderSpec, flag};
 use crate::params::{Anchoring, FeatureRule, FrameParams, LightingStage, SlantForm};
 
-/// Replaces a requested pipeline by its study variant.
+/// Replaces the pipeline in `spec` by its study variant.
 pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
     let study = &params.study;
     let lit = [
         flag("LOOK_SLANTED", study.view_slant == SlantForm::Corrected),
         flag("LIGHT_SLANTED", light_is_slanted(params)),
         flag("CENTRED", penumbra_is_centred(params)),
-        // Scattering tables are read per fragment.
+        // Scattering tables are sampled per fragment, so they exclude lighting at vertices.
         flag(
             "VERTEX_LIGHTING",
             study.lighting == LightingStage::Vertex && !spec.constants.contains(&flag("SCATTERING", true)),
@@ -39,7 +39,7 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
     }
 }
 
-/// Replaces a compute pipeline by its study variant.
+/// Returns the study variant of a compute pipeline.
 pub(crate) fn amend_compute(params: &FrameParams, mut spec: ComputeSpec) -> ComputeSpec {
     let of_slabs = [
         flag("WHOLE_DEPTH", opacity_spans_all(params)),

@@ -1,4 +1,4 @@
-//! Forms as the papers print them, in addition to those that pelage draws with; compiled with the feature `study`.
+//! Published forms of the papers' formulas, in addition to pelage's own; compiled with the feature `study`.
 //!
 //! Shader functions that have another form are in files of their own (`light/forms.wgsl`, `light/deep_forms.wgsl`,
 //! `ink/line_forms.wgsl`, `ink/surface_forms.wgsl`). With the feature, files of the same names in this folder replace
@@ -14,7 +14,8 @@ mod amend;
 #[cfg(feature = "study")]
 pub(crate) use amend::{amend, amend_compute};
 
-/// Includes a file of forms in the variant of this build; for files in a folder of `passes`.
+/// Includes the forms file that belongs to this build, with or without the feature `study`; for files in a folder of
+/// `passes`.
 macro_rules! form_wgsl {
     ($file:literal) => {
         if cfg!(feature = "study") {
@@ -26,7 +27,7 @@ macro_rules! form_wgsl {
 }
 pub(crate) use form_wgsl;
 
-/// Declares functions by which Rust code queries the forms: the default value, and the value in a study.
+/// Declares functions by which Rust code queries a form. Each has a default value and a value in a study.
 macro_rules! forms {
     ($($(#[$doc:meta])+ $name:ident: $ty:ty = $ours:expr, studied $study:ident: $studied:expr;)+) => {
         $($(#[$doc])+
@@ -57,18 +58,18 @@ macro_rules! forms {
 forms! {
     /// Returns whether the slabs of strand shadows divide the whole depth of the hair.
     opacity_spans_all: bool = false, studied study: study.opacity != OpacityForm::Deep;
-    /// Returns whether the slabs of strand shadows use the printed spacing.
+    /// Returns whether the slabs of strand shadows use the published spacing.
     spacing_is_printed: bool = false, studied study: study.opacity == OpacityForm::Printed;
     /// Returns whether texels of strand shadows may be narrower than a strand.
     texels_may_be_thin: bool = false, studied study: study.thin_texels;
     /// Returns the fixed number of segments per strand; `None` if the size on screen decides.
     strand_pieces: Option<u32> = None, studied study: study.strand_pieces;
-    /// Returns whether the light's path through a layer grows with its slant.
+    /// Returns whether the path of light through a layer grows with its inclination.
     light_is_slanted: bool = true, studied study: study.light_slant == SlantForm::Corrected;
     /// Returns whether the penumbra extends to both sides of the hard edge.
     penumbra_is_centred: bool = true, studied study: study.penumbra == PenumbraForm::Centred;
-    /// Returns whether the light ends past the terminator.
+    /// Returns whether direct light ends at the terminator.
     back_attenuation: bool = true, studied study: study.back_attenuation;
-    /// Returns whether ambient light fades towards the mesh surface.
+    /// Returns whether ambient light decreases towards the mesh surface.
     ambient_attenuation: bool = true, studied study: study.ambient_attenuation;
 }

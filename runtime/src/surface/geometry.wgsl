@@ -1,6 +1,6 @@
-// Vertex layout, stored or posed, for shaders that read vertices from storage buffers.
+// Vertex layout, for both stored and posed vertices, for shaders that read them from storage buffers.
 
-// 48 bytes.
+// Size: 48 bytes.
 struct GeometryVertex {
     position: vec3<f32>,
     fur_height: f32,

@@ -15,16 +15,16 @@ use wgpu::util::DeviceExt;
 pub(crate) struct MaterialUniform {
     pub(crate) base_color: [f32; 4],
     pub(crate) alpha_cutoff: f32,
-    /// 1 / height of the tile's hair, metres; 0 if there is none.
+    /// Reciprocal of the height of the tile's hair, 1/m; 0 if there is none.
     pub(crate) share_per_m: f32,
-    /// `VisibilityInfo::horizon`; 1 if the package has none.
+    /// Value of `VisibilityInfo::horizon`; 1 if the package has none.
     pub(crate) horizon: f32,
     /// Index of the fur's fibre in the package.
     pub(crate) fibre: u32,
     /// Sine of the angle behind the terminator up to which hair tips are lit.
     pub(crate) rim: f32,
     pub(crate) reserved: [f32; 3],
-    /// Per height: mean and along of `RootsInfo::asides`, in coordinates of the base colour, and 0.
+    /// Per height: mean and along of `RootsInfo::asides`, in texture coordinates of the base colour, then 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
 }
 
@@ -34,7 +34,7 @@ pub(crate) const STREAMS: [VertexLayout; 2] = [
     VertexLayout::of::<AttributeVertex>(&ATTRIBUTE_ATTRIBUTES),
 ];
 
-/// First vertex stream, [`GeometryVertex`].
+/// Attributes of the first vertex stream, [`GeometryVertex`].
 pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
     attribute(0, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
     attribute(1, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, fur_height)),
@@ -42,7 +42,7 @@ pub(crate) const GEOMETRY_ATTRIBUTES: [wgpu::VertexAttribute; 5] = [
     attribute(3, wgpu::VertexFormat::Float32x4, offset_of!(GeometryVertex, tangent)),
     attribute(7, wgpu::VertexFormat::Float32, offset_of!(GeometryVertex, lean)),
 ];
-/// Second vertex stream, [`AttributeVertex`].
+/// Attributes of the second vertex stream, [`AttributeVertex`].
 pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
     attribute(4, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, tile_uv)),
     attribute(5, wgpu::VertexFormat::Float32x2, offset_of!(AttributeVertex, base_uv)),
@@ -50,25 +50,25 @@ pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
     attribute(8, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, groom)),
 ];
 
-/// Storage buffers bound at once by passes over strands.
+/// Maximum number of storage buffers that strand passes bind at once.
 const STRAND_BUFFERS: u32 = 7;
 
-/// Threads of the workgroup that counts strands, the largest workgroup.
+/// Threads of the workgroup that counts strands, which is the largest workgroup.
 pub(crate) const SCAN_WORKGROUP: u32 = 256;
 
-/// Bind group layouts, and placeholders for missing textures.
+/// Bind group layouts of surfaces, and placeholders for missing textures.
 #[derive(Debug)]
 pub(crate) struct Surfaces {
-    /// Layout of group 0: frame, and the instance at a dynamic offset.
+    /// Layout of group 0: frame block, and instance block at a dynamic offset.
     pub(crate) frame: wgpu::BindGroupLayout,
     /// Layout of group 1: material.
     pub(crate) material: wgpu::BindGroupLayout,
     /// Layout of group 2: hair textures.
     pub(crate) fur: wgpu::BindGroupLayout,
-    /// Layout of group 3, only for fins: posed vertices, attributes, fins. `None` if vertex shaders have no storage
-    /// buffers.
+    /// Layout of group 3, only for fins: posed vertices, attributes, fins. `None` if the device has no storage buffers
+    /// in vertex shaders.
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
-    /// Whether single strands can be drawn: compute shaders have enough storage buffers.
+    /// Whether single strands can be drawn: the device has enough storage buffers in compute shaders.
     pub(crate) strands: bool,
     pub(crate) white: wgpu::TextureView,
     pub(crate) white_array: wgpu::TextureView,
@@ -81,7 +81,7 @@ fn layout(device: &wgpu::Device, label: &str, entries: &[wgpu::BindGroupLayoutEn
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
 }
 
-/// Returns the layout entry of a hair direction texture, which vertex shaders may read too.
+/// Returns the layout entry of a hair direction texture, which vertex shaders may also read.
 fn directions(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
     wgpu::BindGroupLayoutEntry { visibility, ..texture(binding, wgpu::TextureViewDimension::D2Array) }
@@ -109,7 +109,7 @@ impl Surfaces {
         let limits = device.limits();
         let strands = limits.max_storage_buffers_per_shader_stage >= STRAND_BUFFERS
             && limits.max_compute_invocations_per_workgroup >= SCAN_WORKGROUP;
-        // Compute shaders light the strands.
+        // Strands are lit in compute shaders, so these also need access.
         let stages = match strands {
             true => wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
             false => wgpu::ShaderStages::VERTEX_FRAGMENT,
@@ -162,7 +162,7 @@ impl Surfaces {
         }
     }
 
-    /// Creates group 1: material.
+    /// Creates bind group 1, the material.
     pub(crate) fn material_group(
         &self,
         gpu: &Gpu,
@@ -184,7 +184,7 @@ impl Surfaces {
         gpu.bind_group("pelage material", &self.material, &entries)
     }
 
-    /// Creates group 2: hair textures.
+    /// Creates bind group 2, the hair textures.
     pub(crate) fn fur_group(&self, gpu: &Gpu, hair: &HairViews, sampler: &wgpu::Sampler) -> wgpu::BindGroup {
         let [wet_colors, wet_directions] = hair.wet.as_ref().map_or([&self.white_array; 2], <[_; 2]>::each_ref);
         let [seen, wet_seen] = hair.visibility.each_ref().map(|view| view.as_ref().unwrap_or(&self.white_array));
@@ -214,7 +214,7 @@ pub(crate) struct FibreResources {
 }
 
 impl FibreResources {
-    /// Creates the resources. `fibres`: at most [`FibreInfo::MOST`].
+    /// Creates the resources for at most [`FibreInfo::MOST`] `fibres`.
     pub(crate) fn new(gpu: &Gpu, tables: wgpu::TextureView, fibres: &[Fibre]) -> Self {
         let mut block: FibreBlock = [Fibre::default(); FibreInfo::MOST];
         block.iter_mut().zip(fibres).for_each(|(to, from)| *to = *from);

@@ -1,5 +1,5 @@
 //! uses shared/frame, shared/skinning, shared/tile_frame
-// Vertices, placement of vertices and hair, and base colours, shared by all passes over a model's surface.
+// Vertices, positions of vertices and hair, and base colours; shared by all passes over a model's surface.
 
 struct Vertex {
     @location(0) position: vec3<f32>,
@@ -10,25 +10,25 @@ struct Vertex {
     @location(5) base_uv: vec2<f32>,
     @location(6) color: vec4<f32>,
     @location(7) lean: f32,
-    // Bareness, wetness; openness of the body, packed.
+    // Bareness and wetness, then the packed openness of the body.
     @location(8) groom: vec4<f32>,
 }
 
 struct Material {
     base_color: vec4<f32>,
-    // Smallest opacity that is kept; 0 cuts nothing.
+    // Minimum opacity of fragments that are not discarded; 0 discards none.
     alpha_cutoff: f32,
-    // 1 / height of the tile's hair, metres; 0 if there is none.
+    // Reciprocal of the height of the tile's hair, 1/m; 0 if there is none.
     share_per_m: f32,
-    // Coefficient k of the fade of lights near the horizon, 1 - exp(-k z).
+    // Coefficient k with which lights fade near the horizon, 1 - exp(-k z).
     horizon: f32,
     // Index of the fur's fibre in the package.
     fibre: u32,
     // Sine of the angle behind the terminator up to which hair tips are lit. Near the outline, hair extends beyond the
-    // surface that hides the light.
+    // surface that blocks the light.
     rim: f32,
-    // Sideways offset of hair from its root, in coordinates of the base colour, as root_aside takes it. Sampled at
-    // heights spread evenly from the mesh surface to the outermost layer.
+    // Sideways offsets of hair from its root, in texture coordinates of the base colour, in the form that root_aside
+    // expects. They are sampled at even heights from the mesh surface to the outermost layer.
     asides: array<vec4<f32>, 8>,
 }
 
@@ -38,16 +38,16 @@ struct Material {
 @group(1) @binding(1) var base_color_texture: texture_2d<f32>;
 @group(1) @binding(2) var base_color_sampler: sampler;
 
-// Overrides compile away features that a package or frame does not need. A branch on a uniform costs its body on
-// rasterisers that mask instead of jump.
+// Overrides compile away features that a package or frame does not need. On rasterisers that mask instead of branching,
+// a branch on a uniform costs as much as its body.
 
 // The material has a base-colour texture.
 override BASE_COLOR_TEXTURE: bool = false;
-// The material discards fragments less opaque than its alpha_cutoff.
+// The material discards fragments whose opacity is below its alpha_cutoff.
 override CUTOUT: bool = false;
 // At least one vertex leans more than the tile's strands.
 override LEAN: bool = false;
-// At least one vertex has a hair length other than the tile's.
+// At least one vertex has hair of another length than the tile's.
 override SHORT: bool = false;
 
 fn normal_ws(v: Vertex) -> vec3<f32> {
@@ -64,8 +64,9 @@ fn tile_frame_of(v: Vertex, normal: vec3<f32>) -> TileFrame {
     return tile_frame(normal, tangent, v.tangent.w * instance.handedness);
 }
 
-// Returns the world-space position of a point of the hair that grows from a vertex: P(h) of formulas 2.5. height: share
-// of the fur height. The offset is along the normal, and bent towards the comb direction by the square of the height.
+// Returns the world-space position of a point of the hair that grows from a vertex: P(h) of formulas 2.5. `height`:
+// height relative to the fur height. The offset is along the normal, and bends towards the comb direction with the
+// square of the height.
 fn hair_position(v: Vertex, tile: TileFrame, height: f32) -> vec3<f32> {
     var offset = tile.normal_ws * height;
     if LEAN {
@@ -74,7 +75,8 @@ fn hair_position(v: Vertex, tile: TileFrame, height: f32) -> vec3<f32> {
     return position_ws(v) + offset * (v.fur_height * instance.scale);
 }
 
-// Returns the base colour of the material at a point. tint: factor times vertex colour, interpolated.
+// Returns the base colour of the material at a point. `tint`: interpolated product of the base colour factor and the
+// vertex colour.
 fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
     if BASE_COLOR_TEXTURE {
         return tint * textureSample(base_color_texture, base_color_sampler, uv);
@@ -82,7 +84,7 @@ fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
     return tint;
 }
 
-// Returns whether a texel of that base opacity is discarded.
+// Returns whether a texel with this opacity is discarded.
 fn is_cut(alpha: f32) -> bool {
     return CUTOUT && alpha < material.alpha_cutoff;
 }

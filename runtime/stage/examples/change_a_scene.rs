@@ -1,6 +1,9 @@
-//! Loads a scene file, changes it, and draws it: `cargo run --release -p pelage-stage --features draw --example
-//! change_a_scene` `SCENE.toml PICTURE.png [SECONDS]`. The first model appears twice: the copy is beside it, faces the
-//! other way, and a lamp lights both.
+//! Loads a scene file, changes it and draws it. The first model is copied. The copy is beside it and faces the other
+//! way; a lamp lights both.
+//!
+//! ```text
+//! cargo run --release -p pelage-stage --features draw --example change_a_scene SCENE.toml PICTURE.png [SECONDS]
+//! ```
 
 use pelage_stage::{Framing, Gpu, NamedPackage, Number, Point, SceneFile, Stage};
 use std::error::Error;
@@ -13,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let time_s: f32 = rest.first().map_or(Ok(0.0), |seconds| seconds.parse())?;
 
-    // Read: errors include line and key. The look may be in a separate file.
+    // Read the scene: errors include line and key. The look may be in a separate file.
     let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
     let read = |path: &str| std::fs::read(folder.join(path)).map_err(|error| format!("{path}: {error}"));
     let mut file = SceneFile::parse(scene, std::fs::read(scene)?)?;
@@ -22,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Ok((folder.join(path).display().to_string(), text))
     })?;
 
-    // Change: a scene is plain data until it is loaded.
+    // Change the scene: it is plain data until it is loaded.
     let mut copy = file.scene.models[0].clone();
     copy.name = Some("copy".into());
     copy.path = None;
@@ -30,10 +33,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     copy.position = Some(Point(glam::Vec3::new(1.5, 0.0, 0.0)));
     file.scene.models.push(copy);
 
-    // Load: this program provides the packages.
+    // Load the scene: this program provides the packages.
     let loaded = file.load(&|path: &str| Ok(NamedPackage::new(path, read(path)?)))?;
 
-    // Draw: with the scene's camera, or one that frames all models; four samples per pixel, lit by a lamp.
+    // Draw the picture with the scene's camera, or one that frames all models. It has four samples per pixel and is lit
+    // by a lamp.
     look.set("picture.samples=4")?;
     look.set("light.position_m=[2, 4, 3]")?;
     let cast = loaded.cast(None, look.aspect(), &Framing::default())?;

@@ -5,19 +5,20 @@ use crate::stage::motion;
 use pelage_formats::ClipLayer;
 use pelage_runtime::Motion;
 
-/// Plays a clip and cross-fades to others. It is independent of models: keep one per character, call it for clips and
-/// for passing time, and set its [`Animator::motion`] on the character's instance.
+/// Plays a clip and cross-fades to others. Independent of models: keep one per character. Notify it of clips and of
+/// passing time, and set its [`Animator::motion`] on the character's instance.
 ///
-/// A clip requested during a fade starts from the current blended pose, so nothing jumps.
+/// A clip requested during a fade starts from the current blended pose, so that the motion is continuous.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animator {
-    /// Layers in order; the last is the latest request. Earlier ones count until it has faded in completely.
+    /// Layers in order of request, the latest last. Earlier layers have weight until the latest has faded in
+    /// completely.
     layers: Vec<Layer>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 struct Layer {
-    /// Clip; `None` is rest.
+    /// Clip that the layer plays; `None` for the rest pose.
     playing: Option<Playback>,
     /// Seconds since the request.
     time_s: f32,
@@ -42,15 +43,15 @@ impl Animator {
         Self::default()
     }
 
-    /// Fades to that clip, or to rest, within `fade_s` seconds. 0, negative values and NaN switch immediately. The clip
-    /// begins at its `start_s`.
+    /// Fades to a clip, or to the rest pose with `None`, within `fade_s` seconds. 0, negative values and NaN switch
+    /// immediately. The clip begins at its `start_s`.
     pub fn play(&mut self, playing: Option<Playback>, fade_s: f32) {
         let fade_s = if fade_s.is_nan() { 0.0 } else { fade_s.max(0.0) };
         self.layers.push(Layer { playing, time_s: 0.0, fade_s });
         self.tidy();
     }
 
-    /// Advances time by `seconds`; negative, NaN and infinite values do nothing.
+    /// Advances time by `seconds`. Negative, NaN and infinite values are ignored.
     pub fn advance(&mut self, seconds: f32) {
         if seconds > 0.0 && seconds.is_finite() {
             self.layers.iter_mut().for_each(|layer| layer.time_s += seconds);
@@ -58,17 +59,17 @@ impl Animator {
         }
     }
 
-    /// Returns the latest request; `None` is rest.
+    /// Returns the latest requested clip; `None` for the rest pose.
     pub fn playing(&self) -> Option<&Playback> {
         self.layers.last().and_then(|layer| layer.playing.as_ref())
     }
 
-    /// Whether a fade to another clip is in progress.
+    /// Returns whether a fade to another clip is in progress.
     pub fn is_fading(&self) -> bool {
         self.layers.last().is_some_and(|layer| layer.share() < 1.0)
     }
 
-    /// Whether a clip that does not loop has faded in completely and reached its end.
+    /// Returns whether a clip that does not loop has faded in completely and reached its end.
     pub fn is_over(&self) -> bool {
         let Some(layer) = self.layers.last() else { return false };
         let at_end = |playing: &Playback| !playing.looped && playing.moment(layer.time_s) >= playing.duration_s;
@@ -84,7 +85,7 @@ impl Animator {
         motion(self.layers.iter().map(layer).collect())
     }
 
-    /// Drops layers without weight, and the oldest ones beyond the maximum of a pose.
+    /// Drops layers without weight. Drops the oldest layers if there are more than a pose can have.
     fn tidy(&mut self) {
         let whole = self.layers.iter().rposition(|layer| layer.share() >= 1.0).unwrap_or(0);
         let most = self.layers.len().saturating_sub(Motion::MAX_LAYERS);

@@ -4,27 +4,27 @@ use crate::{Gpu, StageError};
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_runtime::{RendererOptions, wgpu};
 
-/// Colour format of the canvas: linear values in, sRGB bytes out.
+/// Colour format of the canvas. Shaders write linear values; the bytes are sRGB-encoded.
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 /// Depth format of the canvas.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Options of a canvas; they match the [`RendererOptions`] of what is drawn on it.
+/// Options of a canvas. They must match the [`RendererOptions`] of the renderers that draw on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CanvasOptions {
-    /// Colour format: uncompressed.
+    /// Colour format; must be uncompressed.
     pub color_format: wgpu::TextureFormat,
     /// Depth format.
     pub depth_format: wgpu::TextureFormat,
     /// Samples per pixel, 1 or 4.
     pub sample_count: u32,
-    /// Whether depth is 1 at the near plane and 0 at the far plane.
+    /// Whether depth is reversed: 1 at the near plane and 0 at the far plane.
     pub reversed_depth: bool,
 }
 
 impl Default for CanvasOptions {
-    /// Returns [`COLOR_FORMAT`] and [`DEPTH_FORMAT`] with one sample and reversed depth. Reversed depth spreads
-    /// precision evenly over distance, which avoids depth fighting of shells near a far camera.
+    /// Returns [`COLOR_FORMAT`] and [`DEPTH_FORMAT`] with one sample and reversed depth. Reversed depth distributes
+    /// precision evenly over distance, which avoids depth fighting between shells far from the camera.
     fn default() -> Self {
         Self { color_format: COLOR_FORMAT, depth_format: DEPTH_FORMAT, sample_count: 1, reversed_depth: true }
     }
@@ -42,7 +42,7 @@ impl From<&RendererOptions> for CanvasOptions {
 }
 
 impl CanvasOptions {
-    /// Returns renderer options for such a canvas.
+    /// Returns renderer options that match this canvas.
     pub fn renderer(&self) -> RendererOptions {
         RendererOptions {
             color_format: self.color_format,
@@ -54,7 +54,7 @@ impl CanvasOptions {
     }
 }
 
-/// Colour and depth targets of one size.
+/// Colour and depth targets of the same size.
 #[derive(Debug)]
 pub struct Canvas {
     size: (u32, u32),
@@ -79,7 +79,7 @@ impl Canvas {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
-                // A window shows the picture's bytes unchanged, without decoding.
+                // A window shows the encoded bytes of the picture, so it needs a view without sRGB decoding.
                 view_formats: if usage.contains(wgpu::TextureUsages::TEXTURE_BINDING) { &plain } else { &[] },
             })
         };
@@ -93,8 +93,8 @@ impl Canvas {
         Self { size, color_view: view(&color), color, multisampled, depth_view, reversed_depth: options.reversed_depth }
     }
 
-    /// Begins a pass on the canvas. With `clear`, colour starts at that premultiplied linear colour and depth at its
-    /// far end. Otherwise both continue from the pass before.
+    /// Begins a pass on the canvas. With `clear`, colour starts at this premultiplied linear colour and depth at the
+    /// far plane. Otherwise both keep the contents of the previous pass.
     pub fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -130,7 +130,8 @@ impl Canvas {
     }
 
     /// Begins a pass that keeps the depth of the previous one and clears colour to transparent. `queries` counts the
-    /// samples that pass the depth test between `begin_occlusion_query` and its end. Only for one sample per pixel.
+    /// samples that pass the depth test between `begin_occlusion_query` and `end_occlusion_query`. Requires one sample
+    /// per pixel.
     pub fn count_behind<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -157,7 +158,7 @@ impl Canvas {
         })
     }
 
-    /// Reads the canvas back unchanged: `width * height` texels of its format, rows from the top.
+    /// Reads the canvas back unchanged: `width * height` texels in its format, rows from the top.
     pub fn texels(&self, gpu: &Gpu) -> Result<Vec<u8>, StageError> {
         gpu.read_texture(&self.color, 0)
     }
@@ -170,7 +171,7 @@ impl Canvas {
         Ok(pixels)
     }
 
-    /// Returns the picture as a texture of its encoded bytes, for display on a screen.
+    /// Returns a view of the picture's encoded bytes, for display on a screen.
     pub fn encoded(&self) -> wgpu::TextureView {
         let format = Some(self.color.format().remove_srgb_suffix());
         self.color.create_view(&wgpu::TextureViewDescriptor { format, ..Default::default() })
@@ -182,8 +183,8 @@ impl Canvas {
     }
 }
 
-/// Converts premultiplied, sRGB-encoded bytes to straight alpha. Alpha was multiplied in linear light, so it is divided
-/// there.
+/// Converts premultiplied, sRGB-encoded bytes to straight alpha. Divides by alpha in linear light, where it was
+/// multiplied.
 fn unpremultiply(pixel: &mut [u8]) {
     let alpha = pixel[3];
     if alpha == 0 || alpha == 255 {

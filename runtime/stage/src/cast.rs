@@ -1,4 +1,4 @@
-//! Models in the picture, and the position of each of them and of the camera over time; independent of a device.
+//! Models of a picture, with the position of each model and of the camera over time. Independent of a device.
 
 use crate::extent::{no_match_error, outline};
 use crate::framing::{Framing, outermost};
@@ -8,40 +8,40 @@ use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::{Animation, ClipLayer, Manifest, Package, Pose};
 use std::sync::Arc;
 
-/// Samples between two keys of a path. Its curve may overshoot them.
+/// Number of samples between two keys of a path; its curve may overshoot the keys.
 const MOMENTS_PER_KEY: usize = 8;
 
 /// Contents of a picture over time.
 #[derive(Clone, Debug)]
 pub struct Cast<'a> {
-    /// Packages, each once and opened once; the results of parsing a section are shared by all users.
+    /// Packages, each listed and opened once, so that all users share the parsed sections.
     pub packages: Vec<(&'a NamedPackage<'a>, Arc<Package<'a>>)>,
-    /// Copies of their models; at least one.
+    /// Copies of the packages' models; at least one.
     pub actors: Vec<Actor>,
     /// Camera over time.
     pub camera: CameraTrack,
 }
 
-/// Copy of a package's model.
+/// A copy of a package's model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actor {
     /// Index into [`Cast::packages`].
     pub package: usize,
     /// Position and heading over time.
     pub place: Placement,
-    /// Clip that plays; `None` at rest.
+    /// Clip that is played; `None` at rest.
     pub clip: Option<Playback>,
-    /// Clip that it fades to, and progress of the fade, 0..=1.
+    /// Clip to which the current one fades, and progress of the fade, 0..=1.
     pub fade_to: Option<(Playback, f32)>,
-    /// Displacement per cycle of its clip: when the clip restarts, the model continues from there. In model space, as
-    /// returned by [`root_displacement`]; zero keeps it at the same position.
+    /// Displacement per cycle of the clip, in model space, as returned by [`root_displacement`]. When the clip
+    /// restarts, the model continues from the displaced position. With zero it stays at the same position.
     pub cycle_displacement: Vec3,
-    /// Morph targets with their own weights, regardless of the clips: index and weight.
+    /// Morph targets with weights that override those of the clips: index and weight.
     pub morphs: Vec<(usize, f32)>,
 }
 
 impl Actor {
-    /// Whether position or pose change over time.
+    /// Returns whether position or pose change over time.
     pub fn moves(&self) -> bool {
         let Placement { position, heading_deg, scale: _ } = &self.place;
         self.clip.is_some()
@@ -56,10 +56,10 @@ impl Actor {
 pub struct Placement {
     /// Position in metres.
     pub position: Track<Vec3>,
-    /// Heading in degrees about the vertical axis, from +z towards +x; `None` follows the path, as [`Track::direction`]
-    /// does.
+    /// Heading about the vertical axis, degrees from +z towards +x. With `None` the model faces along the path, as
+    /// given by [`Track::direction`].
     pub heading_deg: Option<Track<f32>>,
-    /// Scale, 1 as baked.
+    /// Scale factor; 1 is the size as baked.
     pub scale: f32,
 }
 
@@ -72,19 +72,19 @@ pub struct Playback {
     pub duration_s: f32,
     /// Time within the clip at time 0 of the scene, seconds.
     pub start_s: f32,
-    /// Playback speed: seconds of the clip per second.
+    /// Playback speed, seconds of the clip per second of the scene.
     pub speed: f32,
     /// Whether the clip restarts at its end; otherwise it holds its last pose.
     pub looped: bool,
 }
 
 impl Placement {
-    /// Returns a fixed position, facing +z.
+    /// Returns a fixed position; the model faces +z.
     pub fn fixed(position: Vec3) -> Self {
         Self { position: Track::fixed(position), heading_deg: Some(Track::fixed(0.0)), scale: 1.0 }
     }
 
-    /// Returns the model to world transform at `time_s`.
+    /// Returns the transform from model to world space at `time_s`.
     pub fn transform(&self, time_s: f32) -> Mat4 {
         let heading_rad = match &self.heading_deg {
             Some(track) => track.at(time_s).to_radians(),
@@ -96,13 +96,14 @@ impl Placement {
 }
 
 impl Actor {
-    /// Returns the model to world transform at `time_s`.
+    /// Returns the transform from model to world space at `time_s`. Includes the displacement of completed cycles of
+    /// the clip.
     pub fn transform(&self, time_s: f32) -> Mat4 {
         let rounds = self.clip.map_or(0.0, |playing| playing.cycles(time_s));
         self.place.transform(time_s) * Mat4::from_translation(rounds * self.cycle_displacement)
     }
 
-    /// Returns the clip layers of its pose at `time_s`; empty at rest.
+    /// Returns the clip layers of the actor's pose at `time_s`; empty at rest.
     pub fn layers(&self, time_s: f32) -> Vec<ClipLayer> {
         let wholly = self.clip.map(|playing| playing.layer(time_s, 1.0));
         wholly.into_iter().chain(self.fade_to.map(|(playing, share)| playing.layer(time_s, share))).collect()
@@ -110,8 +111,9 @@ impl Actor {
 }
 
 impl Playback {
-    /// Returns looped playback of the clip with that name, from its beginning and at its own speed; `None` without a
-    /// name. `package` is `file` opened.
+    /// Returns looped playback of the named clip, from its beginning and at speed 1. `None` without a name.
+    ///
+    /// * `package`: `file`, opened
     ///
     /// # Errors
     ///
@@ -125,19 +127,19 @@ impl Playback {
         Ok(found.map(|(clip, duration_s)| Self { clip, duration_s, start_s: 0.0, speed: 1.0, looped: true }))
     }
 
-    /// Returns the clip as a layer of a pose, with weight `share`.
+    /// Returns the clip as a layer of a pose, with the weight `share`.
     pub fn layer(&self, time_s: f32, share: f32) -> ClipLayer {
         ClipLayer { clip: Some(self.clip), time_s: self.moment(time_s), share }
     }
 
-    /// Returns the time within the clip, seconds, at `time_s` of the scene.
+    /// Returns the time within the clip, seconds; `time_s` is the time of the scene.
     pub fn moment(&self, time_s: f32) -> f32 {
         let time_s = self.start_s + self.speed * time_s;
         if self.looped { wrap_time(time_s, self.duration_s) } else { time_s.min(self.duration_s).max(0.0) }
     }
 
-    /// Returns how often the clip has restarted at `time_s` of the scene; negative before its beginning, 0 if it does
-    /// not loop.
+    /// Returns how often the clip has restarted at scene time `time_s`. Negative before the clip's beginning, 0 if it
+    /// does not loop.
     pub fn cycles(&self, time_s: f32) -> f32 {
         if !self.looped || self.duration_s <= 0.0 {
             return 0.0;
@@ -147,13 +149,15 @@ impl Playback {
 }
 
 impl<'a> Cast<'a> {
-    /// Creates copies of one package's model, side by side on a grid, all at the same moment of the named clip (`None`:
-    /// at rest). Without `camera`, one is [`frame_actors`] to show all of them at that aspect ratio, width over height.
-    /// `package` is `file` opened.
+    /// Creates copies of one package's model, side by side on a grid. All are at the same time of the named clip
+    /// (`None`: at rest). Without `camera`, [`frame_actors`] makes one that shows all of them.
+    ///
+    /// * `package`: `file`, opened
+    /// * `aspect`: width of the picture divided by its height
     ///
     /// # Errors
     ///
-    /// [`StageError::Request`] if the clip or the named part to look at does not exist, [`StageError::Package`] for a
+    /// [`StageError::Request`] if the clip, or the named part to look at, does not exist. [`StageError::Package`] for a
     /// damaged package.
     pub fn crowd(
         file: &'a NamedPackage<'a>,
@@ -181,7 +185,9 @@ impl<'a> Cast<'a> {
         Ok(Self { packages, actors, camera: CameraTrack::fixed(camera) })
     }
 
-    /// Returns the cast with every actor fading from its clip to the named one; `share`: progress, 0..=1.
+    /// Returns the cast with every actor fading from its clip to the named one.
+    ///
+    /// * `share`: progress of the fade, 0..=1
     ///
     /// # Errors
     ///
@@ -194,7 +200,7 @@ impl<'a> Cast<'a> {
         Ok(self)
     }
 
-    /// Returns the cast with the named morph target of every actor at a weight.
+    /// Returns the cast with the named morph target of every actor at `weight`.
     ///
     /// # Errors
     ///
@@ -208,17 +214,17 @@ impl<'a> Cast<'a> {
     }
 }
 
-/// Wraps a time into a looped clip.
+/// Wraps a time into the duration of a looped clip.
 pub fn wrap_time(time_s: f32, duration_s: f32) -> f32 {
     let inside = (0.0..=duration_s).contains(&time_s) || duration_s <= 0.0;
     if inside { time_s } else { time_s.rem_euclid(duration_s) }
 }
 
-/// Returns the displacement of the skeleton's root from a clip's first to its last moment, in model space; zero for a
-/// clip in place. The root's rotation at the end is not carried over.
+/// Returns the displacement of the skeleton's root from a clip's start to its end, in model space. Zero for a clip in
+/// place. Ignores the root's rotation at the end.
 pub fn root_displacement(animation: &Animation, clip: usize) -> Vec3 {
     let Some(duration_s) = animation.clips.get(clip).map(|clip| clip.duration_s) else { return Vec3::ZERO };
-    // Nodes follow their parents.
+    // Parents precede their children, so the joint with the lowest node index is the root.
     let Some(root) = (0..animation.joints.len()).min_by_key(|joint| animation.joints[*joint].node) else {
         return Vec3::ZERO;
     };
@@ -258,7 +264,7 @@ pub fn find_morph(file: &NamedPackage<'_>, package: &Package<'_>, name: &str) ->
     })
 }
 
-/// Returns the index of the first morph target with that name, or a text that lists the targets.
+/// Returns the index of the first morph target with that name. If there is none, returns a text that lists the targets.
 pub(crate) fn morph_named(animation: &Animation, name: &str) -> Result<usize, String> {
     let targets = &animation.morphs.targets;
     targets.iter().position(|target| target.name == name).ok_or_else(|| {
@@ -267,8 +273,8 @@ pub(crate) fn morph_named(animation: &Animation, name: &str) -> Result<usize, St
     })
 }
 
-/// Returns index and length in seconds of the named clip, or a text that lists the clips. Exporters put the skeleton's
-/// name before the clip's, as in `AnimalArmature|Walk`: `Walk` finds it if no other clip ends that way.
+/// Returns index and length in seconds of the named clip, or a text that lists the clips. Exporters prefix the
+/// skeleton's name, as in `AnimalArmature|Walk`. `Walk` finds this clip unless another clip has the same ending.
 pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), String> {
     let clips = &animation.clips;
     let last = |clip: &str| clip.rsplit(['|', ':']).next().unwrap_or_default().to_owned();
@@ -288,7 +294,8 @@ pub fn clip_named(animation: &Animation, name: &str) -> Result<(usize, f32), Str
     Err(if names.is_empty() { "has no animation".into() } else { format!("has the clips {}", names.join(", ")) })
 }
 
-/// Returns the positions of a crowd's copies, metres: the first at the origin, the others in rows beside and behind it.
+/// Returns the positions of a crowd's copies, metres. The first is at the origin; the others are in rows beside and
+/// behind it.
 fn crowd_positions(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
     let b = &manifest.bounds;
     let fur_m = 2.0 * manifest.fur.height_m;
@@ -298,15 +305,15 @@ fn crowd_positions(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
     (0..crowd).map(place).collect()
 }
 
-/// Returns the camera that shows all actors with their fur, along their whole paths: the [`outline`] of each, at rest
-/// or over its clip.
+/// Returns a camera that shows all actors with their fur, along their whole paths. Frames the [`outline`] of each, at
+/// rest or over its clip.
 ///
 /// * `packages`: packages of the actors' models, with their files
-/// * `aspect`: width of the picture over its height
+/// * `aspect`: width of the picture divided by its height
 ///
 /// # Errors
 ///
-/// [`StageError::Request`] if nothing matches the name to look at, listing the names there are; [`StageError::Package`]
+/// [`StageError::Request`] if nothing matches the name to look at; lists the existing names. [`StageError::Package`]
 /// for a damaged package.
 pub fn frame_actors(
     packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
@@ -316,7 +323,8 @@ pub fn frame_actors(
 ) -> Result<Viewpoint, StageError> {
     let (mut points, mut margin_m) = (Vec::new(), 0.0_f32);
     let mut known: Vec<(usize, Option<usize>, Vec<Vec3>)> = Vec::new();
-    // Outermost points of a model with this orientation and scale: copies of a crowd differ only in position.
+    // Caches the outermost points of a model with this orientation and scale, because copies of a crowd differ only in
+    // position.
     let mut edge: Option<(usize, Mat3, Vec<Vec3>)> = None;
     for actor in actors {
         let Some((file, package)) = packages.get(actor.package) else { continue };
@@ -392,7 +400,7 @@ mod tests {
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(playing, t)), [0.5, 1.5, 0.5, 1.5]);
         let once = Playback { looped: false, ..playing };
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(once, t)), [0.5, 1.5, 2.0, 0.0]);
-        // A clip of one pose has no length.
+        // A clip with a single pose has no duration.
         assert_eq!(at(Playback { duration_s: 0.0, ..once }, 5.0), 0.0);
     }
 

@@ -2,8 +2,8 @@
 
 use pelage_formats::FormatError;
 
-/// Errors of the stage, grouped by the faulty input. Each variant includes the file, the location in it, and the found
-/// and expected values.
+/// Errors of the stage, grouped by the faulty input. Each variant gives the file, the position in it, the value found
+/// and the value expected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StageError {
@@ -25,10 +25,10 @@ pub enum StageError {
         /// Section, offset, and the found and expected values.
         source: FormatError,
     },
-    /// The requested thing does not exist, or exceeds the device's limits.
+    /// The request names something that does not exist, or exceeds the device's limits.
     #[error("{what}: {reason}")]
     Request {
-        /// Requested thing: `clip Walk`, `size 9000x9000`.
+        /// Request as the user wrote it: `clip Walk`, `size 9000x9000`.
         what: String,
         /// Found value, and the alternatives that exist.
         reason: String,
@@ -36,13 +36,14 @@ pub enum StageError {
     /// A parameter of the frame is out of range, or exceeds the device's limits.
     #[error("{0}")]
     Params(String),
-    /// No graphics adapter is usable, or it lacks a feature that the package needs; the text lists what was tried.
+    /// No usable graphics adapter was found, or it lacks a feature that the package needs. The text lists what was
+    /// tried.
     #[error("no usable graphics adapter: {0}")]
     NoAdapter(String),
-    /// The device stopped responding: a fault of driver or machine, independent of the input.
+    /// The device stopped responding: a fault of the driver or machine, independent of the input.
     #[error("the graphics device failed: {0}")]
     Device(String),
-    /// Internal error that no input should cause.
+    /// Internal error, which no input should cause.
     #[error("internal error, please report it: {0}")]
     Internal(String),
 }

@@ -1,4 +1,4 @@
-//! Extent of a model as points, for a camera that must frame it.
+//! Extent of a model, as a set of points that a camera must frame.
 
 use crate::framing::outermost;
 use crate::{NamedPackage, StageError};
@@ -8,22 +8,23 @@ use pelage_formats::meaning::{morphed, posed, skin_matrix};
 use pelage_formats::{Animation, GeometryVertex, HairGroup, MeshView, Package, Pose, SkinVertex, TrianglePoint};
 use pelage_params::glob;
 
-/// Sampled moments per second of a clip. A trot takes half a second, so each swing of a leg is sampled five times.
+/// Number of times per second at which a clip is sampled. A trot takes half a second, so each swing of a leg is sampled
+/// five times.
 const MOMENTS_PER_S: f32 = 20.0;
-/// Minimum and maximum number of sampled moments per clip. Up to half a minute is sampled at the full rate.
+/// Minimum and maximum number of sampled times per clip. Clips of up to half a minute are sampled at the full rate.
 const MOMENTS: [f32; 2] = [16.0, 600.0];
-/// Minimum share of a vertex's weights for it to belong to the matching joints.
+/// Minimum sum of a vertex's weights on matching joints for it to match.
 const MIN_MATCH_WEIGHT: f32 = 0.5;
 
 /// Returns points that enclose one model: its vertices at rest, or those over the whole length of a clip.
 ///
-/// For a clip, the outermost vertices of each joint are posed at twenty moments per second. Vertices between them stay
-/// between their poses, except where the surface bends at a joint.
+/// For a clip, the outermost vertices of each joint are posed at twenty times per second. The other vertices stay
+/// between them, except where the surface bends at a joint.
 ///
-/// * `package`: `file` opened
+/// * `package`: `file`, opened
 /// * `clip`: index and length in seconds, as returned by [`crate::find_clip`]
-/// * `look_at`: keeps only vertices of materials or joints with a matching name; empty if there are none. `*` matches
-///   any run of characters and `?` a single one; case is ignored. Children of a joint belong to it.
+/// * `look_at`: keeps only vertices of materials or joints whose name matches; the result is empty if no name does. `*`
+///   matches any number of characters and `?` a single one; case is ignored. A joint's children belong to it.
 ///
 /// # Errors
 ///
@@ -68,15 +69,15 @@ pub fn outline(
     Ok(points)
 }
 
-/// Vertex with its index and its joint weights.
+/// Index of a vertex, with its geometry and its joint weights.
 type SkinnedVertex = (usize, GeometryVertex, Option<SkinVertex>);
 
 /// Maximum number of guides sampled per group.
 const MAX_TIPS: usize = 64;
 
-/// Tip of a guide.
+/// Tip of a guide hair.
 struct GuideTip {
-    /// Corners of its root triangle.
+    /// Corners of the triangle that contains the guide's root.
     corners: [u32; 3],
     root: TrianglePoint,
     /// Offset from the root, in the frame of the root triangle.
@@ -106,7 +107,8 @@ fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
     groups.iter().flat_map(of).collect()
 }
 
-/// Returns, for the vertices that each joint influences most, the outermost ones in 26 directions, in the stored pose.
+/// Returns the outermost vertices of each joint, in 26 directions in the stored pose. A vertex belongs to the joint
+/// that influences it most.
 fn outer_of_joints(vertices: &[SkinnedVertex], joints: usize) -> Vec<usize> {
     let mut of_joint = vec![Vec::new(); joints + 1];
     for (i, (_, _, skin)) in vertices.iter().enumerate() {
@@ -152,7 +154,7 @@ fn matching_vertices(package: &Package<'_>, mesh: &MeshView<'_>, animation: &Ani
     kept
 }
 
-/// Returns the error for a name that matches nothing, listing the names that exist.
+/// Returns the error for a name that matches nothing. Its text lists the existing names.
 pub fn no_match_error<'a>(
     packages: impl Iterator<Item = (&'a NamedPackage<'a>, &'a Package<'a>)>,
     part: &str,

@@ -8,28 +8,30 @@ use std::str::FromStr;
 
 /// Vertical field of view of the default camera, degrees: that of a portrait lens.
 pub const FOV_DEG: f32 = 30.0;
-/// Direction from the model to the default camera: front left, slightly above. glTF models face +z, so their left is
-/// +x.
+/// Direction from the model to the default camera: front left, slightly above. glTF models face +z, so their left side
+/// is at +x.
 pub const TOWARDS_CAMERA: Vec3 = Vec3::new(0.62, 0.28, 0.73);
 /// Direction from the model to a second camera, which shows the opposite side: back right, higher.
 pub const BEHIND: Vec3 = Vec3::new(-0.62, 0.5, -0.6);
-/// Direction from the model to the default light: high, on the camera's right, so that the fur's relief is visible.
+/// Direction from the model to the default light: high, to the right of the camera, so that the fur's relief is
+/// visible.
 pub const TOWARDS_LIGHT: Vec3 = Vec3::new(-0.25, 0.75, 0.6);
-/// Maximum share of the picture that the model fills.
+/// Maximum fraction of the picture that the model fills.
 const FILL: f32 = 0.9;
 
-/// Number of directions framed for a camera that orbits. Between two of them the model extends up to 0.5 % further, 1 /
-/// cos(180° / 32).
+/// Number of directions that are framed for an orbiting camera. Between two of them the model extends up to 0.5 %
+/// further: 1 / cos(180° / 32).
 const SIDES: u16 = 32;
 
-/// Camera direction for framing. As text: `AZ,EL` or `AZ,EL,ZOOM`.
+/// Direction of the camera for framing. As text: `AZ,EL` or `AZ,EL,ZOOM`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
     /// Azimuth in degrees about the vertical axis: 0 in front (+z), 90 at the model's left (+x).
     pub azimuth_deg: f32,
     /// Elevation in degrees above the horizon, -90..=90.
     pub elevation_deg: f32,
-    /// Magnification of the nearest side, in the range [`Self::ZOOM`]: above 1 the camera moves closer, below 1 away.
+    /// Magnification of the nearest side, in the range [`Self::ZOOM`]. Above 1 the camera moves closer; below 1 it
+    /// moves away.
     pub zoom: f32,
 }
 
@@ -72,7 +74,8 @@ pub struct Framing {
     pub orbit: Option<Orbit>,
     /// Name of a material or joint whose vertices are framed ([`crate::outline`]). `None` frames everything.
     pub look_at: Option<String>,
-    /// Whether the camera orbits: the framed points stay in the picture from all sides, and the target is on the axis.
+    /// Whether the camera orbits. The framed points then stay in the picture from all sides, and the target is on the
+    /// vertical axis.
     pub all_around: bool,
 }
 
@@ -81,8 +84,9 @@ impl Framing {
         self.orbit.map_or(TOWARDS_CAMERA, |orbit| orbit.towards())
     }
 
-    /// Returns the camera that frames `points`, with `margin_m` of fur around them, in a picture of the given width
-    /// over height.
+    /// Returns the camera that frames `points`, with `margin_m` of fur around them.
+    ///
+    /// * `aspect`: width of the picture divided by its height
     pub fn view(&self, points: &[Vec3], margin_m: f32, aspect: f32) -> Viewpoint {
         let zoom = self.orbit.map_or(1.0, |orbit| orbit.zoom);
         if !self.all_around {
@@ -94,7 +98,7 @@ impl Framing {
         let around = |turn: Quat| outer.iter().map(move |i| axis + turn * (points[*i] - axis));
         let all: Vec<Vec3> = turns().flat_map(around).collect();
         let view = frame_nearer(&all, margin_m, aspect, self.towards(), zoom);
-        // By symmetry the centre of the picture crosses the axis; the target is placed there.
+        // By symmetry the line of sight crosses the axis; the target is placed there.
         let way = (view.target - view.eye).normalize_or(-self.towards());
         let (flat, off) = (way.with_y(0.0), (axis - view.eye).with_y(0.0));
         let flat_length = flat.length();
@@ -102,7 +106,7 @@ impl Framing {
         Viewpoint { target: if target == view.eye { view.target } else { target }, ..view }
     }
 
-    /// Returns the directions in world space whose outermost points determine [`Self::view`].
+    /// Returns world-space directions; the outermost points along them determine [`Self::view`].
     pub(crate) fn edges(&self, aspect: f32) -> Vec<Vec3> {
         let world = view_from_world(Vec3::ZERO, -self.towards().normalize()).inverse();
         let [tan_x, tan_y] = slopes(aspect);
@@ -111,19 +115,19 @@ impl Framing {
         if !self.all_around {
             return edges.to_vec();
         }
-        // Rotating the points is equivalent to rotating the edges the other way; all rotations of a full turn are
-        // included.
+        // Rotating the points is equivalent to rotating the edges the other way, so the result includes the edges of a
+        // full turn.
         turns().flat_map(|turn| edges.map(|edge| turn * edge)).collect()
     }
 }
 
-/// Returns the rotations of a full turn about the vertical axis.
+/// Returns the rotations that divide a full turn about the vertical axis.
 fn turns() -> impl Iterator<Item = Quat> {
     (0..SIDES).map(|i| Quat::from_rotation_y(std::f32::consts::TAU * f32::from(i) / f32::from(SIDES)))
 }
 
-/// Returns the indices of the outermost points in the given directions, which may have any length; each once, in
-/// ascending order.
+/// Returns the indices of the outermost points in the given directions, which may have any length. Each index appears
+/// once, in ascending order.
 pub(crate) fn outermost(points: &[Vec3], directions: impl Iterator<Item = Vec3>) -> Vec<usize> {
     let farthest = |direction: Vec3| {
         let along = points.iter().map(|point| direction.dot(*point)).enumerate();
@@ -135,17 +139,19 @@ pub(crate) fn outermost(points: &[Vec3], directions: impl Iterator<Item = Vec3>)
     outer
 }
 
-/// Returns the extent of the filled part of the picture to the right and up, one metre in front of the eye.
+/// Returns the extent of the fillable part of the picture to the right and up, at a distance of one metre from the eye.
 fn slopes(aspect: f32) -> [f32; 2] {
     let tan_y = (FOV_DEG.to_radians() / 2.0).tan() * FILL;
     [tan_y * aspect, tan_y]
 }
 
-/// Returns the view from direction `towards` that shows all `points`, with `margin_m` of fur around them, in a picture
-/// of the given width over height. `towards` may have any length.
+/// Returns the view from direction `towards` that shows all `points`, with `margin_m` of fur around them. `towards` may
+/// have any length.
 ///
 /// The model is as large in the picture as possible. Without points, the view looks at the origin from a distance of
 /// one metre.
+///
+/// * `aspect`: width of the picture divided by its height
 pub fn frame(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3) -> Viewpoint {
     frame_nearer(points, margin_m, aspect, towards, 1.0)
 }
@@ -159,13 +165,13 @@ fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3, zo
     let towards = towards.normalize();
     let view = view_from_world(Vec3::ZERO, -towards);
     let [tan_x, tan_y] = slopes(aspect);
-    // A point is inside the right edge of a camera at (x0, y0, z0) where x − x0 <= tan_x (z0 − z). So each edge of the
-    // picture requires tan_x z0 ± x0 to reach some value, which depends only on the outermost point along that edge's
+    // A point is inside the right edge of a camera at (x0, y0, z0) if x − x0 <= tan_x (z0 − z). Each edge thus requires
+    // a minimum of tan_x z0 ± x0. That minimum depends only on the outermost point along the normal of the edge's
     // plane.
     let mut need = [f32::NEG_INFINITY; 4];
     let in_view: Vec<Vec3> = points.iter().map(|p| view.transform_point3(*p)).collect();
     for p in &in_view {
-        // A sphere of fur around the point touches a slanted plane earlier, by 1/cos of its angle.
+        // A slanted plane touches a sphere of fur around the point earlier, by 1/cos of the plane's angle.
         let (mx, my) = (margin_m * (1.0 + tan_x * tan_x).sqrt(), margin_m * (1.0 + tan_y * tan_y).sqrt());
         let edges = [p.z * tan_x + p.x + mx, p.z * tan_x - p.x + mx, p.z * tan_y + p.y + my, p.z * tan_y - p.y + my];
         need = std::array::from_fn(|i| need[i].max(edges[i]));
@@ -174,18 +180,18 @@ fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3, zo
     let [right, left, top, bottom] = need;
     let mut z0 = ((right + left) / (2.0 * tan_x)).max((top + bottom) / (2.0 * tan_y));
     if z0 - nearest <= 1e-6 * (1.0 + z0.abs()) {
-        // All points coincide and have no fur: use any distance.
+        // All points coincide and have no fur, so any distance will do.
         z0 = nearest + 1.0;
     }
     if zoom != 1.0 {
-        // Move towards the nearest hair, but never into it.
+        // The camera moves towards the nearest hair, but never into it.
         let front = (nearest + margin_m).min(z0);
         let front = if z0 - front > 1e-6 * (1.0 + z0.abs()) { front } else { nearest };
         z0 = front + (z0 - front) / zoom;
     }
     let eye = Vec3::new((right - left) / 2.0, (top - bottom) / 2.0, z0);
     let middle = in_view.iter().map(|p| p.z).sum::<f32>() / in_view.len() as f32;
-    // The mean of many equal numbers may be rounded above them.
+    // The mean of many equal numbers may be rounded up, beyond the nearest point.
     let target = Vec3::new(eye.x, eye.y, middle.min(nearest));
     let world = view.inverse();
     (world.transform_point3(eye), world.transform_point3(target))
@@ -212,7 +218,7 @@ mod tests {
                     let p = view.transform_point3(p);
                     (p.x / (tan_y * aspect)).abs().max((p.y / tan_y).abs()) / -p.z
                 };
-                // Samples of the surface of the fur sphere around each point.
+                // Points on the surface of the fur sphere around each point.
                 let directions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
                 let ball = points.iter().flat_map(|p| directions.map(|d| *p + d * margin));
                 let widest = ball.map(on_picture).fold(0.0, f32::max);

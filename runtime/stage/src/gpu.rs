@@ -3,7 +3,7 @@
 use crate::StageError;
 use pelage_runtime::wgpu;
 
-/// Device, queue, and adapter information. A clone is another handle of the same device.
+/// Device, queue, and adapter information. Clones refer to the same device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     /// Device handle.
@@ -15,8 +15,8 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens wgpu's preferred adapter with all supported features and timing queries. `WGPU_ADAPTER_NAME` and
-    /// `WGPU_BACKEND` select another one.
+    /// Opens wgpu's preferred adapter with all supported features that drawing and timing can use. The environment
+    /// variables `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` select another adapter.
     ///
     /// # Errors
     ///
@@ -35,7 +35,8 @@ impl Gpu {
             | wgpu::Features::PIPELINE_STATISTICS_QUERY
     }
 
-    /// Opens the given adapter, such as one that can draw to a window, with all supported features and timing queries.
+    /// Opens the given adapter, for example one that can draw to a window. Enables all supported features that drawing
+    /// and timing can use.
     ///
     /// # Errors
     ///
@@ -45,7 +46,7 @@ impl Gpu {
         pollster::block_on(Self::device(adapter, Self::wanted_features(), None))
     }
 
-    /// Requests a device with the supported subset of `wanted`; `limits: None` uses the adapter's own.
+    /// Requests a device with the supported subset of `wanted`. With `limits: None` it has the adapter's own limits.
     async fn device(
         adapter: &wgpu::Adapter,
         wanted: wgpu::Features,
@@ -63,8 +64,8 @@ impl Gpu {
         Ok(Self { device, queue, info: adapter.get_info() })
     }
 
-    /// Opens the same adapter with the supported subset of `wanted`; `limits: None` uses the adapter's own. An
-    /// application that must run everywhere passes [`wgpu::Limits::default`].
+    /// Opens the same adapter with the supported subset of `wanted`. With `limits: None` the device has the adapter's
+    /// own limits. An application that must run everywhere passes [`wgpu::Limits::default`].
     ///
     /// # Errors
     ///
@@ -75,8 +76,8 @@ impl Gpu {
         pollster::block_on(Self::request(&instance, None, wanted, limits))
     }
 
-    /// Returns a description of the adapter that [`Self::open`] would use, with its driver, on which pictures depend.
-    /// No device is created.
+    /// Returns a description of the adapter that [`Self::open`] would use, and of its driver. Pictures depend on both.
+    /// Creates no device.
     ///
     /// # Errors
     ///
@@ -93,8 +94,8 @@ impl Gpu {
         in_words(&self.info)
     }
 
-    /// Opens an adapter as [`Self::with`] does, without blocking, as required in a browser, where a request completes
-    /// between two turns of the event loop. The adapter can draw on `surface`.
+    /// Opens an adapter that can draw on `surface`, without blocking; otherwise like [`Self::with`]. A browser requires
+    /// this, because a request completes only between two turns of its event loop.
     ///
     /// # Errors
     ///
@@ -116,7 +117,8 @@ impl Gpu {
         self.device.poll(wgpu::PollType::wait_indefinitely()).map(drop).map_err(device_error)
     }
 
-    /// Maps a buffer with `MAP_READ` that the device has finished writing, and returns a copy of its contents.
+    /// Maps a buffer with usage `MAP_READ`, which the device must have finished writing. Returns a copy of its
+    /// contents.
     pub fn read_buffer(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, StageError> {
         let (sender, receiver) = std::sync::mpsc::channel();
         buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));

@@ -1,16 +1,16 @@
-//! Stage: everything besides the models that an application, tool or test needs for a picture.
+//! Stage: everything that an application, tool or test needs for a picture besides the models.
 //!
 //! Without features it is plain data, independent of GPU, windows and file system:
 //!
 //! * packages with their names ([`NamedPackage`])
-//! * models that stand, move and play clips ([`Cast`], [`Placement`], [`Playback`])
+//! * models with positions, paths and clips ([`Cast`], [`Placement`], [`Playback`])
 //! * values over time ([`Track`])
 //! * cameras ([`Viewpoint`], [`CameraTrack`], [`framing`]), and interactive ones ([`Navigator`])
 //! * scene files that describe all of this ([`SceneFile`])
-//! * skies as light ([`sky`])
+//! * environment maps as light ([`sky`])
 //!
-//! The feature `draw` adds a device without a window ([`Gpu`]), offscreen targets ([`Canvas`]), a cast on a canvas
-//! ([`Stage`]), measurements ([`Meter`]), and cross-fades between clips ([`Animator`]).
+//! The feature `draw` adds a device without a window ([`Gpu`]), offscreen targets ([`Canvas`]), drawing of a cast on a
+//! canvas ([`Stage`]), measurements ([`Meter`]), and cross-fades between clips ([`Animator`]).
 
 #[cfg(feature = "draw")]
 mod animator;

@@ -1,4 +1,4 @@
-//! Times and fragment counts of the passes.
+//! Measures times and fragment counts of the passes.
 
 use crate::gpu::device_error;
 use crate::{Gpu, Stage, StageError};
@@ -12,12 +12,12 @@ use web_time::Instant;
 pub enum Clock {
     /// Timestamps that the device writes between passes.
     TimestampQuery,
-    /// Wall clock around submitting a single pass and waiting for it, including that overhead.
+    /// Wall clock around the submission of a single pass until it is finished. Includes the overhead of both.
     SubmitAndWait,
 }
 
 impl Clock {
-    /// Returns the word used in tables and JSON.
+    /// Returns the name of this clock in tables and JSON.
     pub fn word(self) -> &'static str {
         match self {
             Self::TimestampQuery => "timestamp-query",
@@ -29,14 +29,14 @@ impl Clock {
 /// Timed sections of a frame, in milliseconds.
 #[derive(Clone, Debug, Default)]
 pub struct FrameTimes {
-    /// Whole frame in one render pass, as an application draws it. The light does not move: shadow maps of the previous
-    /// frame are reused.
+    /// Whole frame in one render pass, as in an application. The light does not move, so the shadow maps of the
+    /// previous frame are reused.
     pub frame: f64,
-    /// Whole frame without self-shadow and soft shadow; equal to `frame` if there are none.
+    /// Whole frame without self-shadow and soft shadow. Equal to `frame` if neither is enabled.
     pub unshadowed: f64,
-    /// Each pass timed separately, with the shadow maps redrawn.
+    /// Each pass timed separately; the shadow maps are redrawn.
     pub passes: Vec<(PassId, f64)>,
-    /// Shells with one texture read and no lighting.
+    /// Baseline: shells with one texture read and no lighting.
     pub yardstick: f64,
 }
 
@@ -47,7 +47,7 @@ impl FrameTimes {
     }
 }
 
-/// Returns the milliseconds of a pass among those that were measured; 0 for others.
+/// Returns the milliseconds of a pass in `times`; 0 if it was not measured.
 fn of_pass(times: &[(PassId, f64)], pass: PassId) -> f64 {
     times.iter().find(|(id, _)| *id == pass).map_or(0.0, |(_, ms)| *ms)
 }
@@ -57,7 +57,7 @@ fn in_picture() -> impl Iterator<Item = PassId> {
     PassId::all().filter(|id| id.stage() == PassStage::Picture)
 }
 
-/// Whether a pass belongs to a style; bare frames are measured as fur frames without fur.
+/// Returns whether a pass belongs to a style. Bare frames are measured as fur frames without fur.
 pub fn belongs(pass: PassId, style: StyleKind) -> bool {
     let furry = pass.styles().iter().any(|of| *of != StyleKind::Ink);
     if style == StyleKind::Ink { pass.styles().contains(&style) } else { furry }
@@ -72,11 +72,11 @@ pub struct Meter {
     readback: wgpu::Buffer,
 }
 
-/// Upper limit of timed sections, more than a frame has passes.
+/// Maximum number of timed sections; larger than the number of passes of a frame.
 const MARKS: u32 = 64;
 
-/// Number of timed frames, of which the fastest counts, as other load only adds time; and of warm-up frames, in which
-/// pipelines are compiled and shadow maps drawn.
+/// Numbers of timed frames and of warm-up frames. Of the timed frames the fastest is used, because other load only adds
+/// time. In warm-up frames pipelines are compiled and shadow maps drawn.
 const FRAMES: usize = 9;
 const WARM_UP: usize = 2;
 
@@ -102,17 +102,17 @@ impl Meter {
         Self { clock, queries, resolve, readback }
     }
 
-    /// Returns the source of its times.
+    /// Returns the source of the meter's times.
     pub fn clock(&self) -> Clock {
         self.clock
     }
 
-    /// Time step between frames, seconds of the stage's clock.
+    /// Time step of the stage's clock between frames, seconds.
     pub const FRAME_S: f64 = 1.0 / 60.0;
 
-    /// Draws the stage four times (as a whole, without shadows, pass by pass, and as the yardstick) and times each.
+    /// Draws the stage four times (as a whole, without shadows, pass by pass, and as the baseline) and times each.
     ///
-    /// They run consecutively, so that other load on the machine affects all alike. The clock advances by
+    /// The four run consecutively, so that other load on the machine affects all alike. The clock advances by
     /// [`Self::FRAME_S`] between them, so that hair moves in each.
     pub fn measure(&self, stage: &mut Stage) -> Result<FrameTimes, StageError> {
         let mut times = FrameTimes { frame: self.frame(stage)?, ..FrameTimes::default() };
@@ -139,7 +139,7 @@ impl Meter {
         Ok(times)
     }
 
-    /// Returns the milliseconds of one whole frame; the light does not move, as in [`FrameTimes::frame`].
+    /// Returns the milliseconds of one whole frame. The light does not move, as in [`FrameTimes::frame`].
     pub fn frame(&self, stage: &mut Stage) -> Result<f64, StageError> {
         let times = self.sections(stage, |stage, encoder, mark| {
             let frame = stage.prepare(encoder)?;
@@ -150,7 +150,7 @@ impl Meter {
         Ok(times.into_iter().sum())
     }
 
-    /// Returns the milliseconds of one frame whose pose and shadow maps are recomputed: the sum of its passes.
+    /// Returns the milliseconds of one frame with recomputed pose and shadow maps: the sum of its passes.
     pub fn uncached_frame(&self, stage: &mut Stage) -> Result<f64, StageError> {
         Ok(self.passes(stage)?.iter().map(|(_, ms)| ms).sum())
     }
@@ -173,8 +173,8 @@ impl Meter {
         Ok(marked.into_iter().zip(times).collect())
     }
 
-    /// Prepares a frame whose shadow maps are redrawn and waits for the device. Also returns the milliseconds of
-    /// `pass`, one of those before the picture.
+    /// Prepares a frame with redrawn shadow maps and waits for the device. Also returns the milliseconds of `pass`,
+    /// which must precede the picture's passes.
     pub fn prepared(&self, stage: &mut Stage, pass: PassId) -> Result<(Frame, f64), StageError> {
         let (mut prepared, mut marked) = (None, Vec::new());
         let times = self.sections(stage, |stage, encoder, mark| {
@@ -188,7 +188,7 @@ impl Meter {
         Ok((prepared.ok_or_else(|| device_error("no frame was prepared"))?, of_pass(&times, pass)))
     }
 
-    /// Records sections, fewer than [`MARKS`], each ended by a call of `mark`, and returns the milliseconds of each.
+    /// Records sections, fewer than [`MARKS`], and returns the milliseconds of each. A call of `mark` ends a section.
     fn sections(
         &self,
         stage: &mut Stage,
@@ -225,12 +225,13 @@ impl Meter {
         let ticks = read_u64(&stage.gpu, &self.readback)?;
         let ms_per_tick = f64::from(stage.gpu.queue.get_timestamp_period()) * 1e-6;
         let pairs = ticks.windows(2).take(section as usize);
-        // Timestamps of one queue are ascending, but a driver may reset its clock; then 0 is better than a huge number.
+        // Timestamps of a queue ascend, but a driver may reset its clock. The difference is then 0 instead of a huge
+        // number.
         Ok(pairs.map(|pair| pair[1].saturating_sub(pair[0]) as f64 * ms_per_tick).collect())
     }
 }
 
-/// Whether a frame has shadow maps.
+/// Returns whether a frame of the stage has shadow maps.
 pub fn is_shadowed(stage: &Stage) -> bool {
     let params = &stage.params;
     match &params.style {
@@ -239,7 +240,7 @@ pub fn is_shadowed(stage: &Stage) -> bool {
     }
 }
 
-/// Counts the fragment shader runs of the passes that draw the picture; `None` if the device does not count them.
+/// Counts the fragment shader invocations of the passes that draw the picture. `None` if the device cannot count them.
 pub fn count_fragments(stage: &mut Stage) -> Result<Option<Vec<(PassId, u64)>>, StageError> {
     if !stage.gpu.device.features().contains(wgpu::Features::PIPELINE_STATISTICS_QUERY) {
         return Ok(None);
@@ -266,7 +267,7 @@ fn query_set(gpu: &Gpu, ty: wgpu::QueryType, count: u32) -> wgpu::QuerySet {
     gpu.device.create_query_set(&wgpu::QuerySetDescriptor { label: Some("pelage bench"), ty, count })
 }
 
-/// Creates the buffers that queries are resolved to and read from: 8 bytes each.
+/// Creates two buffers of 8 bytes per query: one into which queries are resolved, one for reading back.
 fn query_buffers(gpu: &Gpu, count: u32) -> (wgpu::Buffer, wgpu::Buffer) {
     let buffer = |usage| {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -284,7 +285,7 @@ fn read_u64(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u64>, StageError> {
     Ok(gpu.read_buffer(buffer)?.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect())
 }
 
-/// Minimum, median and maximum of several times; zeros for none.
+/// Minimum, median and maximum of several times; zeros if there are none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
@@ -297,7 +298,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Computes the spread of some values, in any order.
+    /// Computes the spread of some values, which may be in any order.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);

@@ -4,17 +4,16 @@ use crate::Viewpoint;
 use glam::{Quat, Vec2, Vec3};
 use pelage_formats::meaning::view_from_world;
 
-/// Maximum elevation of the camera above and below its target, degrees. At the pole itself, a rotation about the
-/// vertical axis would have no direction.
+/// Maximum elevation of the camera above and below its target, degrees. At 90 degrees the azimuth would be undefined.
 const HIGHEST_DEG: f32 = 89.0;
-/// Minimum and maximum distance to the target, relative to that of the view passed to [`Navigator::frame`].
+/// Minimum and maximum distance to the target, relative to the distance in the view passed to [`Navigator::frame`].
 const REACH: [f32; 2] = [1e-3, 1e3];
 
-/// Camera that orbits its target, pans, zooms, or flies through the scene; plain data, independent of input devices.
+/// Camera that orbits its target, pans, zooms, or flies through the scene. Plain data, independent of input devices.
 ///
-/// Movements on screen are in picture heights, right and up, so they do not depend on the picture's size. A grabbed
+/// Movements on the screen are in picture heights, right and up, and thus independent of the picture's size. A grabbed
 /// point stays under the cursor: a pan moves points at the target's distance by exactly the movement. A zoom keeps the
-/// point under the cursor at that distance.
+/// point at that distance under the cursor in place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Navigator {
     view: Viewpoint,
@@ -47,43 +46,48 @@ impl Navigator {
         self.view = self.home;
     }
 
-    /// Whether it is at the home view.
+    /// Returns whether the camera is at the home view.
     pub fn is_home(&self) -> bool {
         self.view == self.home
     }
 
-    /// Returns the direction from the target to the camera, as degrees about the vertical axis from +z towards +x and
-    /// above the horizon, and the distance in metres.
+    /// Returns the spherical coordinates of the camera relative to the target: azimuth, elevation and distance. Azimuth
+    /// is in degrees about the vertical axis from +z towards +x, elevation in degrees above the horizon, distance in
+    /// metres.
     pub fn spherical(&self) -> (f32, f32, f32) {
         polar(self.view.eye - self.view.target)
     }
 
-    /// Moves to the values that [`Self::spherical`] would return; elevation and distance are clamped to their ranges.
+    /// Sets the spherical coordinates of the camera, as returned by [`Self::spherical`]. Clamps elevation and distance
+    /// to their ranges.
     pub fn set_spherical(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
         let towards = towards(azimuth_deg, elevation_deg);
         self.view.eye = self.view.target + towards * self.reachable(distance_m);
     }
 
-    /// Looks at another target from the same direction and distance, metres.
+    /// Looks at another target from the same direction and distance.
+    ///
+    /// * `target`: in world space, metres
     pub fn look_at(&mut self, target: Vec3) {
         self.view = Viewpoint { eye: self.view.eye + target - self.view.target, target, ..self.view };
     }
 
-    /// Orbits the target: the model turns with the cursor, half a turn per picture height.
+    /// Orbits the target. The model turns with the cursor by half a turn per picture height.
     pub fn orbit(&mut self, moved: Vec2) {
         let (azimuth_deg, elevation_deg, distance_m) = self.spherical();
         self.set_spherical(azimuth_deg - 180.0 * moved.x, elevation_deg - 180.0 * moved.y, distance_m);
     }
 
-    /// Pans: points at the target's distance move with the cursor.
+    /// Pans the view. Points at the target's distance move with the cursor.
     pub fn pan(&mut self, moved: Vec2) {
         let [right, up] = self.axes();
         let way = -(right * moved.x + up * moved.y) * self.height_m();
         self.shift(way);
     }
 
-    /// Moves closer by `factor`, or away if below 1, keeping the point under the cursor. `at`: cursor position in
-    /// picture heights right and up from the centre.
+    /// Moves closer by `factor`, or away if it is below 1. Keeps the point under the cursor in place.
+    ///
+    /// * `at`: cursor position in picture heights, right and up from the centre
     pub fn zoom(&mut self, factor: f32, at: Vec2) {
         if !factor.is_finite() || factor <= 0.0 {
             return;
@@ -103,7 +107,7 @@ impl Navigator {
         self.shift(right * right_m + Vec3::Y * up_m + ahead * ahead_m);
     }
 
-    /// Turns the view: the eye stays, and visible points move with the cursor.
+    /// Turns the view. The eye stays, and visible points move with the cursor.
     pub fn turn(&mut self, moved: Vec2) {
         let (azimuth_deg, elevation_deg, distance_m) = self.spherical();
         let degrees = self.view.fov_deg;
@@ -127,7 +131,7 @@ impl Navigator {
     }
 
     fn shift(&mut self, way: Vec3) {
-        // If eye and target would coincide in floating point, nothing changes.
+        // If the eye and the target would coincide in floating point, the camera does not move.
         let (eye, target) = (self.view.eye + way, self.view.target + way);
         if eye.is_finite() && target.is_finite() && eye != target {
             self.view = Viewpoint { eye, target, ..self.view };
@@ -141,14 +145,14 @@ impl Navigator {
     }
 }
 
-/// Returns the angles about the vertical axis and above the horizon, degrees, and the length.
+/// Returns azimuth and elevation, degrees, and the length.
 fn polar(way: Vec3) -> (f32, f32, f32) {
     let length = way.length();
     let elevation = (way.y / length.max(f32::MIN_POSITIVE)).clamp(-1.0, 1.0).asin();
     (way.x.atan2(way.z).to_degrees(), elevation.to_degrees(), length)
 }
 
-/// Returns the unit vector with those angles, degrees.
+/// Returns the unit vector with this azimuth and elevation, degrees.
 fn towards(azimuth_deg: f32, elevation_deg: f32) -> Vec3 {
     let elevation = elevation_deg.clamp(-HIGHEST_DEG, HIGHEST_DEG).to_radians();
     let turn = Quat::from_rotation_y(azimuth_deg.to_radians()) * Quat::from_rotation_x(-elevation);
@@ -162,7 +166,7 @@ mod tests {
     const VIEW: Viewpoint =
         Viewpoint { eye: Vec3::new(1.0, 2.0, 5.0), target: Vec3::new(1.0, 1.0, 0.0), fov_deg: 30.0 };
 
-    /// Returns the position of a point on screen, in picture heights right and up from the centre.
+    /// Returns the projection of a point on the screen, in picture heights right and up from the centre.
     fn seen(navigator: &Navigator, point: Vec3) -> Vec2 {
         let Viewpoint { eye, target, fov_deg } = navigator.view();
         let p = view_from_world(eye, target).transform_point3(point);

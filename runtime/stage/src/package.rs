@@ -1,4 +1,4 @@
-//! Packages and their names in messages.
+//! Packages, with their names for messages.
 
 use crate::StageError;
 use pelage_formats::{FormatError, Limits, Package};
@@ -14,7 +14,7 @@ pub struct NamedPackage<'a> {
 }
 
 impl<'a> NamedPackage<'a> {
-    /// Names the bytes of a package without opening it.
+    /// Attaches a name to the bytes of a package, without opening it.
     pub fn new(name: impl Into<String>, bytes: impl Into<Cow<'a, [u8]>>) -> Self {
         Self { name: name.into(), bytes: bytes.into() }
     }
@@ -28,7 +28,7 @@ impl<'a> NamedPackage<'a> {
         Package::open(&self.bytes, &Limits::default()).map_err(|e| self.fault(e))
     }
 
-    /// Adds the package's name to `source`.
+    /// Converts `source` to an error that includes the package's name.
     pub fn fault(&self, source: FormatError) -> StageError {
         StageError::Package { file: self.name.clone(), source }
     }

@@ -1,4 +1,4 @@
-//! Stage: a cast on a canvas.
+//! Stage: draws a cast on a canvas.
 
 use crate::cast::Actor;
 use crate::{CameraTrack, Canvas, CanvasOptions, Cast, Gpu, NamedPackage, StageError, Viewpoint};
@@ -12,19 +12,19 @@ use pelage_runtime::{
 use std::time::Duration;
 use web_time::Instant;
 
-/// Settings of the render target for a cast.
+/// Settings of the render target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TargetSettings {
     /// Width and height, pixels.
     pub size: (u32, u32),
     /// Samples per pixel, 1 or 4.
     pub samples: u32,
-    /// Background: sRGB-encoded, or `None` for transparent.
+    /// Background colour, sRGB-encoded; `None` for transparent.
     pub background: Option<[u8; 3]>,
 }
 
 impl TargetSettings {
-    /// Returns width over height.
+    /// Returns width divided by height.
     pub fn aspect(&self) -> f32 {
         self.size.0 as f32 / self.size.1 as f32
     }
@@ -33,38 +33,38 @@ impl TargetSettings {
 /// GPU state for viewing a cast.
 #[derive(Debug)]
 pub struct Stage {
-    /// Device for drawing.
+    /// Device that draws.
     pub gpu: Gpu,
     /// Render targets.
     pub canvas: Canvas,
-    /// Camera, light and style. The camera is that of the time set last.
+    /// Camera, light and style. The camera is that of the most recently set time.
     pub params: FrameParams,
-    /// Models and their other copies: at least one.
+    /// Copies of the models; at least one.
     pub instances: Vec<Instance>,
-    /// Time to upload the opened packages to the device.
+    /// Time that the upload of the packages to the device took.
     pub upload: Duration,
-    /// Time to compile the pipelines of the style.
+    /// Time that the compilation of the style's pipelines took.
     pub compile: Duration,
     renderer: Renderer,
     shadow_bytes: u64,
     clear: wgpu::Color,
-    /// Actors of `instances`, in order.
+    /// Actors that `instances` show, in the same order.
     actors: Vec<Actor>,
     shot: CameraTrack,
     aspect: f32,
 }
 
 impl Stage {
-    /// Loads the packages of `cast` and sets them up with `params`, at `time_s`, on the device returned by `open_gpu`.
-    /// Camera and viewport of `params` are replaced by those of `cast` and `picture`.
+    /// Loads the packages of `cast` and sets up its models with `params` at `time_s`, on the device returned by
+    /// `open_gpu`. Camera and viewport of `params` are replaced by those of `cast` and `picture`.
     ///
-    /// The device is opened last, so that faults in a package are reported on machines without one, too.
+    /// The device is opened last, so that faults in a package are also reported on machines without a device.
     ///
     /// # Errors
     ///
     /// * [`StageError::Package`] and [`StageError::Input`] for a package that is damaged or cannot be drawn in this
     ///   style
-    /// * [`StageError::Request`] for a cast without a model, or with a model of a package that it lacks
+    /// * [`StageError::Request`] for a cast without actors, or with an actor whose package the cast lacks
     /// * [`StageError::Request`] and [`StageError::Params`] for settings that exceed the device's limits
     /// * [`StageError::NoAdapter`] without a device
     pub fn new(
@@ -98,8 +98,8 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Shows another cast, from its own camera. Device, look and usable pipelines are kept. On failure, the previous
-    /// cast stays.
+    /// Shows another cast with its own camera. Keeps the device, the look, and the pipelines that can be reused. On
+    /// failure the previous cast stays.
     ///
     /// # Errors
     ///
@@ -109,12 +109,12 @@ impl Stage {
         self.load(cast, time_s)
     }
 
-    /// Changes picture and look, at `time_s`, with the current camera. On failure, the previous look stays.
+    /// Changes render target and look at `time_s`, with the current camera. On failure the previous look stays.
     ///
     /// # Errors
     ///
-    /// [`StageError::Request`] for a picture that exceeds the device's limits, and for another number of samples per
-    /// pixel, which needs a new stage.
+    /// [`StageError::Request`] for a picture that exceeds the device's limits, or for another number of samples per
+    /// pixel, which requires a new stage.
     pub fn set_look(&mut self, picture: &TargetSettings, params: FrameParams, time_s: f32) -> Result<(), StageError> {
         check_size(&self.gpu, picture.size)?;
         let options = self.renderer.options();
@@ -138,12 +138,11 @@ impl Stage {
         Ok(())
     }
 
-    /// Gives all models other constants of the lighting equation than their packages have; everything else stays
-    /// unchanged on the device.
+    /// Replaces the constants of the lighting equation in all models. Nothing else on the device changes.
     ///
     /// # Errors
     ///
-    /// [`StageError::Params`] for constants out of their ranges; the models are unchanged then.
+    /// [`StageError::Params`] for constants out of range; the models are then unchanged.
     pub fn set_shading(&mut self, shading: Shading) -> Result<(), StageError> {
         let reshaded = self.instances.iter().map(|instance| instance.model.with_shading(shading));
         let models: Vec<Model> =
@@ -152,7 +151,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Loads the models of a checked cast and shows them.
+    /// Loads the models of a cast that was already checked, and shows them.
     fn load(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
         let start = Instant::now();
         let loaded = cast.packages.iter().map(|(file, package)| {
@@ -187,33 +186,33 @@ impl Stage {
         Ok(())
     }
 
-    /// Places and poses models and camera for that time.
+    /// Positions and poses models and camera for `time_s`.
     pub fn set_time(&mut self, time_s: f32) {
         self.params.hair_motion = None;
         self.play(time_s);
         self.params.camera = camera(&self.shot.at(time_s), self.aspect);
     }
 
-    /// Advances to that time as [`Stage::set_time`] does, with hair motion from the previous to the current clock time
-    /// as set by `motion`. With [`Stage::set_time`], and if `motion` is `None`, hair is as groomed.
+    /// Advances to `time_s` as [`Stage::set_time`] does, and moves hair from the previous clock time to `clock_s`. If
+    /// `motion` is `None`, and after [`Stage::set_time`], hair is as groomed.
     ///
-    /// * `clock_s`: seconds; it continues when a clip restarts
+    /// * `clock_s`: seconds; continues when a clip restarts
     pub fn advance(&mut self, time_s: f32, clock_s: f64, motion: Option<HairMotionParams>) {
         self.set_time(time_s);
         self.advance_hair(clock_s, motion);
     }
 
-    /// Advances hair motion to that clock time as set by `motion`, as [`Stage::advance`] does.
+    /// Moves hair from the previous clock time to `clock_s`, as [`Stage::advance`] does.
     pub fn advance_hair(&mut self, clock_s: f64, motion: Option<HairMotionParams>) {
         (self.params.time_s, self.params.hair_motion) = (clock_s, motion);
     }
 
-    /// Resets hair to its groomed state in the next frame, for models that are teleported.
+    /// Resets hair to its groomed state in the next frame. Use it when models are teleported.
     pub fn reset_hair(&mut self) {
         self.instances.iter_mut().for_each(|instance| instance.hair_revision = instance.hair_revision.wrapping_add(1));
     }
 
-    /// Prepares and submits a frame that is not shown, so that poses and hair advance to it. It has no shadows.
+    /// Prepares and submits a frame without shadows that is not shown, so that poses and hair advance.
     ///
     /// # Errors
     ///
@@ -233,7 +232,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Poses the models by their clips at that time, without moving the camera.
+    /// Poses the models by their clips at `time_s`. Does not move the camera.
     pub fn play(&mut self, time_s: f32) {
         for (instance, actor) in self.instances.iter_mut().zip(&self.actors) {
             instance.transform = actor.transform(time_s);
@@ -241,19 +240,18 @@ impl Stage {
         }
     }
 
-    /// Sets a camera for all times.
+    /// Sets a camera that is the same at all times.
     pub fn look_from(&mut self, view: Viewpoint) {
         self.shot = CameraTrack::fixed(view);
         self.params.camera = camera(&view, self.aspect);
     }
 
-    /// Prepares a frame into `encoder`.
+    /// Prepares a frame; records its commands into `encoder`.
     pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<Frame, StageError> {
         self.record(encoder, &mut |_, _| ())
     }
 
-    /// Prepares a frame whose pose and shadow maps are recomputed, and calls `mark` after each of the passes that do
-    /// it.
+    /// Prepares a frame with recomputed pose and shadow maps. Calls `mark` after each of these passes.
     pub fn prepare_marked(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -269,7 +267,7 @@ impl Stage {
         mark: &mut dyn FnMut(&mut wgpu::CommandEncoder, PassId),
     ) -> Result<Frame, StageError> {
         let hooks = Hooks::default().mark(mark);
-        // The package was loaded completely before, so a failure now is caused by an argument.
+        // The package was loaded completely before, so an error now is caused by a parameter.
         let frame = self
             .renderer
             .prepare_with(encoder, &self.params, &self.instances, hooks)
@@ -278,12 +276,12 @@ impl Stage {
         Ok(frame)
     }
 
-    /// Returns the model; the first one if there are several.
+    /// Returns the model; if there are several, the first.
     pub fn model(&self) -> &Model {
         &self.instances[0].model
     }
 
-    /// Whether any hair may move as time passes: guided hair, and fur if its surface or the air moves.
+    /// Returns whether any hair may move over time: guide hair always, fur only if its surface or the air moves.
     pub fn may_move_hair(&self, motion: &HairMotionParams) -> bool {
         let is_windy = motion.fur > 0.0 && motion.wind.velocity != Vec3::ZERO;
         let moves = |(instance, actor): (&Instance, &Actor)| {
@@ -293,22 +291,23 @@ impl Stage {
         self.instances.iter().zip(&self.actors).any(moves)
     }
 
-    /// Returns the bytes on the device that belong to the models' copies.
+    /// Returns the device memory that belongs to the copies of the models, bytes.
     pub fn copies_bytes(&self) -> u64 {
         self.renderer.owners_gpu_bytes()
     }
 
-    /// Returns the bytes of the shadow maps on the device; 0 if no frame had any.
+    /// Returns the device memory of the shadow maps, bytes; 0 if no frame had any.
     pub fn shadow_bytes(&self) -> u64 {
         self.shadow_bytes
     }
 
-    /// Begins a pass on the canvas, cleared to the background or continuing the previous pass.
+    /// Begins a pass on the canvas. With `clear` it is cleared to the background; otherwise it keeps the contents of
+    /// the previous pass.
     pub fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, label: &str, clear: bool) -> wgpu::RenderPass<'e> {
         self.canvas.pass(encoder, label, clear.then_some(self.clear))
     }
 
-    /// Draws one frame, waits for it, and returns it.
+    /// Draws one frame, waits for the device, and returns the frame.
     pub fn draw(&mut self) -> Result<Frame, StageError> {
         let mut encoder = self.encoder();
         let frame = self.prepare(&mut encoder)?;
@@ -356,7 +355,7 @@ fn check_size(gpu: &Gpu, (width, height): (u32, u32)) -> Result<(), StageError> 
     Err(StageError::Request { what: format!("size {width}x{height}"), reason })
 }
 
-/// Returns an error for a cast that cannot be drawn in that style, as far as its packages tell.
+/// Returns an error for a cast that cannot be drawn in that style, judging by its packages alone.
 fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
     check_actors(cast)?;
     for (file, package) in &cast.packages {
@@ -369,7 +368,7 @@ fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
     Ok(())
 }
 
-/// Returns an error for a cast without actors, and for an actor without a model.
+/// Returns an error for a cast without actors, or with an actor without a model.
 fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
     if cast.actors.is_empty() {
         let reason = "found no copy of a model, expected at least one".into();
@@ -401,7 +400,7 @@ fn require_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), Sta
 fn load_error(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     match error {
         RuntimeError::Package(source) => file.fault(source),
-        // Another adapter might work.
+        // Another adapter may have higher limits.
         RuntimeError::DeviceLimit { .. } => StageError::NoAdapter(format!("{}: {error}", file.name)),
         RuntimeError::Content { what, reason, .. } => {
             StageError::Input { file: file.name.clone(), place: what, reason }
@@ -410,10 +409,12 @@ fn load_error(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     }
 }
 
-/// Returns the runtime's camera for a viewpoint and an aspect ratio, width over height, with reversed depth and no far
-/// plane.
+/// Returns the runtime's camera for a viewpoint, with reversed depth and no far plane.
+///
+/// * `aspect`: width of the picture divided by its height
 pub fn camera(view: &Viewpoint, aspect: f32) -> Camera {
-    // With reversed depth only the near plane costs precision; a thousandth of the distance keeps close-ups unclipped.
+    // With reversed depth only the near plane affects precision. At a thousandth of the distance it does not clip
+    // close-ups.
     let near_m = (view.eye.distance(view.target) * 1e-3).max(1e-6);
     let fov_y_rad = view.fov_deg.to_radians();
     let projection = Projection::Perspective { fov_y_rad, aspect, near_m, far_m: f32::INFINITY };

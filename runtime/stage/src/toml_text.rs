@@ -1,4 +1,4 @@
-//! TOML written by hand, and the locations of faults in it.
+//! Hand-written TOML, and the positions of errors in it.
 
 use crate::StageError;
 use crate::track::{LEAST_STEP_S, Track, Value};
@@ -16,7 +16,7 @@ pub struct TomlText<'a> {
 }
 
 impl<'a> TomlText<'a> {
-    /// Wraps the text of a file, without the byte order mark that some editors put before it.
+    /// Wraps the text of a file. Strips the byte order mark that some editors prepend.
     pub fn new(name: &'a str, text: &'a str) -> Self {
         Self { name, text: text.strip_prefix('\u{feff}').unwrap_or(text) }
     }
@@ -25,7 +25,7 @@ impl<'a> TomlText<'a> {
     ///
     /// # Errors
     ///
-    /// [`StageError::Input`] with line and key for invalid TOML, an unknown key and an invalid value.
+    /// [`StageError::Input`] with line and key for invalid TOML, an unknown key or an invalid value.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, StageError> {
         let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
         let document = toml::Deserializer::parse(self.text).map_err(broken)?;
@@ -91,7 +91,7 @@ impl<'a> TomlText<'a> {
         Some(here.span().start)
     }
 
-    /// Returns the track of the keys at `key`, pairs of time and value, whose times must ascend.
+    /// Returns the track made of the keys at `key`. They are pairs of time and value, and times must ascend.
     pub(crate) fn track<T>(&self, key: &str, keys: Vec<(f32, T)>) -> Result<Track<T>, StageError>
     where
         T: Value,

@@ -1,26 +1,26 @@
 //! Values over time, interpolated between keys: paths of cameras and models.
 //!
-//! Between two keys the curve is a cubic (Catmull and Rom 1974), with the tangents of a parabola through three keys, so
-//! that keys need not be evenly spaced. Position and speed are continuous. A key that repeats the one before it is a
-//! stop: nothing moves between the two, and nothing overshoots them.
+//! Between two keys the curve is a cubic (Catmull and Rom 1974). Its tangents are those of a parabola through three
+//! keys, so that keys need not be evenly spaced. Value and rate of change are continuous. Two consecutive keys with
+//! equal values are a hold: the value is constant between them, and the curve does not overshoot them.
 
 use glam::Vec3;
 use std::ops::{Add, Mul, Sub};
 
-/// Minimum time between two keys, seconds: closer ones would be a jump.
+/// Minimum time between two keys, seconds; a shorter time would amount to a jump.
 pub const LEAST_STEP_S: f32 = 1e-3;
 
-/// Type that a track can hold; its default is zero.
+/// Type of a track's values; its default must be zero.
 pub trait Value:
     Copy + Default + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self>
 {
 }
 impl<T: Copy + Default + PartialEq + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>> Value for T {}
 
-/// Value over time. It is constant before the first and after the last key.
+/// Value over time. Constant before the first key and after the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track<T> {
-    /// Time in seconds and value; at least one key, [`LEAST_STEP_S`] apart.
+    /// Keys: time in seconds, and value. At least one key; times are at least [`LEAST_STEP_S`] apart.
     keys: Vec<(f32, T)>,
 }
 
@@ -30,16 +30,16 @@ impl<T: Value> Track<T> {
         Self { keys: vec![(0.0, value)] }
     }
 
-    /// Whether the track has more than one key.
+    /// Returns whether the track has more than one key.
     pub fn is_animated(&self) -> bool {
         self.keys.len() > 1
     }
 
-    /// Creates a track through some keys.
+    /// Creates a track through the given keys.
     ///
     /// # Errors
     ///
-    /// Index of the first key, from 0, that is not at least [`LEAST_STEP_S`] after the one before it; 0 if there are no
+    /// Index, from 0, of the first key that is not at least [`LEAST_STEP_S`] after the previous one. 0 if there are no
     /// keys.
     pub fn new(keys: Vec<(f32, T)>) -> Result<Self, usize> {
         if keys.is_empty() {
@@ -69,7 +69,7 @@ impl<T: Value> Track<T> {
         let u = (time_s - start_s) / h;
         let (u2, u3) = (u * u, u * u * u);
         let way = end - start;
-        // Written relative to the first key, so that a stationary value is exactly constant.
+        // The sum starts from the first key, so that a constant value has no rounding error.
         start
             + way * (3.0 * u2 - 2.0 * u3)
             + self.tangent(after - 1) * (h * (u3 - 2.0 * u2 + u))
@@ -101,12 +101,12 @@ impl<T: Value> Track<T> {
 }
 
 impl Track<Vec3> {
-    /// Returns the horizontal unit direction of movement at `time_s`. At a stop, it is the direction before, else the
-    /// direction after. `None` for a track that only moves vertically or not at all.
+    /// Returns the horizontal unit direction of movement at `time_s`. During a hold it is the direction before, or else
+    /// the one after. `None` for a track that only moves vertically or not at all.
     pub fn direction(&self, time_s: f32) -> Option<Vec3> {
         let segments = self.keys.len() - 1;
         let level = |(i, u)| (self.rate(i, u) * Vec3::new(1.0, 0.0, 1.0)).try_normalize();
-        // Just inside a segment the direction is known even if the speed at its end is 0.
+        // The speed at the end of a segment may be 0, so the direction is taken just inside it.
         let (in_, out) = (1e-3, 1.0 - 1e-3);
         let here = self.keys.partition_point(|key| key.0 <= time_s).saturating_sub(1);
         let now = (here < segments).then(|| {
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn evenly_spaced_keys_give_catmull_roms_curve() {
-        // Basis matrix of Catmull and Rom, between the two middle keys.
+        // Polynomial between the two middle keys, from the basis matrix of Catmull and Rom.
         let [a, b, c, d] = [1.0_f32, 4.0, -2.0, 0.5];
         let track = track(&[(0.0, a), (2.0, b), (4.0, c), (6.0, d)]);
         for u in [0.1_f32, 0.25, 0.5, 0.9] {
@@ -161,7 +161,7 @@ mod tests {
     fn unevenly_spaced_keys_reproduce_a_parabola() {
         let parabola = |t: f32| 1.0 - 2.0 * t + 0.75 * t * t;
         let track = track(&[-1.0, 0.0, 0.5, 2.0, 3.0].map(|t| (t, parabola(t))));
-        // Except in the outermost segments, whose outer speed lacks a third key.
+        // The outermost segments are skipped: at their outer ends the tangent has no third key.
         for t in [0.1, 0.4, 0.7, 1.2, 1.9] {
             assert!((track.at(t) - parabola(t)).abs() < 1e-5, "{t}: {}", track.at(t));
         }
@@ -211,7 +211,7 @@ mod tests {
         near(2.9, Vec3::X);
         near(50.0, Vec3::X);
         let stops = walk(&[(0.0, [0.0; 3]), (1.0, [0.0; 3]), (2.0, [1.0, 0.0, 0.0]), (3.0, [1.0, 0.0, 0.0])]);
-        // The track leaves and arrives along x.
+        // The track moves along x before and after the hold.
         for t in [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 9.0] {
             assert!(stops.direction(t).unwrap().distance(Vec3::X) < 1e-6, "{t}");
         }

@@ -1,4 +1,4 @@
-//! Viewpoint of a picture, at one moment and over time.
+//! Viewpoint of a picture at one time, and over time.
 
 use crate::track::Track;
 use glam::{Quat, Vec3};
@@ -30,7 +30,7 @@ pub(crate) fn numbers(text: &str) -> Option<Vec<f32>> {
     text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect()
 }
 
-/// Parses three finite numbers, `x,y,z`; the error describes what was expected.
+/// Parses three finite numbers, `x,y,z`. The error describes the expected form.
 fn parse_vec3(text: &str) -> Result<Vec3, String> {
     match numbers(text).as_deref() {
         Some([x, y, z]) => Ok(Vec3::new(*x, *y, *z)),
@@ -98,7 +98,7 @@ impl Item for Viewpoint {
     }
 }
 
-/// Camera over time.
+/// Viewpoint over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraTrack {
     /// Position in metres.

@@ -1,4 +1,4 @@
-//! Event log of an open window for scripts and tests, as lines of JSON.
+//! Event log of a window for scripts and tests, as lines of JSON.
 
 use serde_json::Value;
 use std::io::Write;
@@ -11,12 +11,12 @@ pub struct Events {
 }
 
 impl Events {
-    /// Creates a log to a writer, or one that is discarded. `began` is the start of the program.
+    /// Creates a log that writes to `to`, or discards all events. `began` is the start time of the program.
     pub fn new(began: Instant, to: Option<Box<dyn Write + Send>>) -> Self {
         Self { began, to }
     }
 
-    /// Logs an event with its data, an object.
+    /// Logs an event with its data, a JSON object.
     pub fn log(&mut self, event: &str, mut with: Value) {
         let Some(to) = &mut self.to else { return };
         if let Some(with) = with.as_object_mut() {
@@ -24,7 +24,7 @@ impl Events {
             with.insert("ms".into(), (1e3 * self.began.elapsed().as_secs_f64()).into());
         }
         if writeln!(to, "{with}").and_then(|()| to.flush()).is_err() {
-            // The reader has gone; the window continues.
+            // The reader has closed its end; the window continues without the log.
             self.to = None;
         }
     }

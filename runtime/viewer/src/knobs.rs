@@ -1,27 +1,27 @@
-//! Knobs as shown in a window, for any set of knobs, with the user's edits and undo.
+//! Knobs as shown in a window, with the user's edits and undo. Works with any set of knobs.
 
 use pelage_params::{Knob, TableInfo, Tables as _};
 use pelage_stage::Look;
 
-/// Set of knobs known to the window only by their declarations: a look, a recipe.
+/// Set of knobs, such as a look or a recipe. The window knows it only by the declarations of its knobs.
 pub trait Knobs: Send {
-    /// Returns the tables, in order.
+    /// Returns the tables of knobs, in order.
     fn tables(&self) -> &'static [TableInfo];
 
     /// Returns the value of a knob as TOML, or `None` if it is unset.
     fn value(&self, knob: &Knob) -> Option<String>;
 
-    /// Returns the value that an unset knob has.
+    /// Returns the effective value of a knob while it is unset.
     fn default_value(&self, knob: &Knob) -> Option<String>;
 
     /// Sets a knob: `fur.layers=8`.
     ///
     /// # Errors
     ///
-    /// Value found and values expected; nothing is changed.
+    /// Value found and values expected. The set is then unchanged.
     fn set(&mut self, assignment: &str) -> Result<(), String>;
 
-    /// Clones the set.
+    /// Returns a boxed clone of the set.
     fn boxed(&self) -> Box<dyn Knobs>;
 }
 
@@ -47,7 +47,7 @@ impl Knobs for Look {
     }
 }
 
-/// User edit: a knob and its new value, as TOML.
+/// User edit: a knob and its new value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
     /// Key, `table.key`.
@@ -57,13 +57,13 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Returns the edit in the form of [`Knobs::set`].
+    /// Returns the edit as an argument of [`Knobs::set`].
     pub fn assignment(&self) -> String {
         format!("{}={}", self.key, self.value)
     }
 }
 
-/// User edits over the values of files; one per key, the last.
+/// User edits on top of the values in files. Only the last edit of each key is kept.
 #[derive(Clone, Debug, Default)]
 pub struct Edits {
     now: Vec<Edit>,
@@ -74,12 +74,12 @@ pub struct Edits {
 }
 
 impl Edits {
-    /// Returns the edits, in the order in which their keys were first changed.
+    /// Returns the edits, in the order in which their keys were first edited.
     pub fn all(&self) -> &[Edit] {
         &self.now
     }
 
-    /// Returns the edits in the form of [`Knobs::set`].
+    /// Returns the edits as arguments of [`Knobs::set`].
     pub fn assignments(&self) -> Vec<String> {
         self.now.iter().map(Edit::assignment).collect()
     }
@@ -89,7 +89,7 @@ impl Edits {
         self.now.iter().any(|edit| edit.key == key)
     }
 
-    /// Sets a key to a value. `dragging` means that more changes of the same drag follow, until [`Self::released`].
+    /// Sets a key to a value. If `dragging`, more changes of the same drag follow, until [`Self::released`].
     pub fn set(&mut self, key: &'static str, value: String, dragging: bool) {
         if self.dragged != Some(key) {
             self.remember();
@@ -106,7 +106,7 @@ impl Edits {
         self.dragged = None;
     }
 
-    /// Resets a key to the value of the files.
+    /// Resets a key to its value in the files.
     pub fn reset(&mut self, key: &str) {
         if self.has(key) {
             self.remember();
@@ -132,7 +132,7 @@ impl Edits {
         Self::step(&mut self.future, &mut self.now, &mut self.past)
     }
 
-    /// Clears edits and history, for other files.
+    /// Clears edits and history when other files are opened.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
@@ -153,13 +153,13 @@ impl Edits {
 /// Search among knobs.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
-    /// Part of a name or meaning.
+    /// Text to find in the name or meaning of a knob.
     pub text: String,
-    /// Whether to hide knobs that have their default.
+    /// Whether to hide knobs with their default value.
     pub only_changed: bool,
 }
 
-/// Returns a TOML string without its quotes, for a text field; other values unchanged.
+/// Returns a TOML string without its quotes, for a text field. Returns other values unchanged.
 pub fn shown(toml: &str) -> String {
     match toml.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
         Some(word) if !word.contains(['"', '\\']) => word.to_owned(),

@@ -1,12 +1,13 @@
-//! The window of `pelage view`: shows an animal in fur or ink with controls for camera, light, animation and knobs, and
-//! rebakes it when its files change.
+//! The window of `pelage view`. It shows an animal in fur or ink, with controls for camera, light, animation and knobs.
+//! It rebakes the animal when its files change.
 //!
-//! The window knows packages, looks and how to draw them. The application provides a [`Workshop`], which makes packages
-//! from models and recipes and lists the files they came from. It also provides a [`ReferenceSource`], which traces
-//! reference pictures. Both run on their own threads; the window stays responsive and shows the previous content until
-//! the new is ready.
+//! The window can draw packages with looks. The application provides a [`Workshop`], which makes packages from models
+//! and recipes, and lists the files that they came from. It also provides a [`ReferenceSource`], which traces reference
+//! pictures. Both run on their own threads. The window stays responsive and shows the previous content until the new
+//! content is ready.
 //!
-//! Every control follows from the declaration of its knob ([`pelage_params::Knob`]): the window has no list of them.
+//! Every control is derived from the declaration of its knob ([`pelage_params::Knob`]); the window has no list of
+//! knobs.
 
 mod app;
 mod events;

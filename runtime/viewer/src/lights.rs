@@ -1,17 +1,17 @@
-//! Environment map files, read when a look names another one.
+//! Environment map files; read when the look names a different one.
 
 use pelage_stage::{LightsRead, Look};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// Function that loads an environment map. Arguments: path, number of lobes to fit to a panorama, colour of a ground
+/// Function that loads an environment map. Arguments: path, number of lobes to fit to a panorama, albedo of a ground
 /// below it.
 pub type LoadLights = fn(&Path, u32, Option<[f32; 3]>) -> LightsRead;
 
-/// Arguments of [`LoadLights`] for a file.
+/// Arguments with which [`LoadLights`] was called.
 type LightsKey = (PathBuf, u32, Option<[f32; 3]>);
 
-/// Cache of the last environment map.
+/// Cache of the most recently loaded environment map.
 #[derive(Default)]
 pub(crate) struct Lights {
     read: Option<LoadLights>,
@@ -23,7 +23,7 @@ impl Lights {
         Self { read: Some(read), last: RefCell::default() }
     }
 
-    /// Sets the lights of a look from the file that it names, if any.
+    /// Sets the lights of a look from the environment map file that it names, if any.
     pub(crate) fn apply_to(&self, look: &mut Look) -> Result<(), String> {
         look.read_environment(&mut |path, lobes, ground| {
             let mut last = self.last.borrow_mut();

@@ -1,4 +1,4 @@
-//! Files written by a window: existing files are never overwritten, and none is left half-written.
+//! Files written by a window. Existing files are never overwritten, and files are written completely or not at all.
 
 use image::{ImageFormat, RgbaImage};
 use std::io::{Cursor, Write};
@@ -18,7 +18,7 @@ pub fn free(folder: &Path, stem: &str, ext: &str) -> Result<PathBuf, String> {
     found.ok_or_else(|| format!("{}: all names up to {stem}-{MOST}.{ext} are taken", folder.display()))
 }
 
-/// Writes a file atomically: to a temporary file beside it, which is then renamed.
+/// Writes a file atomically: writes to a temporary file in the same folder, then renames it.
 ///
 /// # Errors
 ///
@@ -31,7 +31,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let written =
         std::fs::File::create(&part).and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()));
     written.and_then(|()| std::fs::rename(&part, path)).map_err(|error| {
-        // The incomplete file is useless.
+        // The temporary file is incomplete and useless.
         let _ = std::fs::remove_file(&part);
         fail(error)
     })
@@ -48,7 +48,7 @@ pub fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), String> {
     write(path, png.get_ref())
 }
 
-/// Returns the stem of a file name, for the names of saved files.
+/// Returns the stem of a file name, on which names of saved files are based.
 pub fn stem(name: &str) -> String {
     let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     stem.filter(|stem| !stem.is_empty()).unwrap_or_else(|| "picture".into())

@@ -9,7 +9,7 @@ use pelage_stage::{
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-/// Time difference above which a change of time is a jump, seconds; hair motion then restarts.
+/// Time difference above which a change of time is a jump, seconds. A jump restarts hair motion.
 const LEAP_S: f32 = 0.25;
 
 /// Subject on a stage.
@@ -18,25 +18,26 @@ pub struct Show {
     stage: Option<Stage>,
     subject: Option<Subject>,
     clips: Vec<ClipInfo>,
-    /// Index into `clips`; `None` shows the pose at rest.
+    /// Index into `clips`; `None` for the rest pose.
     clip: Option<usize>,
-    /// Look; the window determines the size of the picture.
+    /// Look; its picture size is replaced by that of the window.
     look: Look,
     /// The subject's own camera over time, if any.
     shot: Option<CameraTrack>,
     navigator: Option<Navigator>,
-    /// Cached camera that frames everything in a picture of that size; computing it traverses the whole model.
+    /// Cached camera that frames the whole subject in a picture of the given size. Its computation traverses the whole
+    /// model.
     framed: Cell<Option<((u32, u32), Viewpoint)>>,
-    /// Time, seconds.
+    /// Time of the animation, seconds.
     time_s: f32,
-    /// Simulation time of hair, seconds; continues while a clip is paused or restarts.
+    /// Simulation time of hair, seconds. Continues while a clip is paused, and when it restarts.
     clock_s: f64,
-    /// State that the canvas shows; nothing is redrawn while it is unchanged.
+    /// State in which the canvas was drawn. As long as it is unchanged, nothing is redrawn.
     drawn: Option<DrawnState>,
     last: Option<LastFrame>,
 }
 
-/// Everything that a picture depends on.
+/// Everything on which a picture depends.
 #[derive(Clone, Debug, PartialEq)]
 struct DrawnState {
     size: (u32, u32),
@@ -48,11 +49,11 @@ struct DrawnState {
 /// Statistics of the last frame.
 #[derive(Clone, Debug, Default)]
 pub struct LastFrame {
-    /// Time from its start until the device finished drawing.
+    /// Time from the start of the frame until the device finished it.
     pub took: Duration,
     /// Size, pixels.
     pub size: (u32, u32),
-    /// Report of its passes, and the fur drawn.
+    /// Report of the frame's passes and of the fur drawn.
     pub report: FrameReport,
 }
 
@@ -76,7 +77,7 @@ impl Show {
         }
     }
 
-    /// Returns true if the device is a software renderer; its pictures are smaller during movement.
+    /// Returns whether the device is a software renderer. Its pictures are smaller during movement.
     pub fn is_software(&self) -> bool {
         self.gpu.info.device_type == wgpu::DeviceType::Cpu
     }
@@ -106,12 +107,12 @@ impl Show {
         self.time_s
     }
 
-    /// Returns the bytes on the device: models, their copies and shadow maps.
+    /// Returns the device memory of models, their copies and shadow maps, bytes.
     pub fn gpu_bytes(&self) -> u64 {
         self.stage.as_ref().map_or(0, |stage| stage.model().gpu_bytes() + stage.copies_bytes() + stage.shadow_bytes())
     }
 
-    /// Shows another subject. A subject of the same name, baked again, keeps the camera.
+    /// Shows another subject. If it is a new bake of the current one, by name, the camera stays.
     ///
     /// # Errors
     ///
@@ -150,7 +151,7 @@ impl Show {
     pub fn play(&mut self, clip: Option<usize>, size: (u32, u32)) -> Result<(), StageError> {
         let Some(subject) = self.subject.clone() else { return Ok(()) };
         let info = clip.and_then(|clip| self.clips.get(clip)).cloned();
-        // The camera stays, although another clip has other bounds.
+        // The camera stays, even if the bounds of the new clip differ.
         let view = self.view(size)?;
         self.load(&subject, info.as_ref(), size)?;
         if self.navigator.is_none() && self.shot.is_none() {
@@ -209,13 +210,14 @@ impl Show {
         self.time_s = time_s;
     }
 
-    /// Advances by `seconds`, and the clip by `speed` times as much: 0 if it is paused. Hair is simulated meanwhile.
+    /// Advances time by `seconds`, and the clip by `speed` times as much; a paused clip has speed 0. Hair moves in any
+    /// case.
     pub fn go_on(&mut self, seconds: f32, speed: f32) {
         self.time_s += speed * seconds;
         self.clock_s += f64::from(seconds);
     }
 
-    /// Returns true if hair moves by itself in the last picture, so that it must be redrawn.
+    /// Returns whether hair still moves in the last picture, so that the next frame must be drawn.
     pub fn hair_moves(&self) -> bool {
         self.drawn.is_some() && self.last.as_ref().is_some_and(|last| last.report.hair_moves)
     }
@@ -242,7 +244,7 @@ impl Show {
         }
     }
 
-    /// Returns a camera that frames everything, from a direction.
+    /// Returns a camera that frames the whole subject from the direction `orbit`.
     fn framed(&self, orbit: Option<Orbit>, size: (u32, u32)) -> Result<Viewpoint, StageError> {
         let Some(subject) = &self.subject else {
             return Ok(Framing::default().view(&[], 0.0, 1.0));
@@ -252,7 +254,7 @@ impl Show {
         frame_actors(&cast.packages, &cast.actors, aspect, &Framing { orbit, ..Framing::default() })
     }
 
-    /// Returns the camera for user control, starting at its current position.
+    /// Returns the camera for user control. It starts at the position of the current camera.
     ///
     /// # Errors
     ///
@@ -261,11 +263,11 @@ impl Show {
         if self.navigator.is_none() {
             self.navigator = Some(Navigator::new(self.view(size)?));
         }
-        // Inserted above.
+        // The code above has set it, so the fallback is never used.
         Ok(self.navigator.get_or_insert_with(|| Navigator::new(Framing::default().view(&[], 0.0, 1.0))))
     }
 
-    /// Frames everything, from the same side as before.
+    /// Frames the whole subject from the same side as before.
     ///
     /// # Errors
     ///
@@ -277,16 +279,16 @@ impl Show {
         Ok(())
     }
 
-    /// Resets the camera to the subject's own, or the default one.
+    /// Resets the camera to that of the subject, or else to the default one.
     pub fn reset(&mut self) {
         self.navigator = None;
     }
 
-    /// Draws into the canvas if anything changed; returns whether it did.
+    /// Draws to the canvas if anything changed. Returns whether it has drawn.
     ///
     /// # Errors
     ///
-    /// [`StageError::Params`] for a look that the device or the package does not support, [`StageError::Device`] if the
+    /// [`StageError::Params`] for a look that the device or the package does not support. [`StageError::Device`] if the
     /// device is lost.
     pub fn draw(&mut self, size: (u32, u32)) -> Result<bool, StageError> {
         let wanted = DrawnState { size, look: self.look.clone(), view: self.view(size)?, time_s: self.time_s };
@@ -314,7 +316,7 @@ impl Show {
         Some(self.stage.as_ref()?.canvas.encoded())
     }
 
-    /// Draws the picture in a size, as `pelage render` does: sRGB-encoded, straight alpha.
+    /// Draws the picture in the given size, as `pelage render` does: sRGB-encoded, straight alpha.
     ///
     /// # Errors
     ///
@@ -326,7 +328,7 @@ impl Show {
         Ok(RgbaImage::from_raw(size.0, size.1, pixels))
     }
 
-    /// Returns the stage for measurements; the picture is redrawn afterwards.
+    /// Returns the stage for measurements. The picture is redrawn afterwards.
     pub fn stage(&mut self) -> Option<&mut Stage> {
         self.drawn = None;
         self.stage.as_mut()

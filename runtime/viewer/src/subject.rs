@@ -1,4 +1,4 @@
-//! Subject of a window: the model of a package, or a scene of several.
+//! Subject of a window: the model of a package, or a scene with several models.
 
 use pelage_formats::{Manifest, Package, Shading, Tag};
 use pelage_stage::{Cast, Framing, LoadedScene, NamedPackage, StageError, Viewpoint};
@@ -23,7 +23,7 @@ pub struct ClipInfo {
 }
 
 impl Subject {
-    /// Returns the positions and poses of all instances. `camera` overrides the subject's own camera, or one that
+    /// Returns the positions and poses of all instances. The camera is `camera`, or else the subject's own, or one that
     /// frames everything.
     ///
     /// # Errors
@@ -37,7 +37,7 @@ impl Subject {
         }
     }
 
-    /// Returns its packages.
+    /// Returns the packages of the subject.
     pub fn packages(&self) -> &[NamedPackage<'static>] {
         match self {
             Self::Package(file) => std::slice::from_ref(file),
@@ -45,7 +45,7 @@ impl Subject {
         }
     }
 
-    /// Returns the clips that can be played; none for a scene, which defines what plays.
+    /// Returns the clips that can be played. Empty for a scene, which defines its own playback.
     pub fn clips(&self) -> Vec<ClipInfo> {
         let Self::Package(file) = self else { return Vec::new() };
         let animation = file.open().ok().and_then(|package| package.animation().ok().flatten());
@@ -53,13 +53,13 @@ impl Subject {
         clips.into_iter().map(|clip| ClipInfo { name: clip.name, duration_s: clip.duration_s }).collect()
     }
 
-    /// Returns the name of its file.
+    /// Returns the file name of the first package.
     pub fn name(&self) -> &str {
         self.packages().first().map_or("", |file| &file.name)
     }
 
-    /// Returns the constants of the lighting equation of `other` if it is the same package and nothing else that is
-    /// drawn differs.
+    /// Compares with another bake of the same package. If no other drawn data differs, returns the shading constants of
+    /// `other`.
     pub fn other_shading(&self, other: &Self) -> Option<Shading> {
         let (Self::Package(before), Self::Package(after)) = (self, other) else { return None };
         let (before, after) = (before.open().ok()?, after.open().ok()?);
@@ -76,7 +76,7 @@ impl Subject {
         is_same.then_some(after.manifest().shading)
     }
 
-    /// Returns the size of all its packages, bytes.
+    /// Returns the total size of the subject's packages, bytes.
     pub fn bytes(&self) -> u64 {
         self.packages().iter().map(|file| file.bytes.len() as u64).sum()
     }

@@ -1,19 +1,19 @@
-//! Reference picture beside the drawn one: when to trace it, and its state.
+//! Reference picture beside the rendered one: when it is traced, and its state.
 
 use crate::workshop::{Progress, ReferencePicture};
 use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use std::time::{Duration, Instant};
 
-/// Time that a view must be still before its reference picture is traced.
+/// Time for which the view must be still before its reference picture is traced.
 const STILL: Duration = Duration::from_millis(300);
 
 /// State of the reference picture.
 #[derive(Default)]
 pub struct ReferencePane {
     asked: bool,
-    /// Time of the last change of the view.
+    /// Time since which the view has been still.
     still_since: Option<Instant>,
-    /// Whether the reference picture of the current view is finished or being traced.
+    /// Whether the reference picture of the current view is finished or in progress.
     is_traced: bool,
     latest: Option<ReferencePicture>,
     progress: Option<Progress>,
@@ -23,7 +23,7 @@ pub struct ReferencePane {
 }
 
 impl ReferencePane {
-    /// Returns true if the reference picture is shown.
+    /// Returns whether the reference picture is shown.
     pub fn is_shown(&self) -> bool {
         self.asked
     }
@@ -33,15 +33,15 @@ impl ReferencePane {
         *self = Self { asked: !self.asked, ..Self::default() };
     }
 
-    /// Marks the reference picture as outdated, because the view changed. Returns true if it was finished or being
-    /// traced.
+    /// Marks the reference picture as outdated, because the view has changed. Returns whether it was finished or in
+    /// progress.
     pub fn outdated(&mut self) -> bool {
         self.still_since = Some(Instant::now());
         self.progress = None;
         std::mem::take(&mut self.is_traced)
     }
 
-    /// Returns true if tracing should start, and marks it as started.
+    /// Returns whether tracing should start now; if so, marks it as started.
     pub fn is_due(&mut self) -> bool {
         let still = self.still_since.get_or_insert_with(Instant::now).elapsed() >= STILL;
         let due = self.asked && !self.is_traced && still;
@@ -49,12 +49,12 @@ impl ReferencePane {
         due
     }
 
-    /// Returns true if it is waiting for the view to become still.
+    /// Returns whether tracing waits until the view is still.
     pub fn waits(&self) -> bool {
         self.asked && !self.is_traced
     }
 
-    /// Stores a reference picture with more samples.
+    /// Stores a refined reference picture, with more samples than before.
     pub fn take(&mut self, ctx: &Context, truth: ReferencePicture) {
         let (width, height) = truth.picture.dimensions();
         let size = [width as usize, height as usize];
@@ -68,7 +68,7 @@ impl ReferencePane {
         self.latest = Some(truth);
     }
 
-    /// Stores the progress.
+    /// Stores the progress of tracing.
     pub fn progressed(&mut self, progress: Progress) {
         self.progress = Some(progress);
     }
@@ -78,12 +78,12 @@ impl ReferencePane {
         (self.failure, self.progress) = (Some(reason), None);
     }
 
-    /// Returns its texture, and that of the FLIP map.
+    /// Returns the texture of the reference picture, and that of its FLIP map.
     pub fn textures(&self) -> Option<(TextureId, Option<TextureId>)> {
         Some((self.picture.as_ref()?.id(), self.map.as_ref().map(TextureHandle::id)))
     }
 
-    /// Returns a description of its state.
+    /// Returns a description of the reference picture's state.
     pub fn status_text(&self) -> String {
         if let Some(reason) = &self.failure {
             return format!("no truth: {reason}");

@@ -1,7 +1,7 @@
 //! File watcher.
 //!
-//! A thread compares length and modification time of each file, ten times a second. This also works on shared folders,
-//! where the system reports no changes, and for editors that write a new file and rename it.
+//! A thread compares length and modification time of each file ten times a second. This also works in shared folders,
+//! where the system reports no changes. It also works with editors that write a new file and rename it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
-/// Polling interval. A change is reported once a file is the same in two consecutive polls.
+/// Polling interval. A change is reported once the file is equal in two consecutive polls.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// State of a file: length and modification time; `None` if it does not exist.
+/// State of a file: length and modification time. `None` if the file does not exist.
 pub type Stamp = Option<(u64, SystemTime)>;
 
 /// Returns the current state of a file.
@@ -21,23 +21,23 @@ pub fn stamp(file: &Path) -> Stamp {
     Some((data.len(), data.modified().unwrap_or(SystemTime::UNIX_EPOCH)))
 }
 
-/// File watcher that calls back when a file changes.
+/// File watcher; calls a callback when a file changes.
 pub struct Watch {
     files: Arc<Mutex<BTreeMap<PathBuf, Watched>>>,
-    /// Ends the thread when dropped.
+    /// Channel whose closing, on drop, ends the thread.
     _open: Sender<()>,
 }
 
 /// Watched file.
 struct Watched {
-    /// State when its last change was reported.
+    /// State of the file when its last change was reported.
     reported: Stamp,
-    /// State at the last poll.
+    /// State of the file at the last poll.
     seen: Stamp,
 }
 
 impl Watch {
-    /// Creates a watcher without files. `changed` is called on a separate thread.
+    /// Creates a watcher without files. `changed` is called on a background thread.
     pub fn new(changed: impl Fn() + Send + 'static) -> Self {
         let files = Arc::new(Mutex::new(BTreeMap::new()));
         let (open, closed) = channel();
@@ -52,11 +52,11 @@ impl Watch {
         Self { files, _open: open }
     }
 
-    /// Replaces the watched files; one that does not exist yet counts as changed when it appears.
+    /// Replaces the watched files. A file that does not exist yet counts as changed when it appears.
     pub fn set(&mut self, files: &[PathBuf]) {
         let mut watched = self.files.lock().unwrap_or_else(PoisonError::into_inner);
         let mut before = std::mem::take(&mut *watched);
-        // A file that is already watched keeps its stamp, because it may have changed since it was read.
+        // A file that is already watched keeps its previous stamp, because it may have changed since it was read.
         watched.extend(files.iter().map(|file| {
             let now = stamp(file);
             (file.clone(), before.remove(file).unwrap_or(Watched { reported: now, seen: now }))
@@ -64,7 +64,7 @@ impl Watch {
     }
 }
 
-/// Returns whether any file has changed and is not being written any more.
+/// Returns whether any file has changed since its last report and is now completely written.
 fn poll(files: &mut BTreeMap<PathBuf, Watched>) -> bool {
     let mut any = false;
     for (file, watched) in files {

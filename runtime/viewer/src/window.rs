@@ -1,4 +1,4 @@
-//! The window itself: winit events as input, a surface as output, egui between.
+//! The window: winit provides events, a surface shows the picture, and egui draws the controls.
 
 use crate::app::App;
 use crate::events::Events;
@@ -29,7 +29,7 @@ use winit::window::{Window, WindowId};
 pub struct ViewOptions {
     /// File to open first; `None` waits for a file to be dropped.
     pub open: Option<PathBuf>,
-    /// Initial look, before changes in the panels.
+    /// Initial look, before the user's changes.
     pub look: Look,
     /// Width and height of the window, physical pixels.
     pub size: (u32, u32),
@@ -41,30 +41,30 @@ pub struct ViewOptions {
     pub lights_of: LoadLights,
     /// Event log for scripts, one line of JSON per event.
     pub events: Option<Box<dyn Write + Send>>,
-    /// Start of the program, for the times in the event log.
+    /// Start time of the program; times in the event log are relative to it.
     pub began: Instant,
 }
 
-/// Reason that a window cannot be opened, or was closed.
+/// Reason why a window cannot be opened, or was closed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
-    /// No display available.
+    /// No display is available.
     #[error(
         "no window can be opened: {0}\nA window needs a desktop: on Linux an X server (DISPLAY; Wayland desktops bring \
              one, Xwayland) and libxkbcommon-x11. Without one, `pelage render` draws into files."
     )]
     NoDisplay(String),
-    /// No device can draw into it.
+    /// No device can draw to the window, or the device was lost.
     #[error(transparent)]
     Stage(#[from] StageError),
 }
 
-/// Opens a window that shows what `workshop` makes; returns when it is closed.
+/// Opens a window that shows the content of `workshop`. Returns when the window is closed.
 ///
 /// # Errors
 ///
-/// [`ViewError::NoDisplay`] without a display; [`ViewError::Stage`] without a device, or if the device is lost and
+/// [`ViewError::NoDisplay`] without a display. [`ViewError::Stage`] without a device, or if the device is lost and
 /// cannot be restored.
 pub fn view(options: ViewOptions, workshop: Box<dyn Workshop>) -> Result<(), ViewError> {
     let event_loop = event_loop()?;
@@ -74,7 +74,7 @@ pub fn view(options: ViewOptions, workshop: Box<dyn Workshop>) -> Result<(), Vie
     host.failure.map_or(ran, Err)
 }
 
-/// Creates winit's event loop. A panic, caused by a missing system library, is converted to an error.
+/// Creates winit's event loop. Converts a panic, caused by a missing system library, to an error.
 fn event_loop() -> Result<EventLoop<WorkerMessage>, ViewError> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| ()));
@@ -87,7 +87,7 @@ fn event_loop() -> Result<EventLoop<WorkerMessage>, ViewError> {
     }
 }
 
-/// winit application; has no window until the system allows it.
+/// winit application. Has no window until the system allows one.
 struct Host {
     begins: Option<(ViewOptions, Box<dyn Workshop>)>,
     proxy: EventLoopProxy<WorkerMessage>,
@@ -107,7 +107,7 @@ struct Open {
     painter: egui_wgpu::Renderer,
     picture: Option<TextureId>,
     app: App,
-    /// Time of the next frame without user input.
+    /// Time of the next frame, unless user input comes first.
     due: Option<Instant>,
 }
 
@@ -197,7 +197,7 @@ impl Open {
         let mut config = surface
             .get_default_config(&adapter, size.width.max(1), size.height.max(1))
             .ok_or_else(|| none(&"it cannot draw on the window's surface"))?;
-        // egui paints encoded values, and the picture is already encoded.
+        // egui writes sRGB-encoded values, and the picture is encoded already, so the surface must not encode again.
         config.format = config.format.remove_srgb_suffix();
         config.desired_maximum_frame_latency = 1;
         surface.configure(&gpu.device, &config);
@@ -210,7 +210,7 @@ impl Open {
         let painter = egui_wgpu::Renderer::new(&gpu.device, config.format, egui_wgpu::RendererOptions::default());
 
         let proxy = proxy.clone();
-        // Messages to a closed window are dropped.
+        // If the window is closed, the message is dropped.
         let workers = Workers::start(workshop, &(Arc::new(move |told| drop(proxy.send_event(told))) as _));
         let mut events = Events::new(options.began, options.events);
         let is_software = gpu.info.device_type == wgpu::DeviceType::Cpu;
@@ -235,7 +235,7 @@ impl Open {
         }
     }
 
-    /// Runs one frame: input, picture, presentation.
+    /// Runs one frame: handles input, draws the picture, presents the window.
     fn frame(&mut self) -> Result<(), StageError> {
         let taken = self.input.take_egui_input(&self.window);
         let (app, drawn) = (&mut self.app, self.picture);
@@ -267,7 +267,7 @@ impl Open {
 
         let delay = viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |output| output.repaint_delay);
         let delay = step.wait.map_or(delay, |wait| wait.min(delay));
-        // The first picture did not exist yet when the window was laid out.
+        // The first picture did not exist when the window was laid out, so the next frame follows at once.
         let delay = if step.drew && drawn.is_none() { Duration::ZERO } else { delay };
         self.due = if delay.is_zero() { None } else { Instant::now().checked_add(delay) };
         if delay.is_zero() {
@@ -286,7 +286,7 @@ impl Open {
         }
     }
 
-    /// Returns the surface's next texture; `None` if it is unavailable, permanently or in this frame.
+    /// Returns the surface's next texture. `None` if there is none in this frame, or none at all.
     fn acquire(&mut self) -> Option<wgpu::SurfaceTexture> {
         use wgpu::CurrentSurfaceTexture as Current;
         for _ in 0..2 {
@@ -328,7 +328,7 @@ impl Open {
         queue.submit(more.into_iter().chain([encoder.finish()]));
     }
 
-    /// Saves the current window, by painting it again and reading it back.
+    /// Saves a screenshot: paints the window again and reads it back.
     fn save_window(
         &mut self,
         painted: &[egui::ClippedPrimitive],

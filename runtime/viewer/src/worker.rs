@@ -1,5 +1,5 @@
-//! Two background threads of the window: one makes the content, again whenever its files change; the other traces the
-//! reference picture.
+//! Two background threads of the window. One makes the content, and again whenever its files change. The other traces
+//! the reference picture.
 
 use crate::watch::Watch;
 use crate::workshop::{
@@ -17,26 +17,26 @@ use std::time::{Duration, Instant};
 pub enum WorkerMessage {
     /// Content is being made.
     Working(Progress),
-    /// Content is ready, with the time it took.
+    /// Content is ready; includes the time that it took.
     Made(Box<WindowContent>, Duration),
-    /// Content cannot be made, with the reason.
+    /// Content cannot be made; includes the reason.
     Failed(String),
     /// Result of writing a recipe.
     Saved(Outcome<PathBuf>),
     /// Progress of the reference picture.
     Tracing(Progress),
-    /// Reference picture, with more samples than the previous one.
+    /// Reference picture with more samples than the previous one.
     Truth(Box<ReferencePicture>),
-    /// No reference picture, with the reason.
+    /// The reference picture cannot be traced; includes the reason.
     NoTruth(String),
 }
 
 /// Request of the window to the thread that makes content.
 enum MakeRequest {
     Open(PathBuf),
-    /// Make the content with these edits of the recipe.
+    /// Make the content with these edits of the recipe (`key=value`).
     Make(Vec<String>),
-    /// A file has changed.
+    /// A file of the content has changed.
     Changed,
     Save(Vec<String>),
 }
@@ -44,16 +44,16 @@ enum MakeRequest {
 /// Callback that sends a message to the window and wakes it.
 pub type SendMessage = Arc<dyn Fn(WorkerMessage) + Send + Sync>;
 
-/// Handles of the threads, which end when this is dropped.
+/// Handles of the threads; dropping them ends the threads.
 pub struct Workers {
     make: Sender<MakeRequest>,
     trace: Sender<(u64, ReferenceRequest)>,
-    /// Number of the requested reference picture; traces with other numbers are cancelled.
+    /// Number of the current reference request; tracing with other numbers is cancelled.
     wanted: Arc<AtomicU64>,
 }
 
 impl Workers {
-    /// Starts both threads. If files cannot be watched, `tell` reports it, and the rest works.
+    /// Starts both threads. If files cannot be watched, a message says so and everything else works.
     pub fn start(workshop: Box<dyn Workshop>, tell: &SendMessage) -> Self {
         let (make, asked) = channel();
         let (trace, truths) = channel();
@@ -71,7 +71,7 @@ impl Workers {
         self.ask(MakeRequest::Open(path));
     }
 
-    /// Makes the open content with these edits of its recipe. Of several pending requests only the last is processed.
+    /// Makes the opened content with these edits of its recipe. Of several pending requests only the last is processed.
     pub fn make(&self, edits: Vec<String>) {
         self.ask(MakeRequest::Make(edits));
     }
@@ -84,7 +84,7 @@ impl Workers {
     /// Traces a reference picture, and cancels the previous one.
     pub fn trace(&self, asked: ReferenceRequest) {
         let number = self.wanted.fetch_add(1, Ordering::Relaxed) + 1;
-        // A thread that has ended has reported why.
+        // If the thread has ended, it has already reported the reason.
         let _ = self.trace.send((number, asked));
     }
 
@@ -94,7 +94,7 @@ impl Workers {
     }
 
     fn ask(&self, asked: MakeRequest) {
-        // A thread that has ended has reported why.
+        // If the thread has ended, it has already reported the reason.
         let _ = self.make.send(asked);
     }
 }
@@ -117,7 +117,7 @@ fn make_all(
     let mut edits = Vec::new();
     while let Ok(first) = asked.recv() {
         let mut make = false;
-        // Includes all pending requests, because a dragged slider sends them faster than content can be made.
+        // Drains all pending requests, because a dragged slider sends them faster than content can be made.
         for asked in std::iter::once(first).chain(asked.try_iter().collect::<Vec<_>>()) {
             match asked {
                 MakeRequest::Open(path) => match workshop.open(&path) {
@@ -129,7 +129,7 @@ fn make_all(
                 MakeRequest::Save(changed) => {
                     let saved = workshop.save_recipe(&changed);
                     if saved.is_ok() {
-                        // The file now contains the edits.
+                        // The file now contains the edits, so they are cleared.
                         (edits, make) = (Vec::new(), true);
                     }
                     tell(WorkerMessage::Saved(saved));
@@ -149,7 +149,7 @@ fn make_all(
     }
 }
 
-/// Returns the result of `work`; a panic is converted to an error, so that the window continues.
+/// Returns the result of `work`. Converts a panic to an error, so that the window continues.
 fn caught<T>(work: impl FnOnce() -> Outcome<T>) -> Outcome<T> {
     let failed = |_| Err("internal error in pelage; the terminal has the details".into());
     std::panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(failed)

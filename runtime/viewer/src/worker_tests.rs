@@ -7,8 +7,8 @@ use std::sync::mpsc::RecvTimeoutError;
 
 const SECOND: Duration = Duration::from_secs(10);
 
-/// Workshop whose packages contain the edits that they were made with, of one file. Reports the start of each, and
-/// waits for permission to continue.
+/// Workshop with a single file, whose packages contain the edits with which they were made. It reports the start of
+/// each, and waits for permission to continue.
 struct Shop {
     file: PathBuf,
     begins: Sender<Vec<String>>,
@@ -41,7 +41,7 @@ impl Workshop for Shop {
     }
 }
 
-/// Judge that traces until it is cancelled.
+/// Reference source that traces until it is cancelled.
 struct Patient;
 
 impl ReferenceSource for Patient {
@@ -83,7 +83,7 @@ fn bench() -> Bench {
 }
 
 impl Bench {
-    /// Returns the next content made, or the error.
+    /// Returns the content that is made next, or the error.
     fn made(&self) -> Result<String, String> {
         loop {
             match self.told.recv_timeout(SECOND).unwrap() {

@@ -1,5 +1,5 @@
-//! Interfaces that provide the content of a window. The window knows no models, recipes or tracers; the application
-//! provides them.
+//! Interfaces through which the application provides the content of a window. The window itself does not depend on
+//! models, recipes or tracers.
 
 use crate::knobs::Knobs;
 use crate::subject::Subject;
@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Result, or an error message: which file, where in it, what was found and what was expected.
+/// Result, or an error message with the file, the position in it, the value found and the value expected.
 pub type Outcome<T> = Result<T, String>;
 
 /// Progress of some work.
@@ -23,55 +23,55 @@ pub struct Progress {
 
 /// Content made from files.
 pub struct WindowContent {
-    /// Subject to draw.
+    /// Subject to show.
     pub subject: Subject,
-    /// Look of a scene.
+    /// Look of a scene; `None` for other content.
     pub look: Option<Look>,
-    /// Recipe of a baked model as in its file, the base of edits.
+    /// Recipe of a baked model, as in its file; edits are based on it. `None` for other content.
     pub recipe: Option<Box<dyn Knobs>>,
     /// Notes on repairs, choices and omissions.
     pub notes: Vec<String>,
-    /// Stages of the bake that ran again, with seconds.
+    /// Stages of the bake that were run again, with their times in seconds.
     pub stages: Vec<(String, f64)>,
 }
 
-/// Source of a window's content. All methods are called on a separate thread.
+/// Source of a window's content. All methods are called on a background thread.
 pub trait Workshop: Send {
-    /// Opens a file: a package, a model, a recipe for the open model, or a scene.
+    /// Opens a file: a package, a model, a recipe for the opened model, or a scene.
     ///
     /// # Errors
     ///
-    /// Unsupported file; what was open stays open.
+    /// The file is unsupported; the previous file then stays open.
     fn open(&mut self, path: &Path) -> Outcome<()>;
 
-    /// Makes the open content from the current files, with edits (`key=value`) of its recipe.
+    /// Makes the opened content from the current files, with edits (`key=value`) of its recipe.
     ///
     /// # Errors
     ///
-    /// Error in a file, or in an edit.
+    /// An error in a file or in an edit.
     fn make(&mut self, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Outcome<WindowContent>;
 
-    /// Returns the files that affect the content, including missing ones: the model, its images and buffers, the
-    /// recipe, its images, the scene and its packages.
+    /// Returns the files that affect the content, including missing ones: the model with its images and buffers, the
+    /// recipe with its images, and the scene with its packages.
     fn files(&self) -> Vec<PathBuf>;
 
-    /// Writes the recipe with edits to its file, or beside the model; returns the path.
+    /// Writes the recipe with edits to its file, or, without one, beside the model. Returns the path.
     ///
     /// # Errors
     ///
-    /// No recipe, or an error of the file system.
+    /// The content has no recipe, or the file system reports an error.
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf>;
 
-    /// Creates a tracer of reference pictures; it is moved to another thread.
+    /// Creates a source of reference pictures, which is moved to another thread.
     fn judge(&self) -> Box<dyn ReferenceSource>;
 }
 
-/// View of a package for which a reference picture is requested.
+/// Request for a reference picture: a view of a package.
 #[derive(Clone, Debug)]
 pub struct ReferenceRequest {
-    /// Package.
+    /// Package to trace.
     pub file: Arc<NamedPackage<'static>>,
-    /// Picture, light and style.
+    /// Look: picture, light and style.
     pub look: Look,
     /// Camera.
     pub camera: Viewpoint,
@@ -79,31 +79,31 @@ pub struct ReferenceRequest {
     pub clip: Option<String>,
     /// Time, seconds.
     pub time_s: f32,
-    /// Drawn picture of the same view: sRGB-encoded, straight alpha.
+    /// Rendered picture of the same view: sRGB-encoded, straight alpha.
     pub drawn: RgbaImage,
 }
 
-/// Reference picture, as far as it is traced.
+/// Reference picture; possibly unfinished.
 #[derive(Clone, Debug)]
 pub struct ReferencePicture {
     /// Picture: sRGB-encoded, straight alpha.
     pub picture: RgbaImage,
-    /// Samples per pixel so far.
+    /// Number of samples per pixel so far.
     pub samples: u32,
     /// Final number of samples per pixel.
     pub of_samples: u32,
-    /// Mean FLIP of the drawn picture against this one, and its map.
+    /// FLIP of the rendered picture against this one: mean and map.
     pub flip: Option<(f64, RgbImage)>,
 }
 
-/// Tracer of reference pictures.
+/// Source of reference pictures.
 pub trait ReferenceSource: Send {
-    /// Traces a reference picture with increasing numbers of samples; `show` receives each, `progress` returns whether
-    /// to continue.
+    /// Traces a reference picture. Calls `show` with each refinement, which has more samples than the previous one.
+    /// `progress` returns whether to continue.
     ///
     /// # Errors
     ///
-    /// Error in the package, or the reason that it has no reference picture.
+    /// An error in the package, or the reason why it has no reference picture.
     fn trace(
         &mut self,
         asked: &ReferenceRequest,

@@ -12,19 +12,19 @@ use web_sys::HtmlCanvasElement;
 #[derive(Debug)]
 pub struct Opened {
     pub(crate) gpu: Gpu,
-    /// Canvas; `None` if another renderer presents the picture.
+    /// Canvas; `None` if another renderer presents the image.
     pub(crate) screen: Option<Screen>,
 }
 
 #[wasm_bindgen]
 impl Opened {
-    /// The `GPUDevice`, for its `lost` and for sharing it.
+    /// Returns the `GPUDevice`, which can be shared, and whose `lost` promise reports its loss.
     #[wasm_bindgen(getter)]
     pub fn device(&self) -> JsValue {
         self.gpu.device.as_webgpu().map_or(JsValue::UNDEFINED, |device| device.clone().into())
     }
 
-    /// Name of the adapter as given by the browser; may be empty.
+    /// Returns the name of the adapter as given by the browser; may be empty.
     #[wasm_bindgen(getter)]
     pub fn adapter(&self) -> String {
         self.gpu.info.name.clone()
@@ -58,21 +58,21 @@ pub async fn open_shared() -> Result<Opened, JsValue> {
     Ok(Opened { screen: None, gpu })
 }
 
-/// Returns the wanted features: block compression if available, for four times the texels in the same memory.
+/// Returns the wanted features: block compression if available, which fits four times the texels into the same memory.
 fn wanted() -> wgpu::Features {
     wgpu::Features::TEXTURE_COMPRESSION_BC
 }
 
-/// Canvas of the page, which presents the stage's own canvas.
+/// Canvas of the page, to which the stage's own canvas is copied.
 ///
-/// A page's canvas has no sRGB format, but a stage draws linear light. So a pass of one triangle copies the stage's
-/// encoded bytes. It also converts colours premultiplied with coverage in linear light to what a page blends:
-/// premultiplied encoded colours.
+/// A page's canvas has no sRGB format, but a stage draws linear light. Therefore a pass of one triangle copies the
+/// stage's encoded bytes. The stage's colours are premultiplied with coverage in linear light. The pass converts them
+/// to the form that a page blends: encoded colours, premultiplied.
 #[derive(Debug)]
 pub(crate) struct Screen {
     surface: wgpu::Surface<'static>,
     pipeline: wgpu::RenderPipeline,
-    /// Picture of the stage; `None` until one is shown after a change of size.
+    /// Bind group of the stage's image; `None` until an image is shown after a change of size.
     picture: Option<wgpu::BindGroup>,
 }
 
@@ -109,7 +109,7 @@ impl Screen {
         Self { surface, pipeline, picture: None }
     }
 
-    /// Sets the size in pixels, width and height. The canvas's content is lost.
+    /// Sets width and height in pixels. The content of the canvas is lost.
     pub fn resize(&mut self, gpu: &Gpu, (width, height): (u32, u32)) {
         self.picture = None;
         self.surface.configure(
@@ -128,13 +128,13 @@ impl Screen {
         );
     }
 
-    /// Forgets the stage's picture, because the stage has a new canvas.
+    /// Discards the bind group of the stage's image, because the stage has a new canvas.
     pub fn forget_picture(&mut self) {
         self.picture = None;
     }
 
-    /// Records the commands that present `canvas`, of the size last given to [`Self::resize`]. `None` if the page
-    /// currently has no texture to draw on: the canvas then keeps its content.
+    /// Records the commands that present `canvas`, whose size was last given to [`Self::resize`]. `None` if the page
+    /// currently has no texture to draw on; the canvas then keeps its content.
     pub fn show(
         &mut self,
         gpu: &Gpu,

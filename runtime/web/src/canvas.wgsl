@@ -1,6 +1,6 @@
 // Copies a stage's picture to the page's canvas. `linear_of` is in the runtime's shared/srgb.wgsl.
 
-// Encoded bytes; colour premultiplied with coverage in linear light.
+// The texture holds encoded bytes, with colour premultiplied by coverage in linear light.
 @group(0) @binding(0) var picture: texture_2d<f32>;
 
 @vertex
@@ -17,7 +17,7 @@ fn encoded(linear: vec3<f32>) -> vec3<f32> {
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = textureLoad(picture, vec2<i32>(position.xy), 0);
-    // Opaque pixels keep their bytes.
+    // Fully transparent and opaque pixels keep their bytes.
     if (pixel.a <= 0.0 || pixel.a >= 1.0) {
         return pixel;
     }

@@ -25,8 +25,8 @@ pub struct Pass {
 
 #[wasm_bindgen]
 impl Pass {
-    /// Creates a pass for targets of those formats, named as in WebGPU, with one sample per pixel. `reversed_depth`:
-    /// near is 1.
+    /// Creates a pass for targets of the given formats, named as in WebGPU, with one sample per pixel. `reversed_depth`
+    /// means that the near plane has depth 1.
     ///
     /// # Errors
     ///
@@ -61,7 +61,8 @@ impl Pass {
         Ok(info)
     }
 
-    /// Sets one key of the look, in its tables `light`, `shadow` and `fur`; the other renderer controls the picture.
+    /// Sets one key of the look, in one of its tables `light`, `shadow` and `fur`. The table `picture` is up to the
+    /// other renderer.
     ///
     /// # Errors
     ///
@@ -93,10 +94,10 @@ impl Pass {
 
     /// Draws a frame over `color` and `depth`, two `GPUTexture`s of this device of equal size, and submits it.
     ///
-    /// * `matrices`: `view_from_world`, `clip_from_view` and `world_from_model`, 16 numbers each, by columns
-    /// * `clip`: its index, below 0 at rest
+    /// * `matrices`: `view_from_world`, `clip_from_view` and `world_from_model`, 16 numbers each, column-major
+    /// * `clip`: index of the clip; below 0 for the model at rest
     /// * `time_s`: time in the clip, seconds
-    /// * `clock_s`: time of the hair simulation, seconds; without it hair is as groomed
+    /// * `clock_s`: time of the hair simulation, seconds; without it, hair is as groomed
     ///
     /// # Errors
     ///
@@ -157,7 +158,7 @@ impl Pass {
 }
 
 impl Pass {
-    /// Returns a view of another renderer's texture, without copying, and its width and height.
+    /// Returns a view of another renderer's texture, and the texture's width and height. Nothing is copied.
     fn lent(
         &self,
         texture: &JsValue,
@@ -211,7 +212,7 @@ fn depth_format(name: &str) -> Result<wgpu::TextureFormat, JsValue> {
     })
 }
 
-/// Converts an error of the runtime when it loads a package; the kind depends on the cause.
+/// Converts an error of the runtime on loading a package. The kind depends on the cause.
 fn refused(file: &NamedPackage<'_>, error: RuntimeError) -> JsValue {
     let kind = match &error {
         RuntimeError::Package(_) | RuntimeError::Content { .. } => "package",

@@ -27,7 +27,7 @@ impl Player {
         self.time_s = self.clip.map_or(0.0, |(_, duration_s)| within(time_s, duration_s));
     }
 
-    /// Advances time by `elapsed_s` seconds; returns whether the pose has changed.
+    /// Advances time by `elapsed_s` seconds. Returns whether the pose has changed.
     pub fn advance(&mut self, elapsed_s: f32) -> bool {
         let before = self.time_s;
         if self.playing {

@@ -1,4 +1,4 @@
-//! Errors for JavaScript: an `Error` with a `kind` that tells the cause.
+//! Errors for JavaScript: an `Error` with a `kind` that gives the cause.
 
 use pelage_stage::StageError;
 use wasm_bindgen::JsValue;

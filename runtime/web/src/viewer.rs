@@ -14,14 +14,14 @@ use pelage_stage::{
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
 
-/// Change of the clip time, in seconds, beyond which it is a jump: hair motion then restarts.
+/// Change of the clip time, in seconds, above which it counts as a jump and hair motion restarts.
 const LEAP_S: f32 = 0.25;
 
-/// Arbitrary view: there is nothing to see until a package is loaded.
+/// Arbitrary view for use before a package is loaded, when nothing is visible.
 const NOWHERE: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
-/// Loaded package. Its bytes are kept, because a new device or a different number of samples per pixel requires a new
-/// stage.
+/// Loaded package. Its bytes are kept, because a new stage must be created for a new device or a different number of
+/// samples per pixel.
 struct Shown {
     file: NamedPackage<'static>,
     has_ink: bool,
@@ -30,7 +30,7 @@ struct Shown {
 
 /// Viewer of a package on a canvas.
 ///
-/// If a method fails, the state is as before the call.
+/// If a method fails, the state is the same as before the call.
 #[wasm_bindgen]
 pub struct Viewer {
     gpu: Gpu,
@@ -72,7 +72,7 @@ impl Viewer {
         Ok(viewer)
     }
 
-    /// Loads a package and shows it, framed and at rest; `name` is its name in messages.
+    /// Loads a package and shows it at rest, with a camera that frames it. `name` is its name in messages.
     ///
     /// # Errors
     ///
@@ -124,7 +124,7 @@ impl Viewer {
     ///
     /// # Errors
     ///
-    /// Error of kind `asked` for what the device cannot draw.
+    /// Error of kind `asked` for anything that the device cannot draw.
     pub fn draw(&mut self) -> Result<JsValue, JsValue> {
         let Some(Shown { stage, .. }) = &mut self.shown else { return Ok(JsValue::UNDEFINED) };
         stage.look_from(self.navigator.view());
@@ -153,8 +153,7 @@ impl Viewer {
         self.take(without_files(look)?)
     }
 
-    /// Replaces the look by one from TOML; keys that it leaves out get their defaults. The size of the canvas is
-    /// unchanged.
+    /// Replaces the look by one from TOML; missing keys get their defaults. The size of the canvas is unchanged.
     ///
     /// # Errors
     ///
@@ -166,8 +165,8 @@ impl Viewer {
         self.take(without_files(look)?)
     }
 
-    /// Sets an environment map from TOML, as lights fitted to a sky. It replaces the ambient light until removed by
-    /// `environment.sky = "none"`.
+    /// Sets an environment map from TOML, as lights fitted to a sky. It replaces the ambient light until
+    /// `environment.sky = "none"` removes it.
     ///
     /// # Errors
     ///
@@ -198,7 +197,7 @@ impl Viewer {
         self.take(self.look.clone())
     }
 
-    /// Selects the clip of that name, at its start and paused; `undefined` puts the model at rest.
+    /// Selects the clip named `name`, at its start and paused; `undefined` puts the model at rest.
     ///
     /// # Errors
     ///
@@ -216,7 +215,8 @@ impl Viewer {
         Ok(())
     }
 
-    /// Fixes the morph target of that name at a weight, whatever the clip does; `undefined` returns it to the clip.
+    /// Fixes the weight of the morph target named `name`, whatever the clip does. With weight `undefined`, the clip
+    /// drives it again.
     ///
     /// # Errors
     ///
@@ -249,7 +249,7 @@ impl Viewer {
         }
     }
 
-    /// Moves to that time of the clip, seconds; clips loop.
+    /// Moves to time `time_s` of the clip, seconds; clips loop.
     pub fn seek(&mut self, time_s: f32) {
         if !time_s.is_finite() {
             return;
@@ -263,7 +263,7 @@ impl Viewer {
         }
     }
 
-    /// Advances time by `elapsed_s` seconds; returns whether the picture has changed.
+    /// Advances time by `elapsed_s` seconds. Returns whether the image has changed.
     pub fn advance(&mut self, elapsed_s: f32) -> bool {
         self.lived_s += f64::from(elapsed_s);
         self.player.advance(elapsed_s) || self.hair_moves && elapsed_s > 0.0
@@ -330,8 +330,8 @@ impl Viewer {
         self.navigator.reset();
     }
 
-    /// Returns the camera's position about its target: azimuth from +z towards +x and elevation in degrees, distance in
-    /// metres.
+    /// Returns the camera's position relative to its target: azimuth from +z towards +x and elevation, in degrees, and
+    /// distance in metres.
     pub fn around(&self) -> Vec<f32> {
         let (azimuth_deg, elevation_deg, distance_m) = self.navigator.around();
         vec![azimuth_deg, elevation_deg, distance_m]
@@ -342,19 +342,20 @@ impl Viewer {
         self.navigator.go_around(azimuth_deg, elevation_deg, distance_m);
     }
 
-    /// Orbits the target for a drag to the right and up, in heights of the picture; the model turns with the pointer.
+    /// Orbits the camera about the target for a drag to the right and up, measured in heights of the image. The model
+    /// turns with the pointer.
     pub fn orbit(&mut self, right: f32, up: f32) {
         self.navigator.orbit(Vec2::new(right, up));
     }
 
-    /// Moves the camera sideways for a drag to the right and up, in heights of the picture; the model moves with the
-    /// pointer.
+    /// Moves the camera sideways for a drag to the right and up, measured in heights of the image. The model moves with
+    /// the pointer.
     pub fn pan(&mut self, right: f32, up: f32) {
         self.navigator.pan(Vec2::new(right, up));
     }
 
-    /// Moves the camera `factor` times as near, keeping the point under the pointer in place. `right`, `up`: pointer
-    /// position from the centre, in heights of the picture.
+    /// Divides the camera's distance from its target by `factor`; the point under the pointer stays in place. `right`
+    /// and `up` are the pointer position relative to the centre, in heights of the image.
     pub fn zoom(&mut self, factor: f32, right: f32, up: f32) {
         self.navigator.zoom(factor, Vec2::new(right, up));
     }
@@ -417,7 +418,7 @@ fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
     Ok((opened.gpu, screen))
 }
 
-/// Returns the look with the environment lights from TOML.
+/// Returns the look with the environment lights read from TOML.
 pub(crate) fn under(look: &Look, text: &str) -> Result<Look, JsValue> {
     let lights = environment_from_toml("environment", text).map_err(asked)?;
     let mut look = look.clone();
@@ -438,7 +439,7 @@ pub(crate) fn without_files(look: Look) -> Result<Look, JsValue> {
     Ok(look)
 }
 
-/// Returns the frame parameters for a look, with the key light multiplied by that colour, linear.
+/// Returns the frame parameters for a look, with the key light multiplied by `light_color`, linear.
 pub(crate) fn lit(look: &Look, light_color: Vec3) -> FrameParams {
     look.frame_params().with(|params| {
         let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;

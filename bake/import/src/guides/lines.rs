@@ -1,20 +1,20 @@
-//! Joining of lines between vertices to strands.
+//! Joins line segments between vertices to strands.
 
 use std::collections::HashSet;
 
-/// Joins lines that share an end to strands: vertices of each strand from end to end, in the order of their first
-/// lines.
+/// Joins line segments that share an end to strands. Returns the vertices of each strand from end to end; strands are
+/// in the order of their first segments.
 ///
-/// Strands end where more than two lines meet. Each strand runs in the direction of most of its lines. Repeated lines
-/// and lines from a vertex to itself are ignored.
+/// A strand ends where more than two segments meet. Each strand has the direction of the majority of its segments.
+/// Repeated segments, and segments from a vertex to itself, are ignored.
 ///
-/// * `vertices`: greater than any index in `lines`
+/// * `vertices`: number of vertices, greater than any index in `lines`
 pub fn join_lines(lines: &[[u32; 2]], vertices: usize) -> Vec<Vec<u32>> {
     let mut seen = HashSet::new();
     let is_new = |line: &[u32; 2]| line[0] != line[1] && seen.insert([line[0].min(line[1]), line[0].max(line[1])]);
     let lines: Vec<[u32; 2]> = lines.iter().copied().filter(is_new).collect();
-    // Per vertex, the number of its lines and the sum of their indices: with two lines, the sum minus one index is the
-    // other.
+    // Per vertex: the number of its segments and the sum of their indices. If a vertex has two, the sum minus one index
+    // is the other index.
     let (mut count, mut sum) = (vec![0u32; vertices], vec![0usize; vertices]);
     for (number, line) in lines.iter().enumerate() {
         for end in line {
@@ -22,7 +22,7 @@ pub fn join_lines(lines: &[[u32; 2]], vertices: usize) -> Vec<Vec<u32>> {
             sum[*end as usize] += number;
         }
     }
-    // Returns the line that continues another at `end`, and its other end.
+    // Returns the segment that continues `line` at `end`, and its other end.
     let next = |line: usize, end: u32| {
         let goes_on = count[end as usize] == 2;
         goes_on.then(|| {
@@ -36,7 +36,7 @@ pub fn join_lines(lines: &[[u32; 2]], vertices: usize) -> Vec<Vec<u32>> {
         if used[first] {
             continue;
         }
-        // Walk back to the beginning of the strand, or once around a ring.
+        // Walk back to the beginning of the strand, or once around a closed loop.
         let (mut line, mut end) = (first, lines[first][0]);
         while let Some((before, begins)) = next(line, end) {
             (line, end) = if before == first { (first, lines[first][0]) } else { (before, begins) };
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn lines_that_share_ends_are_one_strand() {
         assert_eq!(join_lines(&[[0, 1], [1, 2], [3, 4], [4, 5]], 6), [[0, 1, 2], [3, 4, 5]]);
-        // Lines in any order, some of them reversed.
+        // Segments in any order, some of them reversed.
         assert_eq!(join_lines(&[[4, 5], [1, 2], [4, 3], [3, 2], [0, 1], [5, 6]], 7), [[0, 1, 2, 3, 4, 5, 6]]);
         assert_eq!(join_lines(&[[1, 0], [2, 1]], 3), [[2, 1, 0]]);
         assert_eq!(join_lines(&[], 0), [[0; 0]; 0]);

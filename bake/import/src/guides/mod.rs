@@ -1,11 +1,11 @@
-//! Hair guides: the few strands that define the shape of hair on a scalp, from files of other programs.
+//! Hair guides, read from files of other programs: the few strands that define the shape of hair on a scalp.
 
 pub mod lines;
 pub mod read;
 
 use glam::Vec3;
 
-/// Strands of a file: polylines, root first.
+/// Strands of a file, each a polyline that begins at the root.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guides {
     /// Points of all strands, in the file's space and unit.
@@ -14,12 +14,12 @@ pub struct Guides {
     pub radii: Vec<f32>,
     /// Colour of each point, linear RGB; empty if the file has none.
     pub colors: Vec<Vec3>,
-    /// Ranges of points: strand `i` is `offsets[i]..offsets[i + 1]`. One entry more than strands; empty without
-    /// strands.
+    /// Offsets into the points: strand `i` has the points `offsets[i]..offsets[i + 1]`. There is one entry more than
+    /// strands; without strands there is none.
     pub offsets: Vec<u32>,
-    /// Number of strands left out: those of one point or without length.
+    /// Number of strands dropped because they have one point or no length.
     pub left_out: usize,
-    /// Warnings: other parts of the file that were left out or guessed.
+    /// Warnings: other parts of the file that were ignored or guessed.
     pub warnings: Vec<String>,
 }
 
@@ -39,7 +39,8 @@ impl Guides {
         &self.points[self.offsets[index] as usize..self.offsets[index + 1] as usize]
     }
 
-    /// Adds a strand, or counts it as left out if it has no length. Points equal to their predecessor are dropped.
+    /// Adds a strand. If it has no length, drops it and counts it in `left_out`. Points equal to their predecessor are
+    /// dropped.
     pub fn push(&mut self, points: &[Vec3], radii: &[f32], colors: &[Vec3]) {
         let first = self.points.len();
         for (i, point) in points.iter().enumerate() {

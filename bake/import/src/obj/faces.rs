@@ -49,7 +49,7 @@ impl Part {
         if named.is_empty() { "the faces without a name".to_owned() } else { named.join(", ") }
     }
 
-    /// Returns the names of object and group, without empty ones.
+    /// Returns the names of object and group; empty names are omitted.
     pub fn names(&self) -> Vec<String> {
         [&self.object, &self.group].into_iter().filter(|name| !name.is_empty()).cloned().collect()
     }
@@ -60,15 +60,15 @@ impl Part {
 pub(super) struct Faces {
     /// Positions, metres.
     pub positions: Vec<Vec3>,
-    /// Linear RGBA, one per position, or fewer: missing ones at the end are white.
+    /// Linear RGBA, one per position. If there are fewer, the remaining positions are white.
     pub colors: Vec<[u8; 4]>,
-    /// Texture coordinates, v downwards.
+    /// Texture coordinates; v increases downwards.
     pub uvs: Vec<Vec2>,
     pub normals: Vec<Vec3>,
     pub corners: Vec<Corner>,
     pub list: Vec<Face>,
     pub parts: Vec<Part>,
-    /// Arguments of `mtllib`, each once, with their lines.
+    /// Distinct arguments of `mtllib`, with their lines.
     pub libraries: Vec<(usize, String)>,
 }
 
@@ -83,7 +83,7 @@ impl Faces {
     }
 }
 
-/// Statements without meaning for fur, and the number of each.
+/// Statements that do not affect fur, with the number of each.
 #[derive(Default)]
 struct IgnoredStatements {
     points: usize,
@@ -93,14 +93,14 @@ struct IgnoredStatements {
     small: (usize, usize),
     /// Number of texture coordinates that are not finite.
     uvs: usize,
-    /// Unknown keywords, each with its first line and its count.
+    /// Unknown keywords, each with the line of its first use and its count.
     unknown: BTreeMap<String, (usize, usize)>,
 }
 
 /// Maximum number of different unknown keywords reported.
 const MAX_UNKNOWN: usize = 20;
 
-/// Lists that face corners index.
+/// Lists that corners of faces index.
 #[derive(Clone, Copy)]
 enum List {
     Positions,
@@ -131,9 +131,9 @@ impl Reader<'_> {
                 self.left_out.uvs += usize::from(!uv.is_finite());
                 self.faces.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
             }
-            // Normals that are not finite are computed later.
+            // Accepts normals that are not finite; they are computed later.
             "vn" => self.faces.normals.push(s.floats::<3>(self.file, 3)?.0.into()),
-            // `fo` is the older name.
+            // `fo` is the deprecated form of `f`.
             "f" | "fo" => self.face(s)?,
             "o" => self.enter(|part| s.name().clone_into(&mut part.object)),
             "g" => self.enter(|part| s.name().clone_into(&mut part.group)),
@@ -160,7 +160,7 @@ impl Reader<'_> {
 
     fn vertex(&mut self, s: &Statement<'_>) -> Result<(), BakeError> {
         let (n, count) = s.numbers::<7>(self.file, 3)?;
-        // A fourth number is the weight of a rational curve; a colour may follow the position or the weight.
+        // A fourth number is the weight of a rational curve. A colour may follow either the position or the weight.
         let color = match count {
             6 => Some([n[3], n[4], n[5]]),
             7 => Some([n[4], n[5], n[6]]),
@@ -173,7 +173,7 @@ impl Reader<'_> {
             return Err(s.fault(self.file, format!("is at {position} with units of {unit} m, expected finite numbers")));
         }
         if let Some(color) = color {
-            // Tools that write colours (MeshLab, Blender) write them as sRGB, 0..=1.
+            // Tools that write colours (MeshLab, Blender) encode them as sRGB, 0..=1.
             let byte = |x: f32| (srgb_value_to_linear(x.clamp(0.0, 1.0)) * 255.0).round() as u8;
             let [r, g, b] = color.map(byte);
             self.faces.colors.resize(self.faces.positions.len(), [255; 4]);
@@ -216,7 +216,7 @@ impl Reader<'_> {
         self.part_index = None;
     }
 
-    /// Parses `position`, `position/uv`, `position//normal` or `position/uv/normal`; a number after a slash may be
+    /// Parses `position`, `position/uv`, `position//normal` or `position/uv/normal`. A number after a slash may be
     /// missing.
     fn corner(&self, s: &Statement<'_>, word: &str) -> Result<Corner, BakeError> {
         let mut pieces = word.split('/');
@@ -232,7 +232,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Parses an index and returns it counted from 0, without an upper check: a face may precede its vertices.
+    /// Parses an index and converts it to zero-based. Does not check the upper bound, because a face may precede its
+    /// vertices.
     fn index(&self, s: &Statement<'_>, word: &str, list: List, text: &str) -> Result<u32, BakeError> {
         let have = self.count(list) as i64;
         let found: i64 = text.parse().map_err(|_| s.unexpected(self.file, word, "whole numbers, such as 3/1/2"))?;
@@ -242,7 +243,7 @@ impl Reader<'_> {
             let expected = format!("a {name} index from 1, or from -{have} to -1 counting back from here");
             return Err(s.unexpected(self.file, word, &expected));
         }
-        // No list can have so many entries; the check at the end reports the list's actual length.
+        // No list can have so many entries, so the index fails the check at the end, which reports the list's length.
         Ok(u32::try_from(index).unwrap_or(u32::MAX))
     }
 
@@ -290,8 +291,8 @@ impl Reader<'_> {
 
     /// Checks the indices of the corners, now that all lists are complete.
     ///
-    /// A file without any normals keeps its shape even if corners name them: exporters write `1//1` out of habit. The
-    /// same applies to texture coordinates.
+    /// If the file has no normals at all, corners may still name them: exporters write `1//1` out of habit, and the
+    /// shape is unaffected. The same applies to texture coordinates.
     fn check_indices(&mut self, notes: &mut Notes) -> Result<(), BakeError> {
         let [positions, uvs, normals] = [List::Positions, List::Uvs, List::Normals].map(|list| self.count(list));
         let mut ignored = [0, 0];

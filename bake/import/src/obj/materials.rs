@@ -1,5 +1,5 @@
-//! Material files (.mtl): diffuse colours and textures. The shape does not depend on them, so every mistake in one is
-//! only a warning.
+//! Material files (.mtl): diffuse colours and textures. Any mistake in one causes only a warning, because the shape
+//! does not depend on it.
 
 use super::statements::{Statement, Statements, decode};
 use crate::image_file::{MAX_TEXELS, decode_image};
@@ -10,7 +10,7 @@ use crate::source;
 use crate::source::Resolve;
 use std::collections::{BTreeMap, btree_map};
 
-/// Materials of all material files, and those that faces use.
+/// Materials of all material files, and the list of those that faces use.
 #[derive(Debug, Default)]
 pub(super) struct Library {
     /// Used materials, in the order of first use.
@@ -18,7 +18,7 @@ pub(super) struct Library {
     /// Decoded images of the used materials.
     pub images: Vec<Image>,
     known: BTreeMap<String, Entry>,
-    /// Index in `used` by name.
+    /// Index in `used`, by the material's name.
     numbers: BTreeMap<String, usize>,
     /// Index in `images` by path; `None` for an image that cannot be read.
     image_numbers: BTreeMap<String, Option<usize>>,
@@ -26,11 +26,11 @@ pub(super) struct Library {
     any_file: bool,
 }
 
-/// A material as a file describes it.
+/// A material as described in a material file.
 #[derive(Clone, Debug, Default)]
 struct Entry {
     diffuse: Option<[f32; 3]>,
-    /// Path from the model's folder, and the file and line that name it.
+    /// Path of the texture relative to the model's folder; then the material file and line that name it.
     texture: Option<(String, String)>,
 }
 
@@ -39,7 +39,8 @@ impl Library {
     pub fn read(names: &[(usize, String)], resolve: &mut Resolve<'_>, notes: &mut Notes) -> Self {
         let mut library = Self::default();
         for (line, argument) in names {
-            // Names with spaces are common, lists of names are rare: the whole argument is tried first.
+            // Names with spaces are common and lists of names are rare, so the whole argument is tried as one name
+            // first.
             let whole = fetch(argument, resolve).map(|bytes| vec![(argument.as_str(), bytes)]);
             let found = whole.or_else(|error| {
                 let words: Vec<&str> = argument.split_whitespace().collect();
@@ -105,13 +106,13 @@ impl Library {
         }
     }
 
-    /// Returns the index in [`Self::used`] of the material that faces name.
+    /// Returns the index in [`Self::used`] of the material `name`, as used by faces.
     pub fn material(&mut self, name: &str, resolve: &mut Resolve<'_>, notes: &mut Notes) -> usize {
         if let Some(number) = self.numbers.get(name) {
             return *number;
         }
         let entry = self.known.get(name).cloned().unwrap_or_default();
-        // Without any file there is already a warning about that, or none is needed.
+        // If no material file was read, a warning exists already or is not needed.
         if self.any_file && !name.is_empty() && !self.known.contains_key(name) {
             notes.warn(format!("material \"{}\" is not in any material file; it is white", shorten(name)));
         }
@@ -157,8 +158,8 @@ impl Library {
     }
 }
 
-/// Parses the diffuse colour: `Kd r g b`, or `Kd r` for a grey. The numbers are read as linear, as Blender and obj2gltf
-/// write them.
+/// Parses the diffuse colour: `Kd r g b`, or `Kd r` for a grey. The numbers are linear, as written by Blender and
+/// obj2gltf.
 fn diffuse(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> {
     if let Some(other @ ("spectral" | "xyz")) = s.words().next() {
         return Err(crate::BakeError::Input {
@@ -176,8 +177,8 @@ fn diffuse(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> 
     Ok(color.map(|x| x.clamp(0.0, 1.0)))
 }
 
-/// Returns the file name after the options of a texture, each of which has a fixed number of arguments. Names may have
-/// spaces.
+/// Returns the file name of a texture, which follows its options. Each option has a known number of arguments. Names
+/// may have spaces.
 fn texture_name(s: &Statement<'_>) -> Option<String> {
     let words: Vec<&str> = s.words().collect();
     let mut i = 0;
@@ -189,7 +190,7 @@ fn texture_name(s: &Statement<'_>) -> Option<String> {
                 0
             }
             "-mm" => 2,
-            // Offset, scale and turbulence: the second and third number are optional.
+            // Options for offset, scale and turbulence: the second and third number may be missing.
             "-o" | "-s" | "-t" => 3,
             _ => 0,
         };
@@ -200,11 +201,11 @@ fn texture_name(s: &Statement<'_>) -> Option<String> {
     if rest.is_empty() {
         return None;
     }
-    // With options the space between words is lost; in practice it is a single space.
+    // If there are options, the spaces between words are lost; in practice each is a single space.
     Some(if i == 0 { s.name().to_owned() } else { rest.join(" ") })
 }
 
-/// Returns the path, relative to the model's folder, of a file that `file` names.
+/// Returns the path of the file `name`, relative to the model's folder; `file` is the file that names it.
 fn sibling_path(file: &str, name: &str) -> String {
     let (file, name) = (file.replace('\\', "/"), name.replace('\\', "/"));
     match file.rsplit_once('/') {
@@ -213,8 +214,8 @@ fn sibling_path(file: &str, name: &str) -> String {
     }
 }
 
-/// Returns the bytes of a file, or the reason why there are none. Names in OBJ are plain paths, while `resolve` takes
-/// URIs.
+/// Returns the bytes of a file, or the reason why it cannot be read. Names in OBJ are plain paths, while `resolve`
+/// requires URIs.
 fn fetch(path: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
     let path = path.replace('\\', "/");
     let drive = path.as_bytes().get(1) == Some(&b':') && path.as_bytes()[0].is_ascii_alphabetic();

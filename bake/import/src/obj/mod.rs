@@ -1,12 +1,13 @@
 //! Wavefront OBJ ("Object Files (.obj)", Advanced Visualizer manual, appendix B1) and its material files.
 //!
-//! * `statements`: the text as logical lines; `faces`: the statements that define the shape, gathered and checked
-//! * `polygon`: triangulation of polygons
-//! * `materials`: the .mtl files and the images that they name
+//! * `statements`: splits the text into logical lines
+//! * `faces`: gathers and checks the statements that define the shape
+//! * `polygon`: triangulates polygons
+//! * `materials`: reads the .mtl files and the images that they name
 //!
-//! Triangles with the same object, group and material become one part, whatever the order of the file: exporters switch
-//! materials back and forth. Smoothing groups are ignored, because fur has no creases. Points, lines and free-form
-//! surfaces are left out with a warning. Texture coordinates count v upwards in OBJ and downwards here.
+//! All triangles with the same object, group and material become one part, whatever the order of the file, because
+//! exporters switch materials back and forth. Smoothing groups are ignored, because fur has no creases. Points, lines
+//! and free-form surfaces are ignored with a warning. In OBJ v increases upwards, here downwards.
 
 mod faces;
 mod fault;
@@ -30,7 +31,7 @@ use std::collections::HashMap;
 
 pub(super) use statements::begins_like_obj;
 
-/// Reads an OBJ model; arguments as for [`super::import`].
+/// Reads an OBJ model. The arguments are those of [`super::import`].
 pub(super) fn read(
     file: &str,
     bytes: &[u8],
@@ -42,7 +43,7 @@ pub(super) fn read(
     let faces = Faces::read(file, &text, options.unit_m, &mut notes)?;
     let mut library = Library::read(&faces.libraries, resolve, &mut notes);
     let mut pieces: Vec<PartMesh> = Vec::new();
-    // The map is only looked up: pieces keep the order of their first face in the file.
+    // Parts are stored in the order of their first face in the file.
     let mut piece_of_part: Vec<Option<usize>> = vec![None; faces.parts.len()];
     let (mut vertices, mut corners) = (0, 0);
     for face in &faces.list {
@@ -68,7 +69,7 @@ pub(super) fn read(
     let mut shapes: Vec<NormalInput<'_>> = pieces
         .iter_mut()
         .map(|p| {
-            // An empty list means that the file has no normals, which needs no warning.
+            // An empty list means that the file has no normals. This needs no warning.
             if !p.has_normals {
                 p.normals.clear();
             }

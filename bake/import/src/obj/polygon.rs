@@ -1,16 +1,18 @@
 //! Triangulation of polygons.
 //!
-//! Convex polygons become a fan. Others are cut by clipping ears (Meisters, "Polygons Have Ears", American Mathematical
-//! Monthly 82(6), 1975) in the plane of their normal by Newell's method, in double precision.
+//! A convex polygon becomes a fan. All others are triangulated by ear clipping (Meisters, "Polygons Have Ears",
+//! American Mathematical Monthly 82(6), 1975). Clipping works in the plane of the normal by Newell's method, in double
+//! precision.
 
 use glam::{DVec2, DVec3, Vec3};
 
 /// A triangulated polygon.
 #[derive(Debug, PartialEq)]
 pub(super) struct Triangulation {
-    /// Corner indices of each triangle, from 0, in the polygon's own winding; always two fewer triangles than corners.
+    /// Corner indices of each triangle, zero-based, in the polygon's own winding. There are always two fewer triangles
+    /// than corners.
     pub triangles: Vec<[usize; 3]>,
-    /// Whether the triangles cover the polygon once: false if it crosses itself, or is too large to be checked.
+    /// Whether the triangles cover the polygon exactly once. False if it crosses itself, or is too large to be checked.
     pub clean: bool,
 }
 
@@ -25,7 +27,7 @@ pub(super) fn triangulate(points: &[Vec3]) -> Triangulation {
     }
     let flat = flatten(points);
     let corner = |i: usize| [flat[(i + n - 1) % n], flat[i], flat[(i + 1) % n]];
-    // Left turns everywhere do not suffice: a five-pointed star has them too, and winds around twice.
+    // Left turns alone do not prove convexity: a five-pointed star has only left turns too, and winds around twice.
     let turns: f64 = (0..n).map(|i| turn(corner(i))).sum();
     if (0..n).all(|i| twice_area(corner(i)) >= 0.0) && turns < 3.0 * std::f64::consts::PI {
         return fan(n, true);
@@ -40,22 +42,22 @@ fn fan(n: usize, clean: bool) -> Triangulation {
     Triangulation { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
 }
 
-/// Projects the polygon along its normal, so that it turns left overall.
+/// Projects the polygon along its normal, so that its winding is counter-clockwise overall.
 fn flatten(points: &[Vec3]) -> Vec<DVec2> {
     let n = points.len();
     let at = |i: usize| points[i % n].as_dvec3() - points[0].as_dvec3();
-    // Newell: twice the vector area.
+    // Newell's method: the sum is twice the vector area.
     let normal: DVec3 = (0..n).map(|i| at(i).cross(at(i + 1))).sum();
     let (x, y) = normal.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
     (0..n).map(|i| DVec2::new(at(i).dot(x), at(i).dot(y))).collect()
 }
 
-/// Returns twice the signed area of a triangle: positive if the middle of the three points is a left turn.
+/// Returns twice the signed area of a triangle: positive if the path through the three points turns left.
 fn twice_area([a, b, c]: [DVec2; 3]) -> f64 {
     (b - a).perp_dot(c - b)
 }
 
-/// Returns the angle of the left turn at the middle of three points.
+/// Returns the angle of the left turn at the second of three points, radians.
 fn turn([a, b, c]: [DVec2; 3]) -> f64 {
     let (into, out) = (b - a, c - b);
     libm::atan2(into.perp_dot(out), into.dot(out))
@@ -64,19 +66,20 @@ fn turn([a, b, c]: [DVec2; 3]) -> f64 {
 fn cut_ears(flat: &[DVec2]) -> Triangulation {
     let mut left: Vec<usize> = (0..flat.len()).collect();
     let mut out = Triangulation { triangles: Vec::with_capacity(flat.len() - 2), clean: true };
-    // Starting where the last ear was cut spreads the triangles instead of fanning them around one corner.
+    // The search for an ear starts where the last one was cut: this spreads the triangles, which otherwise fan around
+    // one corner.
     let mut start = 0;
     while left.len() > 3 {
         let m = left.len();
         let ear = (0..m).map(|k| (start + k) % m).find(|i| is_ear(flat, &left, *i));
-        // A polygon that crosses itself may have no ear; its corners are removed all the same.
+        // A polygon that crosses itself may have no ear. Its corners are removed nevertheless.
         out.clean &= ear.is_some();
         let i = ear.unwrap_or(start % m);
         out.triangles.push([left[(i + m - 1) % m], left[i], left[(i + 1) % m]]);
         left.remove(i);
         start = i;
     }
-    // The rest of a bow tie is turned over; rounding errors are tolerated.
+    // In a bow tie the remaining triangle has the opposite winding. The tolerance allows for rounding errors.
     let reach = flat.iter().map(|p| p.length_squared()).fold(0.0, f64::max);
     out.clean &= twice_area([left[0], left[1], left[2]].map(|i| flat[i])) >= -1e-9 * reach;
     out.triangles.push([left[0], left[1], left[2]]);
@@ -94,7 +97,7 @@ fn is_ear(flat: &[DVec2], left: &[usize], i: usize) -> bool {
     let [a, b, c] = ear;
     left.iter().map(|k| flat[*k]).filter(|p| !ear.contains(p)).all(|p| {
         let outside = twice_area([a, b, p]) < 0.0 || twice_area([b, c, p]) < 0.0 || twice_area([c, a, p]) < 0.0;
-        // A corner on the rim of a triangle without area does not count as inside.
+        // A corner on the boundary of a triangle without area does not count as inside.
         outside || twice_area(ear) == 0.0
     })
 }
@@ -104,11 +107,11 @@ mod tests {
     use super::*;
 
     fn lift(points: &[(f32, f32)]) -> Vec<Vec3> {
-        // An oblique plane, far from the origin.
+        // The plane is oblique and far from the origin.
         points.iter().map(|(x, y)| Vec3::new(*x + 100.0, *y, 0.5 * *x - 0.25 * *y)).collect()
     }
 
-    /// Returns twice the summed area of all triangles, and twice the area of the polygon, both in the plane.
+    /// Returns twice the total area of the triangles, and twice the area of the polygon, both in its plane.
     fn areas(points: &[(f32, f32)], cut: &Triangulation) -> (f64, f64) {
         let p: Vec<DVec2> = points.iter().map(|(x, y)| DVec2::new((*x).into(), (*y).into())).collect();
         let triangles = cut.triangles.iter().map(|t| twice_area(t.map(|i| p[i])));
@@ -144,14 +147,14 @@ mod tests {
         for points in [
             &[(0., 0.), (1., 0.), (0., 1.)][..],
             &[(0., 0.), (1., 0.), (1., 1.), (0., 1.)],
-            // An arrow head from each of its four starting corners: a fan from the wrong corner turns a triangle over.
+            // An arrow head, starting at each of its four corners: a fan from the wrong corner reverses a triangle.
             &[(0., 0.), (2., 2.), (0., 1.), (-2., 2.)],
             &[(2., 2.), (0., 1.), (-2., 2.), (0., 0.)],
             &[(0., 1.), (-2., 2.), (0., 0.), (2., 2.)],
             &[(-2., 2.), (0., 0.), (2., 2.), (0., 1.)],
             // Collinear corners.
             &[(0., 0.), (1., 0.), (2., 0.), (2., 2.), (1., 1.), (0., 2.)],
-            // A hole joined to the rim by a slit, as exporters write it.
+            // A hole joined to the outer boundary by a slit, as exporters write it.
             &[(0., 0.), (4., 0.), (4., 4.), (0., 4.), (0., 0.), (1., 1.), (1., 3.), (3., 3.), (3., 1.), (1., 1.)],
             &gear,
             &spiral,
@@ -166,7 +169,7 @@ mod tests {
 
     #[test]
     fn area_check_rejects_a_fan_of_a_concave_polygon() {
-        // Result of the test above if concave polygons were cut as fans.
+        // Negative control: the same arrow head, cut as a fan.
         let points = [(2., 2.), (0., 1.), (-2., 2.), (0., 0.)];
         let wrong = std::panic::catch_unwind(|| areas(&points, &fan(4, true)));
         assert!(wrong.is_err());

@@ -5,7 +5,7 @@ use crate::BakeError;
 use crate::json::shorten;
 use std::borrow::Cow;
 
-/// Keywords that can begin a line of an OBJ file, without deprecated ones.
+/// Keywords that can begin a line of an OBJ file; deprecated ones are omitted.
 pub(super) const KEYWORDS: &[&str] = &[
     "v",
     "vt",
@@ -49,17 +49,17 @@ pub(super) const KEYWORDS: &[&str] = &[
     "csh",
 ];
 
-/// Returns whether the first statement with arguments in `bytes` is one of OBJ.
+/// Returns whether the first statement with arguments in `bytes` is an OBJ statement.
 pub(crate) fn begins_like_obj(bytes: &[u8]) -> bool {
-    // Header comments are rarely longer; a text without a statement up to here is identified by its extension.
+    // Header comments are rarely longer. If a text has no statement up to here, its extension decides.
     let head = &bytes[..bytes.len().min(1 << 16)];
-    // A 16-bit character may be cut at the end; the text before it suffices.
+    // The cut may split a 16-bit character; then the last byte is dropped.
     let Ok(text) = decode("", head).or_else(|_| decode("", &head[..head.len() - 1])) else { return false };
     Statements::new(&text).find(|s| s.words().next().is_some()).is_some_and(|s| KEYWORDS.contains(&s.keyword()))
 }
 
-/// Decodes the text of a file: UTF-16 if it begins with a byte order mark, else UTF-8. Bytes that are not UTF-8 (names
-/// in older encodings) are replaced; they cannot be part of a number.
+/// Decodes the text of a file: UTF-16 if it begins with a byte order mark, else UTF-8. Invalid UTF-8 (names in older
+/// encodings) is replaced; it cannot be part of a number.
 pub(super) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>, BakeError> {
     let from_bytes: fn([u8; 2]) -> u16 = match bytes {
         [0xfe, 0xff, ..] => u16::from_be_bytes,
@@ -77,7 +77,7 @@ pub(super) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>, Ba
 /// A logical line that is neither empty nor a comment.
 #[derive(Debug, PartialEq)]
 pub(super) struct Statement<'a> {
-    /// Line in which it begins, counted from 1.
+    /// Line in which the statement begins, counted from 1.
     pub line: usize,
     text: Cow<'a, str>,
 }
@@ -97,8 +97,8 @@ impl Statement<'_> {
         self.text.split_once(char::is_whitespace).map_or("", |(_, rest)| rest.trim())
     }
 
-    /// Parses the finite numbers after the keyword: at least `least`, at most `N`. Returns them, padded with 0, and
-    /// their count.
+    /// Parses the finite numbers after the keyword: at least `least`, at most `N`. Returns the numbers, padded with 0,
+    /// and their count.
     pub fn numbers<const N: usize>(&self, file: &str, least: usize) -> Result<([f32; N], usize), BakeError> {
         let (numbers, count) = self.floats::<N>(file, least)?;
         match numbers.iter().position(|x| !x.is_finite()) {
@@ -129,7 +129,7 @@ impl Statement<'_> {
         self.fault(file, format!("`{}` has {found} numbers, expected {least} to {most}", shorten(self.keyword())))
     }
 
-    /// Returns an error that says what was found instead of `expected`.
+    /// Returns an error with the text `found` and the text `expected`.
     pub fn unexpected(&self, file: &str, found: &str, expected: &str) -> BakeError {
         self.fault(file, format!("`{}` has `{}`, expected {expected}", shorten(self.keyword()), shorten(found)))
     }
@@ -150,7 +150,7 @@ impl<'a> Statements<'a> {
         Self { rest: text, line: 0 }
     }
 
-    /// Returns the next line of the file, without its end: LF, CR LF, or the lone CR of old systems.
+    /// Returns the next line of the file, without its line end: LF, CR LF, or the lone CR of old systems.
     fn physical(&mut self) -> Option<&'a str> {
         if self.rest.is_empty() {
             return None;
@@ -169,7 +169,7 @@ impl<'a> Statements<'a> {
         let text = without_comment(first);
         let Some(head) = text.strip_suffix('\\') else { return Some(Statement { line, text: text.trim().into() }) };
         let mut joined = head.to_owned();
-        // A backslash in the last line has no effect.
+        // A backslash at the end of the last line has no effect.
         while let Some(next) = self.physical().map(without_comment) {
             joined.push(' ');
             let Some(head) = next.strip_suffix('\\') else {
@@ -182,7 +182,7 @@ impl<'a> Statements<'a> {
     }
 }
 
-/// Removes a comment. A `#` begins one at the start of a word; within a word it belongs to a name.
+/// Removes the comment from a line. A `#` begins a comment at the start of a word; within a word it is part of a name.
 fn without_comment(line: &str) -> &str {
     let mut before = ' ';
     for (i, c) in line.char_indices() {
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn continued_lines_take_linear_time() {
-        // Joined one by one by copying, this would take 10¹¹ steps.
+        // If each join copied the text, this would take 10¹¹ steps.
         let text = "f 1 2 3 \\\n".repeat(300_000);
         assert_eq!(Statements::new(&text).next().map(|s| s.words().count()), Some(1_199_999));
     }

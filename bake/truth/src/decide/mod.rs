@@ -1,18 +1,17 @@
-//! Search for bake settings: the layers, tile and fins that a picture needs, and no more.
+//! Search for bake settings: the number of layers, the tile size and the fins that a picture needs.
 //!
 //! The settings of a [`SettingSpace`] differ in cost and in error against the true picture. [`decide`] searches for the
-//! cheapest that is accurate enough, or for the most accurate that is cheap enough, by [`Limits`]. Measuring a setting
-//! means baking, drawing and comparing it, which takes seconds. A coarse model therefore suggests which setting to
-//! measure next, and each measurement corrects the model. The chosen setting was always measured; the model only
-//! decides what need not be.
+//! cheapest that is accurate enough, or for the most accurate that is cheap enough, by [`Limits`]. To measure a
+//! setting, the package is baked, rendered and compared, which takes seconds. A coarse model therefore suggests which
+//! setting to measure next, and each measurement corrects the model. The model only decides which settings can be
+//! skipped; the chosen setting was always measured.
 //!
-//! Of settings with equal frame times the smallest package wins.
+//! Of settings with equal frame times the one with the smallest package is chosen.
 //!
-//! Times are noisy. All candidates for the choice are timed once more, in turns ([`Judge::retime`]), before the
-//! choice. The choice is on the Pareto front: of the measured settings within the limits none is both more accurate and
-//! faster.
+//! Times are noisy. Before the choice, all candidates are timed once more, in turns ([`Judge::retime`]). The choice is
+//! on the Pareto front: of the measured settings within the limits, none is both more accurate and faster.
 //!
-//! The caller defines what is measured, and how ([`Judge`]): this module neither draws nor reads files.
+//! The caller defines what is measured, and how ([`Judge`]). This module neither renders nor reads files.
 
 mod model;
 mod search;
@@ -23,10 +22,10 @@ use pelage_bake::recipe::Recipe;
 use pelage_formats as formats;
 use pelage_import::BakeError;
 
-/// Limits of a picture's cost and error; `None` for no limit.
+/// Limits on a picture's cost and error; `None` means no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Maximum error against the true pictures, as the judge measures it; above 0.
+    /// Maximum error against the true pictures, as measured by the judge; above 0.
     pub max_error: Option<f64>,
     /// Maximum frame time, milliseconds.
     pub max_frame_ms: Option<f64>,
@@ -34,10 +33,10 @@ pub struct Limits {
     pub max_bytes: Option<u64>,
 }
 
-/// Quantities that can be limited, in the order of [`SettingFigures`].
+/// Quantities that can be limited, in the order of the fields of [`SettingFigures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
-    /// Error against the true pictures, as the judge measures it.
+    /// Error against the true pictures, as measured by the judge.
     Error,
     /// Frame time, milliseconds.
     FrameMs,
@@ -49,7 +48,7 @@ impl Figure {
     /// All figures.
     pub const ALL: [Self; 3] = [Self::Error, Self::FrameMs, Self::Bytes];
 
-    /// Returns the name of its limit in a manifest.
+    /// Returns the name of the figure's limit in a manifest.
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "max_error",
@@ -58,7 +57,7 @@ impl Figure {
         }
     }
 
-    /// Returns the option of `pelage bake` that limits it.
+    /// Returns the option of `pelage bake` that limits this figure.
     pub fn option(self) -> &'static str {
         match self {
             Self::Error => "--max-error",
@@ -83,8 +82,8 @@ impl Limits {
         }
     }
 
-    /// Returns the excess of the worst figure over its limit, as a share of the limit; 0 or less if all are met, −1
-    /// without limits.
+    /// Returns the largest relative excess of a figure over its limit. 0 or less if all limits are met, −1 without
+    /// limits.
     fn excess(&self, figures: [f64; 3]) -> f64 {
         let beyond = |figure: Figure| self.of(figure).map(|limit| figures[figure as usize] / limit.max(1e-12) - 1.0);
         Figure::ALL.into_iter().filter_map(beyond).fold(-1.0, f64::max)
@@ -103,7 +102,7 @@ impl Limits {
     }
 }
 
-/// Settings that a bake may choose: the recipe keys of the shell method that cost frame time and bytes.
+/// Settings that a bake may choose: the recipe keys of the shell method that affect frame time and package size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
     /// `slice.layers`.
@@ -138,7 +137,7 @@ impl Setting {
         ]
     }
 
-    /// Returns whether both differ in layers at most.
+    /// Returns whether the two settings are equal, or differ only in layers.
     fn differs_only_in_layers(&self, other: &Self) -> bool {
         (self.tile_texels, self.fins) == (other.tile_texels, other.fins)
     }
@@ -158,14 +157,14 @@ pub struct SettingSpace {
     start: Setting,
 }
 
-/// Layer counts to try; each step is about a third more.
+/// Layer counts to try; each is 1.3 to 1.5 times the previous one.
 pub const LAYERS: [u32; 9] = [4, 6, 8, 12, 16, 24, 32, 48, 64];
 /// Tile sizes to try, texels.
 pub const TILES: [u32; 5] = [32, 64, 128, 256, 512];
 
 impl SettingSpace {
     /// Returns [`LAYERS`] × [`TILES`] × fins, and the recipe's own setting, from which the search starts. If the recipe
-    /// has no fins, no setting has.
+    /// has no fins, no candidate has fins.
     pub fn around(recipe: &Recipe) -> Self {
         let start = Setting::of(recipe);
         let mut settings = vec![start];
@@ -184,7 +183,8 @@ impl SettingSpace {
         Self { settings: distinct, start }
     }
 
-    /// Keeps the settings of at most `layers` layers, rounded up to the next of [`LAYERS`]; always keeps the start.
+    /// Keeps the settings with at most `layers` layers, rounded up to the next entry of [`LAYERS`]. Always keeps the
+    /// start.
     pub fn up_to(mut self, layers: u32) -> Self {
         let most = LAYERS.into_iter().find(|tried| *tried >= layers).unwrap_or(u32::MAX);
         self.settings.retain(|setting| setting.layers <= most || *setting == self.start);
@@ -227,12 +227,12 @@ pub struct FrameTime {
 }
 
 impl FrameTime {
-    /// Returns a time without spread.
+    /// Returns a time whose quartiles equal its median.
     pub const fn exactly(ms: f64) -> Self {
         Self { ms, low: ms, high: ms }
     }
 
-    /// Computes median and quartiles of measurements, milliseconds; 0 without any.
+    /// Computes median and quartiles of measurements, milliseconds; 0 if there are none.
     pub fn of(mut samples: Vec<f64>) -> Self {
         samples.sort_by(f64::total_cmp);
         let last = samples.len().saturating_sub(1);
@@ -241,7 +241,7 @@ impl FrameTime {
     }
 }
 
-/// Backend that bakes, draws and compares settings.
+/// Backend that bakes, renders and compares settings.
 pub trait Judge {
     /// Error of a measurement.
     type Error;
@@ -253,8 +253,8 @@ pub trait Judge {
     /// Defined by the judge; an error ends the search.
     fn measure(&mut self, setting: &Setting) -> Result<SettingFigures, Self::Error>;
 
-    /// Times the frames of settings once more, in turns, so that other load on the machine affects all of them alike.
-    /// Returns one time for each of `settings`, in their order.
+    /// Times the frames of several settings once more, in turns, so that other load on the machine affects all of them
+    /// alike. Returns one time for each of `settings`, in their order.
     ///
     /// # Errors
     ///
@@ -276,17 +276,18 @@ pub struct Trial {
 pub struct Decision {
     /// All measurements in order; the first is the recipe's own setting.
     pub trials: Vec<Trial>,
-    /// Index into `trials` of the best setting that meets all limits, or the nearest if none does.
+    /// Index into `trials` of the best setting that meets all limits. If none does, of the setting nearest to them.
     pub chosen: usize,
     /// Whether the chosen setting meets all limits.
     pub meets: bool,
-    /// Cheapest measured setting whose error is smaller by more than a hundredth, excluding settings that are also
-    /// faster.
+    /// Cheapest measured setting whose error is smaller than the chosen setting's by more than a hundredth. Settings
+    /// that are also faster are excluded.
     pub next_better: Option<usize>,
-    /// Most accurate measured setting that is cheaper, excluding settings that are also more accurate.
+    /// Most accurate measured setting that is cheaper than the chosen one. Settings that are also more accurate are
+    /// excluded.
     pub next_cheaper: Option<usize>,
-    /// Binding limit: the one broken by the nearest setting that is better (or cheaper, if the error is limited).
-    /// Without it that setting would have been chosen. `None` if no such setting was found.
+    /// Binding limit: without it, a better setting would have been chosen (a cheaper one, if the error is limited). The
+    /// nearest such setting breaks it. `None` if no such setting was found.
     pub binding: Option<Figure>,
 }
 
@@ -296,10 +297,10 @@ impl Decision {
         &self.trials[self.chosen]
     }
 
-    /// Fills in the measurements, for the manifest of the package.
+    /// Returns the record of the search for the manifest of the package.
     ///
     /// * `limits`: the limits of the search
-    /// * `evidence`: how it was measured; its trials, choice and limits are filled in
+    /// * `evidence`: the measurement method; trials, choice and limits are filled in
     pub fn evidence(&self, limits: &Limits, evidence: formats::Choice) -> formats::Choice {
         let trial = |t: &Trial| formats::Trial {
             settings: t.setting.set_arguments(),
@@ -326,11 +327,11 @@ impl Decision {
 }
 
 impl Limits {
-    /// Checks that the limits can be met at all.
+    /// Checks that the limits are positive numbers.
     ///
     /// # Errors
     ///
-    /// [`BakeError::Params`] for limits that are not positive numbers.
+    /// [`BakeError::Params`] if one is not.
     pub fn validate(&self) -> Result<(), BakeError> {
         for figure in Figure::ALL {
             if let Some(limit) = self.of(figure).filter(|limit| !(limit.is_finite() && *limit > 0.0)) {

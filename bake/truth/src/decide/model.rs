@@ -1,8 +1,8 @@
-//! Coarse model: predicts cost and error of a setting from the measured ones.
+//! Coarse model: predicts cost and error of a setting from the measured settings.
 //!
-//! Each figure is a weighted sum of four terms of the setting. The initial weights are those of the built-in hare
-//! (`assets/charts/hare/shells.csv`). Measurements of the model at hand move them: ridge regression about the prior, in
-//! relative units.
+//! Each figure is a weighted sum of four terms that depend on the setting. The initial weights are those of the
+//! built-in hare (`assets/charts/hare/shells.csv`). Measurements of the current animal correct them by ridge regression
+//! about this prior, in relative units.
 
 use super::{Setting, SettingFigures};
 use glam::{DMat4, DVec4};
@@ -11,37 +11,38 @@ use glam::{DMat4, DVec4};
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     terms: fn(&Setting) -> DVec4,
-    /// Weights before any measurement, up to a scale that follows the measurements.
+    /// Weights before any measurement. Their common scale is fitted to the measurements.
     prior: DVec4,
     weights: DVec4,
-    /// Root mean square residual, relative.
+    /// Root mean square residual of the fit, relative.
     residual: f64,
 }
 
-/// Strength of the prior, in measurements: weak, because models differ in the amount of visible fur.
+/// Strength of the prior, in equivalent measurements. It is weak, because animals differ in the amount of visible fur.
 const PRIOR_STRENGTH: f64 = 0.02;
 /// Minimum residual assumed of a model, relative.
 const LEAST_RESIDUAL: f64 = 0.02;
-/// Minimum residual with no more measurements than terms, relative.
+/// Minimum residual while there are no more measurements than terms, relative.
 const UNSURE_RESIDUAL: f64 = 0.08;
 
-/// Minimum residual for combinations of tile and fins that were not measured with any layers, relative.
+/// Minimum residual for a combination of tile and fins that was not measured with any number of layers, relative.
 const UNSEEN_RESIDUAL: f64 = 0.05;
 
-/// Returns the terms of the error: half with twice the layers, and with twice the texels, above a floor.
+/// Returns the terms of the error: a constant, a term that halves with twice the layers, one that halves with twice the
+/// texels, and fins.
 fn error_terms(s: &Setting) -> DVec4 {
     DVec4::new(1.0, 4.0 / f64::from(s.layers.max(2) - 1), 32.0 / f64::from(s.tile_texels), f64::from(u8::from(s.fins)))
 }
 
-/// Returns the terms of the frame time: each layer costs the same, slightly more if its texels are too fine for the
-/// cache.
+/// Returns the terms of the frame time. Each layer costs the same; it costs slightly more if its texels are too fine
+/// for the cache.
 fn frame_terms(s: &Setting) -> DVec4 {
     let shells = f64::from(s.layers.max(2) - 1) / 16.0;
     let fineness = libm::log2(f64::from(s.tile_texels) / 32.0) / 4.0;
     DVec4::new(1.0, shells, shells * fineness, f64::from(u8::from(s.fins)))
 }
 
-/// Returns the terms of the size: texels of the shells, and of the fins, whose slabs have the same resolution.
+/// Returns the terms of the size: texels of the shells, and of the fin textures, which have the same resolution.
 fn byte_terms(s: &Setting) -> DVec4 {
     let side = f64::from(s.tile_texels) / 64.0;
     let fins = f64::from(u8::from(s.fins));
@@ -67,8 +68,8 @@ impl Model {
         self.weights.dot((self.terms)(setting))
     }
 
-    /// Returns an optimistic prediction. `beside`: whether a setting that differs in layers alone was measured; if not,
-    /// the residual is at least `UNSEEN_RESIDUAL`.
+    /// Returns an optimistic prediction. `beside` says whether a setting was measured that differs only in layers. If
+    /// not, the residual is at least `UNSEEN_RESIDUAL`.
     pub(super) fn optimistic(&self, setting: &Setting, beside: bool) -> f64 {
         let residual = if beside { self.residual } else { self.residual.max(UNSEEN_RESIDUAL) };
         let predicted = self.predict(setting);
@@ -78,10 +79,10 @@ impl Model {
     /// Fits the weights to the measurements.
     pub(super) fn fit(&mut self, trials: &[(Setting, SettingFigures)], figure: fn(&SettingFigures) -> f64) {
         let points = || trials.iter().map(|(s, m)| ((self.terms)(s), figure(m)));
-        // The prior, scaled to the size of the measurements.
+        // The prior is scaled to the magnitude of the measurements.
         let (found, expected) = points().fold((0.0, 0.0), |(f, e), (x, y)| (f + y, e + self.prior.dot(x)));
         let size = if expected > 0.0 { found / expected } else { 1.0 };
-        // Residuals are relative: an error of a tenth weighs the same for cheap and expensive settings.
+        // Residuals are relative, so that an error of 10 % has the same weight for cheap and for expensive settings.
         let (mut normal, mut right) = (DMat4::from_diagonal(DVec4::splat(PRIOR_STRENGTH)), PRIOR_STRENGTH * self.prior);
         for (x, y) in points() {
             let x = x / y.abs().max(1e-12) * size;

@@ -1,26 +1,26 @@
-//! Search: the setting to measure next, when to stop, and the conclusions from the measurements.
+//! Search: chooses the next setting to measure, decides when to stop, and draws conclusions from the measurements.
 
 use super::model::{Model, models};
 use super::{Decision, Figure, Judge, Limits, Setting, SettingFigures, SettingSpace, Trial};
 
-/// Minimum gain, as a share of the objective, that is worth a measurement.
+/// Minimum gain that justifies a measurement, as a fraction of the objective.
 const WORTH: f64 = 0.02;
 
-/// Tolerances within which frame times or errors count as equal, so that the smallest package wins. Two measurements of
-/// one frame differ by about as much, and so small a difference of error is invisible.
+/// Relative differences below which frame times or errors count as equal, so that the smallest package is chosen. Two
+/// measurements of one frame differ by about as much, and so small a difference of error is invisible.
 const FRAME_TIE: f64 = 0.08;
 const ERROR_TIE: f64 = 0.01;
 
-/// Minimum relative difference between times that counts, however narrow their spread.
+/// Minimum relative difference at which times count as different, however narrow their spread.
 const LEAST_NOISE: f64 = 0.03;
-/// Assumed uncertainty of a time measured separately, relative; settings whose choice depends on it are timed again. On
-/// an idle machine two times of one frame differ by a tenth.
+/// Assumed relative uncertainty of times measured separately. On an idle machine two times of one frame differ by 10 %.
+/// If the choice depends on such a difference, the settings are timed again.
 const NOISE: f64 = 0.15;
-/// Maximum number of candidates timed again at once: the best ones.
+/// Maximum number of candidates timed again at once; the best ones are taken.
 const MOST_AGAIN: usize = 6;
 
-/// Searches for the setting that the limits ask for: the cheapest frame if the error is limited, else the least error.
-/// Returns the best that meets all limits, or the nearest to them if none does.
+/// Searches for the setting that the limits ask for: the fastest if the error is limited, else the most accurate.
+/// Returns the best that meets all limits. If none does, returns the nearest to them.
 ///
 /// # Errors
 ///
@@ -35,7 +35,8 @@ pub fn decide<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J) ->
         search.measure(setting, judge)?;
     }
     let chosen = search.best();
-    // Measures a setting on each side of the choice, to show the user the effect of a little more and a little less.
+    // Measures a better and a cheaper neighbour of the choice, to show the user the effect of a small change either
+    // way.
     for side in [Side::Better, Side::Cheaper] {
         if search.neighbour(chosen, side).is_none()
             && let Some(setting) = search.predicted_neighbour(chosen, side)
@@ -47,7 +48,7 @@ pub fn decide<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J) ->
     Ok(search.decision())
 }
 
-/// Measures every setting of the space: slow; a reference for [`decide`].
+/// Measures every setting of the space. Slow; a reference for [`decide`].
 ///
 /// # Errors
 ///
@@ -59,7 +60,7 @@ pub fn exhaustive<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J
     Ok(search.decision())
 }
 
-/// Side of a setting on which another one is.
+/// Direction along the Pareto front from one setting to another.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
     Better,
@@ -91,12 +92,13 @@ impl Search<'_> {
         self.limits.excess(self.trials[trial].1.figures())
     }
 
-    /// Returns the figure of a trial that is minimised.
+    /// Returns the figure of a trial that the search minimises.
     fn objective(&self, trial: usize) -> f64 {
         self.trials[trial].1.figures()[self.limits.objective() as usize]
     }
 
-    /// Times the candidates for the choice and their neighbours again, until the choice depends on such times alone.
+    /// Times the candidates and their neighbours again, until the choice depends only on times that were measured in
+    /// turns.
     fn retime<J: Judge>(&mut self, judge: &mut J) -> Result<(), J::Error> {
         let mut timed: Vec<usize> = Vec::new();
         loop {
@@ -109,7 +111,7 @@ impl Search<'_> {
             if again.iter().all(|i| timed.contains(i)) {
                 return Ok(());
             }
-            // The chosen setting is timed with each group, so that times of different groups can be compared.
+            // The chosen setting is timed in each group, so that times of different groups can be compared.
             again.retain(|i| *i == chosen || !timed.contains(i));
             let settings: Vec<Setting> = again.iter().map(|i| self.trials[*i].0).collect();
             for (i, frame) in again.iter().zip(judge.retime(&settings)?) {
@@ -119,7 +121,7 @@ impl Search<'_> {
         }
     }
 
-    /// Returns the trials that may be the best if times are off by [`NOISE`], the best first.
+    /// Returns the trials that may be the best if times are wrong by [`NOISE`], the best first.
     fn contenders(&self) -> Vec<usize> {
         let off = |i: usize, by: f64| {
             let mut figures = self.trials[i].1.figures();
@@ -144,7 +146,7 @@ impl Search<'_> {
         found
     }
 
-    /// Returns the share of the objective within which settings count as equal.
+    /// Returns the relative difference of the objective below which settings count as equal.
     fn tie(&self) -> f64 {
         if self.limits.objective() == Figure::Error { ERROR_TIE } else { FRAME_TIE }
     }
@@ -157,7 +159,8 @@ impl Search<'_> {
         faster && own.error <= other.error || better && own.frame.ms <= other.frame.ms
     }
 
-    /// Returns the best trial on the Pareto front of those within the limits, or the nearest to the limits.
+    /// Returns the best trial: on the Pareto front of the trials within the limits. If there are none, the nearest to
+    /// the limits.
     fn best(&self) -> usize {
         let within: Vec<usize> = (0..self.trials.len()).filter(|i| self.excess(*i) <= 0.0).collect();
         let on_front = |i: &usize| !within.iter().any(|j| self.beats(*j, *i));
@@ -170,8 +173,8 @@ impl Search<'_> {
         smallest.or_else(nearest).unwrap_or_default()
     }
 
-    /// Returns a setting to measure before the best one is chosen: the same layers with the next coarser tile, which
-    /// takes as long and less memory.
+    /// Returns a setting to measure before the best one is chosen: the same layers with the next coarser tile. It takes
+    /// the same time and less memory.
     fn coarser_tile(&self) -> Option<Setting> {
         let best = self.trials[self.best()].0;
         let coarser = |s: &&Setting| (s.layers, s.fins) == (best.layers, best.fins) && s.tile_texels < best.tile_texels;
@@ -180,9 +183,9 @@ impl Search<'_> {
         (!self.is_measured(next) && self.limits.excess(optimistic) <= 0.0).then_some(*next)
     }
 
-    /// Returns another setting to measure before the most accurate one is chosen: the next fewer or the next more
-    /// layers of its tile. More layers of the same strands blur each other, so the error need not fall with their
-    /// number as the model assumes.
+    /// Returns another setting to measure before the most accurate one is chosen: the next smaller or larger number of
+    /// layers, with the same tile. More layers of the same strands blur each other, so more layers need not reduce the
+    /// error as the model assumes.
     fn layer_neighbour(&self) -> Option<Setting> {
         if self.limits.objective() != Figure::Error {
             return None;
@@ -193,7 +196,7 @@ impl Search<'_> {
         let more = of_tile().filter(|s| s.layers > best.layers).min_by_key(|s| s.layers);
         let within = |s: &&&Setting| {
             let mut optimistic = self.models.each_ref().map(|model| model.optimistic(s, true));
-            // The error is the open question.
+            // The error is unknown, so it is assumed to be zero.
             optimistic[Figure::Error as usize] = 0.0;
             self.limits.excess(optimistic) <= 0.0
         };
@@ -204,9 +207,9 @@ impl Search<'_> {
         self.trials.iter().any(|(known, _)| known == setting)
     }
 
-    /// Returns whether a measurement of the same tile and fins rules out this setting: it breaks a limit or brings no
-    /// improvement. With fewer layers the error is assumed not to be smaller; with more, neither the frame time nor the
-    /// package.
+    /// Returns whether a measurement with the same tile and fins rules out this setting: the setting breaks a limit or
+    /// brings no improvement. Assumes that fewer layers do not reduce the error, and that more reduce neither frame
+    /// time nor package size.
     fn is_ruled_out(&self, setting: &Setting) -> bool {
         let beside = |(known, _): &&(Setting, SettingFigures)| known.differs_only_in_layers(setting);
         self.trials.iter().filter(beside).any(|(known, measured)| {
@@ -233,7 +236,7 @@ impl Search<'_> {
             let gains = !found || optimistic[objective] < (1.0 - WORTH) * self.objective(best);
             gains && self.limits.excess(optimistic) <= 0.0
         };
-        // First settings that should meet the limits, best first; then the nearest to them.
+        // Settings that should meet the limits come first, best first; then the nearest to the limits.
         let rank = |setting: &Setting| {
             let predicted = self.predict(setting);
             (self.limits.excess(predicted).max(0.0), predicted[objective])
@@ -244,7 +247,7 @@ impl Search<'_> {
         };
         let unmeasured = || self.space.settings.iter().filter(|s| !self.is_measured(s) && !self.is_ruled_out(s));
         let next = unmeasured().filter(promising).min_by(order);
-        // The model cannot predict the effect of fins on an animal before it was measured with and without.
+        // The model cannot predict the effect of fins until an animal has been measured both with and without them.
         let here = self.trials[best].0;
         let other = Setting { fins: !here.fins, ..here };
         let unseen = self.trials.iter().all(|(s, _)| s.fins == here.fins) && self.space.settings.contains(&other);
@@ -252,35 +255,35 @@ impl Search<'_> {
         if next.is_some() || found {
             return next;
         }
-        // Nothing seems to meet the limits. A setting that seems nearer to them than all measured ones is worth a
-        // measurement.
+        // No setting is predicted to meet the limits. One that is predicted nearer to them than all measured settings
+        // is worth a measurement.
         let nearer = |s: &&Setting| self.limits.excess(self.predict(s)) < (1.0 - WORTH) * self.excess(best);
         unmeasured().filter(nearer).min_by(order).copied()
     }
 
-    /// Returns whether a trial is better than another on that side: in error, or in cost.
+    /// Returns whether a trial is better than `chosen` on `side`: in error, or in cost.
     fn gains(&self, i: usize, chosen: usize, side: Side) -> bool {
         let (other, own) = (self.trials[i].1, self.trials[chosen].1);
         match side {
             Side::Better => other.error < own.error,
-            // Settings with equal frame time and a larger package were left out on purpose.
+            // A larger package with an equal frame time was rejected on purpose, so it does not count as cheaper.
             Side::Cheaper => other.frame.ms < own.frame.ms && other.bytes <= own.bytes,
         }
     }
 
-    /// Returns whether a trial is further along the front on that side than another: better in one figure, not in the
-    /// other.
+    /// Returns whether a trial is further along the Pareto front than `chosen` on `side`: better in one figure, not
+    /// better in the other.
     fn is_beyond(&self, i: usize, chosen: usize, side: Side) -> bool {
         let (other, own) = (self.trials[i].1, self.trials[chosen].1);
         let pays = match side {
-            // Nor are invisible differences worth a measurement.
+            // An invisible difference of error is not worth a measurement.
             Side::Better => other.frame.ms >= own.frame.ms && other.error < (1.0 - ERROR_TIE) * own.error,
             Side::Cheaper => other.error >= own.error,
         };
         pays && self.gains(i, chosen, side)
     }
 
-    /// Returns the nearest measured setting further along the front on one side of `chosen`.
+    /// Returns the nearest measured setting further along the Pareto front, on `side` of `chosen`.
     fn neighbour(&self, chosen: usize, side: Side) -> Option<usize> {
         let of = |i: usize| self.trials[i].1;
         let beyond = |i: &usize| self.is_beyond(*i, chosen, side);
@@ -291,7 +294,7 @@ impl Search<'_> {
         (0..self.trials.len()).filter(beyond).min_by(order)
     }
 
-    /// Returns the nearest such setting among those not measured, as the model predicts.
+    /// Returns the nearest setting on `side` that was not measured, as the model predicts.
     fn predicted_neighbour(&self, chosen: usize, side: Side) -> Option<Setting> {
         let here = self.predict(&self.trials[chosen].0);
         let figure = if side == Side::Better { Figure::Error } else { Figure::FrameMs } as usize;
@@ -310,7 +313,7 @@ impl Search<'_> {
         let chosen = self.best();
         let meets = self.excess(chosen) <= 0.0;
         let (next_better, next_cheaper) = (self.neighbour(chosen, Side::Better), self.neighbour(chosen, Side::Cheaper));
-        // The nearest of those excluded only by a limit.
+        // The binding limit is that of the nearest setting excluded only by a limit.
         let side = if self.limits.objective() == Figure::Error { Side::Better } else { Side::Cheaper };
         let kept_out = |i: &usize| self.gains(*i, chosen, side) && self.excess(*i) > 0.0;
         let beyond = (0..self.trials.len()).filter(kept_out).min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)));

@@ -3,7 +3,7 @@
 use super::*;
 use std::convert::Infallible;
 
-/// A synthetic animal: its figures follow from a setting, with more nonlinearities than the model knows.
+/// A synthetic animal: computes figures from a setting, with nonlinearities that the model lacks.
 #[derive(Clone, Copy)]
 struct Animal {
     floor: f64,
@@ -24,7 +24,7 @@ impl Judge for Animal {
         let fins = f64::from(u8::from(s.fins));
         let error = self.floor + self.layered * n.powf(-self.power) + self.texel * (20.0 / t).powf(self.power)
             - self.outline * fins * (0.5 + 0.5 / n.sqrt());
-        // The noise of the synthetic machine is deterministic.
+        // The noise is deterministic.
         let wobble = (f64::from(s.layers * 7 + s.tile_texels * 13 + u32::from(s.fins))).sin();
         let frame_ms = (8.0 + self.layer_ms * n.powf(0.95) * (1.0 + 0.02 * (t / 32.0).log2().powi(2)) + 7.0 * fins)
             * (1.0 + self.noise * wobble);
@@ -96,7 +96,7 @@ fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
         }
     }
     assert!(met > searches / 3 && met < searches, "{met} of {searches} can be met: the limits ask nothing");
-    // The purpose of the model: most settings need no measurement.
+    // The model is useful only if most settings need no measurement.
     println!("{measured} measurements in {searches} searches");
     assert!(4 * measured < searches * space.settings().len(), "{measured} measurements in {searches} searches");
 }
@@ -177,7 +177,7 @@ fn limits_are_positive_numbers() {
 
 #[test]
 fn equal_times_are_decided_by_size() {
-    // Judge for which texels affect neither error nor time.
+    // Judge whose error and time do not depend on the texels.
     struct TexelBlindJudge;
     impl Judge for TexelBlindJudge {
         type Error = Infallible;
@@ -204,13 +204,13 @@ fn equal_times_are_decided_by_size() {
     }
 }
 
-/// A machine under occasional load: single times are up to half too long; times in turns have a spread and the true
-/// median. Errors are not noisy, and need not fall with more layers.
+/// A judge on a machine under occasional load. Separate times are up to 14 % too long; times in turns have a spread and
+/// the true median. Errors have no noise, and may rise with more layers.
 #[derive(Clone, Copy)]
 struct NoisyJudge {
     animal: Animal,
     seed: u64,
-    /// Layer count from which each further layer adds to the error, and the amount.
+    /// Layer count above which each further layer adds to the error, and the amount added.
     blur: (u32, f64),
     /// Number of settings timed in turns.
     again: usize,
@@ -246,8 +246,8 @@ impl Judge for NoisyJudge {
     }
 }
 
-/// Checks with noisy times that the choice is on the front of the measured settings, with its neighbours on either
-/// side. All three must have been timed in turns.
+/// Checks, with noisy times, that the choice and its neighbours are on the Pareto front of the measured settings. All
+/// three must have been timed in turns.
 #[test]
 fn choice_is_pareto_optimal_despite_noisy_times() {
     let space = SettingSpace::around(&finned());
@@ -259,7 +259,7 @@ fn choice_is_pareto_optimal_despite_noisy_times() {
                 let Ok(decision) = decide(&space, &limits, &mut judge);
                 let Some(chosen) = decision.meets.then(|| decision.chosen()) else { continue };
                 met += 1;
-                // Only few settings are timed again.
+                // The search times only few settings again.
                 assert!(judge.again <= 24, "{} timed again", judge.again);
                 assert_eq!(chosen.measured.frame.ms, judge.quiet(&chosen.setting).frame.ms, "timed in turns");
                 for other in &decision.trials {
@@ -290,7 +290,7 @@ fn choice_is_pareto_optimal_despite_noisy_times() {
     assert!(met > 1000 && sides.iter().all(|n| 2 * n > met), "{met} met, with {sides:?} neighbours");
 }
 
-/// Checks that few layers are chosen where fewer layers have a smaller error.
+/// Checks that few layers are chosen if fewer layers have a smaller error.
 #[test]
 fn more_layers_are_not_assumed_better() {
     let space = SettingSpace::around(&finned());

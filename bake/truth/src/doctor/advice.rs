@@ -1,4 +1,4 @@
-//! Advice: excess or lack of detail of a package on a screen, and the recipe line that would change it.
+//! Advice: detail that a package has in excess or lacks on a screen, and the recipe line that would change it.
 
 use super::prognosis::{Advice, Prognosis, Saved, View};
 use pelage_bake::recipe::Recipe;
@@ -6,10 +6,10 @@ use pelage_bake::stages::metric::LEAST_HAIR_TEXELS;
 use pelage_formats::{FormatError, Manifest, Package, TextureFormat};
 use pelage_import::BakeError;
 
-/// Collects all advice: first what improves the look, then what saves, largest savings first.
+/// Collects all advice. Changes that improve the look come first, then savings, largest first.
 ///
-/// Changes without savings are not advised: thinner or thicker hair, for one, changes the look of the fur and no
-/// fragment.
+/// Changes without savings are not advised. For example, thinner or thicker hair changes the look of the fur but not
+/// the number of fragments.
 ///
 /// # Errors
 ///
@@ -42,33 +42,33 @@ pub(super) fn advise(
     Ok(out)
 }
 
-/// Maximum relative increase of the error that counts as harmless: two true pictures with different noise differ by as
+/// Maximum relative increase of the error that counts as harmless. Two true pictures with different noise differ by as
 /// much.
 const HARMLESS: f64 = 0.02;
 
-/// Returns whether a picture with the error `after` is as good as one with the error `before` ([`crate::likeness`],
-/// against the same true picture).
+/// Returns whether a picture with error `after` is as good as one with error `before`. Both are [`crate::likeness`]
+/// against the same true picture.
 pub fn is_harmless(before: f64, after: f64) -> bool {
     after <= (1.0 + HARMLESS) * before
 }
 
-/// Maximum gap between layers, pixels seen from the side; beyond it they show as steps, and as lines beside the
+/// Maximum gap between layers, in pixels seen from the side. Above it layers appear as steps, and as lines beside the
 /// outline.
 ///
-/// Long hair of a dog at 834x424: 16 layers, 2 pixels apart, look like soft fur; 8 layers (4 pixels) look like lines; 4
-/// layers (10 pixels) look like a ghost around a bare body.
+/// Example: a long-haired dog at 834x424. 16 layers, 2 pixels apart, look like soft fur. 8 layers (4 pixels) look like
+/// lines. 4 layers (10 pixels) look like a ghost around a bare body.
 const MOST_GAP_PX: f64 = 3.0;
-/// Maximum number of layers that is advised: at 64 a frame takes four times as long as with the usual 16.
+/// Maximum number of layers that is advised. A frame with 64 layers takes four times as long as with the usual 16.
 pub(super) const MOST_LAYERS: u32 = 64;
 
-/// Returns advice for a close-up: more layers, or more distance.
+/// Returns advice for a close-up: add layers, or increase the distance.
 fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     let now = manifest.fur.layers;
     let (gap, height, near_m) = (found.on_screen.layer_gap_px, found.on_screen.height_px, found.on_screen.near_m);
     if gap <= MOST_GAP_PX {
         return None;
     }
-    // A gap shrinks in proportion to distance.
+    // The gap in pixels is inversely proportional to the distance.
     let fine_from_m = |layers: u32| near_m * height / f64::from(layers.max(2) - 1) / MOST_GAP_PX;
     let enough = (height / MOST_GAP_PX).ceil().min(f64::from(u32::MAX - 1)) as u32 + 1;
     let apart = format!("{now} layers are {gap:.1} pixels apart where the fur is nearest, {near_m:.2} m from the eye");
@@ -100,7 +100,7 @@ fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     ))
 }
 
-/// Gap between layers, pixels seen from the side, below which they cannot be distinguished.
+/// Gap between layers, in pixels seen from the side, below which layers cannot be distinguished.
 const LEAST_GAP_PX: f64 = 0.5;
 
 fn layers(
@@ -118,11 +118,11 @@ fn layers(
         return None;
     }
     let less = |most: u32| 1.0 - (f64::from(enough - 1) / f64::from(most)).min(1.0);
-    // For layers that are not drawn anyway only the textures are saved.
+    // If those layers are not drawn anyway, the change saves only textures.
     let (share, of_drawn) = (less(now - 1), less(found.on_screen.layers_drawn.max(1)));
     let of = |count: u64| (count as f64 * of_drawn) as u64;
     let shells = found.passes.iter().find(|pass| pass.name == "shells")?;
-    // Two bytes per texel and layer, if there are such maps.
+    // Shadow maps, if the runtime makes them, have two bytes per texel and layer.
     let maps = if knows_visibility { 0 } else { 2 * u64::from(view.shadow_map).pow(2) * u64::from(now - enough) };
     Some(Advice {
         change: format!("slice.layers={enough}"),
@@ -144,7 +144,8 @@ fn layers(
     })
 }
 
-/// Size of a tile's texel on the screen, pixels, below which the tile is finer than needed: mips are read instead.
+/// Width of a tile's texel on the screen, pixels, below which the tile is finer than needed: the shader then reads
+/// mips.
 const LEAST_TEXEL_PX: f64 = 0.5;
 
 fn tile(manifest: &Manifest, found: &Prognosis, bytes: u64) -> Option<Advice> {
@@ -205,7 +206,7 @@ fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> R
     let fur = &package.manifest().fur;
     let (mut keys, mut bytes, mut saved) = (Vec::new(), 0, 0.0);
     let ink = package.ink().map_err(fault)?.map(|ink| ink.info);
-    // Paper is never block-compressed; painted textures follow the format of the shells.
+    // The paper texture is never block-compressed. Painted textures have the format of the shells.
     let paper = ink.as_ref().map(|ink| ink.paper_texture);
     let painted = ink.as_ref().map(|ink| [Some(ink.stroke_texture), Some(ink.wash_texture), ink.fur_texture]);
     let painted: Vec<_> = painted.into_iter().flatten().flatten().collect();
@@ -233,7 +234,7 @@ fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> R
         bytes += view.gpu_bytes();
         saved += view.gpu_bytes() as f64 * share;
     }
-    // Below this size compression is not worth its errors.
+    // For smaller textures the savings of compression do not justify its errors.
     if bytes < 64 << 10 {
         return Ok(None);
     }
@@ -243,14 +244,14 @@ fn formats(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> R
         saves: format!("{:.0} KiB on the device, and as much to read", saved / 1024.0),
         costs: "a little noise in colour and direction".into(),
         saved: Some(Saved { bytes: saved as u64, ..Saved::default() }),
-        // Base colours are kept as imported when a package is sliced again.
+        // Slicing a package again does not change the format of base colours, so this change cannot be tried.
         can_be_tried: !keys.contains(&"pack.base_color_format=bc7"),
         measured: None,
     }))
 }
 
-/// Minimum number of base-colour texels per covered pixel of the picture: two each way, although half of the surface
-/// faces away.
+/// Minimum number of base-colour texels per covered pixel: two in each direction, and twice that because half of the
+/// surface faces away.
 const TEXELS_A_PIXEL: u64 = 8;
 
 fn base_color(
@@ -292,7 +293,7 @@ fn base_color(
     }))
 }
 
-/// Share of small triangles above which a mesh is finer than the picture.
+/// Fraction of small triangles above which a mesh is finer than the picture needs.
 const MOST_SMALL: f64 = 0.8;
 /// Number of triangles below which the mesh density does not matter.
 const FEW_TRIANGLES: u64 = 500;

@@ -1,16 +1,17 @@
-//! Layers and texels for pictures of a known size.
+//! Layer count and tile size for pictures of a known size.
 
 use super::advice::MOST_LAYERS;
 use super::prognosis::OnScreen;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::metric::LEAST_HAIR_TEXELS;
 
-/// Returns the recipe with as many layers and texels as such a picture shows.
+/// Returns the recipe with the number of layers and texels that such a picture can show.
 ///
-/// Layers are [`pelage_bake::recipe::DetailParams::gap_px`] apart, up to the advised maximum. Texels are at most a
-/// pixel large, and never so large that a hair's root is lost in one.
+/// Layers are [`pelage_bake::recipe::DetailParams::gap_px`] apart, up to the maximum that is advised. A texel is at
+/// most one pixel wide, and at most as wide as a hair at its root.
 ///
-/// * `on_screen`: sizes of a package by this recipe, whose tile has `tile_texels`
+/// * `on_screen`: sizes on the screen of a package made by this recipe
+/// * `tile_texels`: width of that package's tile, texels
 pub fn fitted(recipe: &Recipe, on_screen: &OnScreen, tile_texels: u32) -> Recipe {
     let mut fitted = recipe.clone();
     let gaps = on_screen.height_px / f64::from(recipe.detail.gap_px);

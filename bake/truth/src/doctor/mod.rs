@@ -1,12 +1,12 @@
-//! Prediction, without a GPU, of a package's cost on a screen, and of detail beyond what the screen shows.
+//! Prediction, without a GPU, of a package's rendering cost, and of detail beyond what the screen can show.
 //!
 //! Every triangle of the surface, and every layer and fin that the runtime would draw at rest by default, is rasterised
-//! ([`raster`]) and counted. The prediction is work: fragments, vertices, bytes. The time that takes depends on the
-//! adapter; `pelage bench` measures it.
+//! ([`raster`]) and counted. The prediction is an amount of work: fragments, vertices, bytes. The time for it depends
+//! on the adapter; `pelage bench` measures that.
 //!
-//! Advice names harmless savings, and improvements of the look for views that are too close. Here harmlessness is
-//! judged by sizes on the screen alone. A caller with an adapter draws the picture with and without the change,
-//! compares both with the true one, and drops advice that fails [`is_harmless`].
+//! Advice names harmless savings, and improvements of the look for views that are too close. This module judges
+//! harmlessness only by sizes on the screen. A caller with an adapter renders the picture before and after the change,
+//! compares both with the true picture, and drops advice that fails [`is_harmless`].
 
 mod advice;
 mod fit;
@@ -27,7 +27,7 @@ use pelage_formats::{FormatError, Manifest, MeshView, Package, Part, Pose, Stran
 use pelage_import::BakeError;
 use raster::{DrawMode, PixelCounts, Raster};
 
-/// Maximum number of pixels rasterised; larger pictures are rasterised smaller, and the counts scaled.
+/// Maximum number of pixels rasterised. Larger pictures are rasterised at a smaller size, and the counts are scaled.
 const MOST_PIXELS: u64 = 1 << 20;
 
 /// Area, pixels, below which a triangle's vertices cost more than its pixels.
@@ -43,20 +43,19 @@ struct Vertex {
 }
 
 impl Vertex {
-    /// Returns the position of a point on the vertex's hair, at a share of its height.
+    /// Returns a point of the hair at this vertex; `share` is its height as a fraction of the fur's height.
     fn at(&self, share: f32) -> Vec3 {
         self.position + hair_offset(self.normal, self.bitangent, self.lean, share, self.height_m)
     }
 }
 
-/// Predicts the cost of an opened package and collects advice.
+/// Predicts the rendering cost of an opened package and collects advice.
 ///
-/// * `fault`: adds the file name to an error of the package
+/// * `fault`: converts an error of the package; adds the file name
 ///
 /// # Errors
 ///
-/// [`BakeError::Package`] for sections that are damaged; [`BakeError::Params`] if eye and target of the camera
-/// coincide.
+/// [`BakeError::Package`] for damaged sections. [`BakeError::Params`] if eye and target of the camera coincide.
 pub fn diagnose(
     package: &Package<'_>,
     view: &View,
@@ -149,7 +148,7 @@ fn sum(a: PixelCounts, b: PixelCounts) -> PixelCounts {
     PixelCounts { pixels: a.pixels + b.pixels, in_blocks: a.in_blocks + b.in_blocks }
 }
 
-/// Returns the layers that are drawn of fur of that height in pixels, by the package's levels of detail.
+/// Returns the layers that are drawn, by the package's levels of detail, if the fur is `height_px` pixels high.
 fn drawn_layers(manifest: &pelage_formats::Manifest, height_px: f64) -> Vec<u32> {
     let baked = manifest.fur.layers;
     let (place, fade) = detail_position(&manifest.detail, height_px as f32);
@@ -163,8 +162,8 @@ fn drawn_layers(manifest: &pelage_formats::Manifest, height_px: f64) -> Vec<u32>
     (0..count).map(|index| detail_layer(index, baked, level.step, gone)).collect()
 }
 
-/// Returns the indices that are drawn of each part at `px_per_m` pixels per metre: of the mesh, or of a simplified
-/// list.
+/// Returns the indices that are drawn for each part at `px_per_m` pixels per metre: those of the mesh, or of a
+/// simplified list.
 fn drawn_lists(
     package: &Package<'_>,
     indices: Vec<u32>,
@@ -192,7 +191,7 @@ fn triangles<'a>(indices: &'a [u32], part: &pelage_formats::Part) -> impl Iterat
     corners(indices.get(range).unwrap_or_default())
 }
 
-/// Returns the size to rasterise at, and the number of picture pixels per rasterised pixel.
+/// Returns the size at which to rasterise, and the number of picture pixels per rasterised pixel.
 fn raster_size((width, height): (u32, u32)) -> ((u32, u32), f64) {
     let pixels = u64::from(width) * u64::from(height);
     let shrink = (pixels as f64 / MOST_PIXELS as f64).sqrt().max(1.0);
@@ -210,7 +209,7 @@ fn camera(view: &View) -> Result<Mat4, BakeError> {
     let [right, up, _] = view_axes(view.eye, view.target);
     let scale = 1.0 / (0.5 * view.fov_y_rad).tan();
     let row = |axis: Vec3, scale: f32| (axis * scale).extend(-axis.dot(view.eye) * scale);
-    // Depth is never used.
+    // The z row is zero, because depth is computed from w.
     Ok(Mat4::from_cols(row(right, scale / aspect), row(up, scale), Vec4::ZERO, row(forward, 1.0)).transpose())
 }
 
@@ -234,8 +233,8 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
     Ok(posed_vertices(&mesh, None, &pose).map(vertex).collect())
 }
 
-/// Rasterises the fins that the runtime shows, by the angle they are seen at. Returns their coverage and number of
-/// quads.
+/// Rasterises the fins that are visible at the current viewing angle, as the runtime does. Returns their coverage and
+/// the number of quads.
 fn fins(
     package: &Package<'_>,
     vertices: &[Vertex],
@@ -343,18 +342,18 @@ fn memory(
     memory.buffers += package.fins().map_err(fault)?.map_or(0, |f| f.fins.len() as u64);
     memory.buffers += package.ink().map_err(fault)?.map_or(0, |ink| ink.vertices.len() as u64);
     let (map, small) = (u64::from(view.shadow_map).pow(2), u64::from(view.shadow_map.div_ceil(4)).pow(2));
-    // Two depth maps of four bytes; transmittances of two bytes per layer, or once; for the soft shadow eight bytes:
-    // one full-size map and two small ones.
+    // Size of the shadow maps. Two depth maps have four bytes per texel. Transmittance has two bytes per layer, or two
+    // bytes in all. The soft shadow has eight bytes: one full-size map and two small ones.
     let maps = if package.visibility().map_err(fault)?.is_some() { 1 } else { u64::from(layers) };
     let layer_maps = if layers > 1 { 2 * map * maps } else { 0 };
     memory.shadow_maps = 8 * map + layer_maps + 8 * (map + 2 * small);
     Ok(memory)
 }
 
-/// Returns the size of the fur's strands planted on the mesh, bytes.
+/// Returns the size of the strands planted on the mesh, bytes.
 ///
-/// Each strand takes 32 bytes, and 16 per point, twice if wet hair is mixed in; each part has a multiple of 64 strands.
-/// The points of the tile are added.
+/// Each strand has 32 bytes, and 16 per point; twice 16 if wet hair is blended in. The number of strands of a part is
+/// rounded up to a multiple of 64. The points of the tile are added.
 fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView<'_>) -> u64 {
     let ground = PlantingMesh::of_package(manifest, mesh);
     let walk = SurfaceWalk::new(&ground);
@@ -378,7 +377,7 @@ fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView
     planted * (32 + 16 * points * times) + 16 * of_tile * times
 }
 
-/// Input of the list of passes.
+/// Input for the list of passes.
 struct PassInput<'a> {
     manifest: &'a pelage_formats::Manifest,
     vertices: u64,
@@ -393,7 +392,7 @@ struct PassInput<'a> {
     times: f64,
     view: &'a View,
     skinned: bool,
-    /// Whether the package stores how hair shadows hair.
+    /// Whether the package stores hair-to-hair shadows.
     knows_visibility: bool,
     /// Whether the package has strands.
     single: bool,
@@ -416,7 +415,7 @@ fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
     };
     let size = w.view.shadow_map;
     let has_fins = w.fin_quads > 0 && furry && w.drawn > 0;
-    // The predicted frame draws layers.
+    // The predicted frame draws layers, so the passes for strands do not run.
     let of_strands = |name| {
         let reason = if w.single {
             "the prediction is for a frame of layers: --hair shells"

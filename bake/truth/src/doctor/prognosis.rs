@@ -6,7 +6,7 @@ use serde::Serialize;
 /// View for which a package is diagnosed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Position of the eye, metres.
+    /// Point at the centre of the picture, metres; must differ from `eye`.
     pub eye: Vec3,
     /// Point that the camera looks at, metres; must differ from `eye`.
     pub target: Vec3,
@@ -14,13 +14,13 @@ pub struct View {
     pub fov_y_rad: f32,
     /// Width and height of the picture, pixels.
     pub size: (u32, u32),
-    /// Number of copies, each as large in the picture as the rasterised one.
+    /// Number of instances, each as large in the picture as the rasterised one.
     pub instances: u32,
     /// Width and height of the shadow maps, texels; 0 for no shadows.
     pub shadow_map: u32,
 }
 
-/// Work of a pass of the runtime.
+/// Work of a render or compute pass of the runtime.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PassWork {
@@ -30,11 +30,11 @@ pub struct PassWork {
     pub runs: bool,
     /// Reason why it runs or not.
     pub reason: String,
-    /// Minimum runs of its vertex shader: each vertex once per layer.
+    /// Lower bound of vertex shader invocations: each vertex once per layer.
     pub vertices: u64,
-    /// Pixels that it draws; `None` for passes that do not draw the picture.
+    /// Fragments that it shades; `None` for passes that do not draw the picture.
     pub fragments: Option<u64>,
-    /// Pixels in whole blocks of 4 by 4 pixels, as software rasterisers run shaders.
+    /// Fragments rounded up to whole blocks of 4 by 4 pixels, in which software rasterisers run shaders.
     pub fragments_in_blocks: Option<u64>,
 }
 
@@ -46,12 +46,12 @@ pub struct Memory {
     pub textures: u64,
     /// Vertices, indices and fins.
     pub buffers: u64,
-    /// Posed vertices of all copies.
+    /// Posed vertices of all instances.
     pub posed: u64,
-    /// Single strands of the fur, planted on the mesh; when posed and drawn at close range they take the same amount
+    /// Single strands of the fur, planted on the mesh. At close range, posing and drawing them takes the same amount
     /// again.
     pub strands: u64,
-    /// Shadow maps of the key light, one set for all copies.
+    /// Shadow maps of the key light, one set for all instances.
     pub shadow_maps: u64,
 }
 
@@ -72,21 +72,21 @@ pub struct OnScreen {
     pub layer_gap_px: f64,
     /// Height of the fur, pixels, seen from the side.
     pub height_px: f64,
-    /// Layers drawn of fur of that height, skin excluded.
+    /// Number of layers drawn if the fur has that height, skin excluded.
     pub layers_drawn: u32,
     /// Distance from the eye, metres; 0 if nothing is in sight.
     pub near_m: f64,
     /// Median area of the visible triangles of the mesh surface, pixels.
     pub triangle_px: f64,
-    /// Share of the visible triangles that are smaller than 4 by 4 pixels.
+    /// Fraction of the visible triangles that are smaller than 4 by 4 pixels.
     pub small_triangles: f64,
     /// Number of visible triangles.
     pub triangles: u64,
 }
 
 impl OnScreen {
-    /// Returns the sizes with the nearest fur at that distance from the eye, metres, above 0; unchanged if nothing is
-    /// in sight.
+    /// Returns the sizes for a camera whose distance from the nearest fur is `distance_m`, metres, above 0. Unchanged
+    /// if nothing is in sight.
     pub fn at_distance(self, distance_m: f64) -> Self {
         let larger = self.near_m / distance_m;
         Self {
@@ -103,9 +103,9 @@ impl OnScreen {
 /// Result of a diagnosis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prognosis {
-    /// Pixels covered by the mesh surface, and by at least one layer of fur.
+    /// Number of pixels covered by the mesh surface, and number covered by at least one layer of fur.
     pub covered_pixels: [u64; 2],
-    /// Mean and largest number of layers on a pixel with fur.
+    /// Mean and maximum number of layers over the pixels with fur.
     pub overdraw: (f64, u16),
     /// Passes in execution order.
     pub passes: Vec<PassWork>,
@@ -121,7 +121,7 @@ pub struct Prognosis {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Advice {
-    /// Change as `--set` takes it, or what to do to the model.
+    /// Change as an argument of `--set`, or instruction for editing the model.
     pub change: String,
     /// Finding that the advice is based on.
     pub found: String,
@@ -129,33 +129,35 @@ pub struct Advice {
     pub saves: String,
     /// Cost of the change, in words.
     pub costs: String,
-    /// Savings as figures, for all copies; `None` for advice that improves the look and saves nothing.
+    /// Savings as figures, for all instances. `None` for advice that improves the look and saves nothing.
     pub saved: Option<Saved>,
-    /// Whether pictures of the package with and without the change can be compared: slicing it again suffices.
+    /// Whether the effect of the change on the picture can be measured: possible if slicing the package again applies
+    /// it.
     #[serde(skip)]
     pub can_be_tried: bool,
-    /// Error of the picture without and with the change and those above it; `None` if no picture was drawn.
+    /// Error of the picture before and after the change, with all previous changes applied. `None` if no picture was
+    /// rendered.
     #[serde(rename = "error")]
     pub measured: Option<ErrorChange>,
 }
 
-/// Error ([`crate::likeness`]) of a picture without a change and with it.
+/// Error ([`crate::likeness`]) of a picture before and after a change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorChange {
-    /// Error without this change, with those above it.
+    /// Error without this change, with all previous changes applied.
     pub before: f64,
-    /// Error with the change and those above it.
+    /// Error with this change and all previous ones applied.
     pub after: f64,
 }
 
-/// Savings of a change in a frame and on the device. The order is that of advice: work before memory.
+/// Savings of a change, per frame and on the device. Ordered like advice: work before memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Saved {
-    /// Fragments of a frame, all copies.
+    /// Fragments per frame, all instances.
     pub fragments: u64,
-    /// Vertices of a frame, all copies.
+    /// Vertices per frame, all instances.
     pub vertices: u64,
     /// Bytes on the GPU.
     pub bytes: u64,

@@ -1,4 +1,4 @@
-//! Software count of the pixels that triangles cover, and of the layers on each, without a GPU.
+//! Software rasteriser that counts the pixels covered by triangles, and the layers on each pixel; needs no GPU.
 
 use glam::{Vec2, Vec4};
 
@@ -10,8 +10,8 @@ pub const BLOCK: u32 = 4;
 pub struct PixelCounts {
     /// Covered pixel centres, counted once per triangle.
     pub pixels: u64,
-    /// Pixels in touched blocks of [`BLOCK`]² pixels, counted once per triangle, hidden or not: where shaders may
-    /// discard, blocks are shaded before they are tested.
+    /// Pixels in touched blocks of [`BLOCK`]² pixels, counted once per triangle, whether hidden or visible. Blocks are
+    /// shaded before the depth test wherever shaders may discard.
     pub in_blocks: u64,
 }
 
@@ -20,7 +20,7 @@ pub struct PixelCounts {
 pub struct Raster {
     width: u32,
     height: u32,
-    /// Depth of the nearest opaque surface, as 1 / w: larger is nearer, 0 where there is none.
+    /// Depth of the nearest opaque surface, as 1 / w: a larger number is nearer, 0 means no surface.
     nearest: Vec<f32>,
     layers: Vec<u16>,
 }
@@ -30,7 +30,7 @@ pub struct Raster {
 pub enum DrawMode {
     /// Opaque: hides surfaces behind it.
     Opaque,
-    /// Translucent: tested against opaque surfaces, hides nothing, counts as a layer.
+    /// Translucent: tested against opaque surfaces, occludes nothing, counts as a layer.
     Layer,
     /// Same as [`Self::Layer`], but two-sided and not counted as a layer.
     Quad,
@@ -43,8 +43,8 @@ impl Raster {
         Self { width, height, nearest: vec![0.0; count], layers: vec![0; count] }
     }
 
-    /// Draws a triangle of clip-space corners, wound counter-clockwise as seen from its front. A triangle that extends
-    /// behind the eye is left out entirely.
+    /// Draws a triangle given in clip space, counter-clockwise as seen from its front. Skips the triangle if a corner
+    /// is behind the eye.
     pub fn draw(&mut self, corners: [Vec4; 3], both_sides: bool, how: DrawMode) -> PixelCounts {
         let mut covered = PixelCounts::default();
         if corners.iter().any(|c| c.w <= 0.0 || !c.is_finite()) {
@@ -120,7 +120,7 @@ impl Raster {
     }
 }
 
-/// Returns whether points on the edge belong to the triangle, so that shared edges are drawn once.
+/// Returns whether points on this edge belong to the triangle, so that pixels on shared edges are drawn once.
 fn is_top_left(from: Vec2, to: Vec2) -> bool {
     let way = to - from;
     way.y > 0.0 || (way.y == 0.0 && way.x < 0.0)
@@ -134,7 +134,7 @@ mod tests {
         Vec4::new(x * w, y * w, 0.0, w)
     }
 
-    /// Draws a rectangle of half sides x and y, as two triangles facing the eye.
+    /// Draws a rectangle with half sides x and y, as two triangles that face the eye.
     fn square(raster: &mut Raster, x: f32, y: f32, w: f32, how: DrawMode) -> PixelCounts {
         let [a, b, c, d] = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| corner(x, y, w));
         let (one, two) = (raster.draw([a, b, c], false, how), raster.draw([a, c, d], false, how));
@@ -146,11 +146,11 @@ mod tests {
         let mut raster = Raster::new(64, 32);
         assert_eq!(square(&mut raster, 1.0, 1.0, 1.0, DrawMode::Opaque).pixels, 64 * 32, "edges are drawn once");
         assert_eq!(raster.opaque_pixels(), 64 * 32);
-        // Half of each side, aligned to whole pixels.
+        // The rectangle covers half of each side of the picture and is aligned to whole pixels.
         let mut raster = Raster::new(64, 32);
         let half = square(&mut raster, 0.5, 0.5, 3.0, DrawMode::Layer);
         assert_eq!((half.pixels, raster.layers()), (32 * 16, (32 * 16, 1.0, 1)));
-        // Blocks along the diagonal count for both triangles.
+        // Blocks along the diagonal are counted for both triangles.
         assert!(half.in_blocks > half.pixels && half.in_blocks < 2 * half.pixels, "{half:?}");
     }
 

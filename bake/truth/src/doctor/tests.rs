@@ -12,7 +12,7 @@ use pelage_lab::stability::surface::torus;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// Returns a torus with a base-colour texture of `texels` texels each way; 0 for none.
+/// Returns a torus with a base-colour texture of `texels`² texels; 0 means no texture.
 fn model(texels: u32) -> Model {
     let mut model = torus();
     if texels > 0 {
@@ -31,7 +31,8 @@ fn model(texels: u32) -> Model {
     model
 }
 
-/// Returns the package of a torus, baked once per combination of texels and recipe settings; several tests share them.
+/// Returns the package of a torus, baked once for each combination of texels and recipe settings. Several tests share
+/// the result.
 fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
     type Baked = Arc<OnceLock<Arc<[u8]>>>;
     static KNOWN: Mutex<BTreeMap<(u32, Vec<String>), Baked>> = Mutex::new(BTreeMap::new());
@@ -39,7 +40,7 @@ fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
     let baked = KNOWN.lock().unwrap().entry(key).or_default().clone();
     let bake = || {
         let mut recipe = Recipe::default();
-        // Ink is not predicted, and its textures take most of a bake.
+        // Ink is disabled: it is not predicted, and its textures take most of the bake time.
         ["ink.enabled=false"].iter().chain(sets).for_each(|set| recipe.set(set).unwrap());
         let images = MapImages::default();
         let told = BakeInput::new("torus", "torus", &recipe, &images);
@@ -48,8 +49,8 @@ fn package(texels: u32, sets: &[&str]) -> Arc<[u8]> {
     baked.get_or_init(bake).clone()
 }
 
-/// Predicts the cost of the torus with a texture of `texels` texels, from a distance in metres, in a square picture of
-/// `pixels` pixels.
+/// Predicts the cost of the torus with a texture of `texels`² texels, seen from `distance_m` metres in a square picture
+/// of `pixels`² pixels.
 fn prognosis(texels: u32, sets: &[&str], pixels: u32, distance_m: f32, instances: u32) -> Prognosis {
     let baked = package(texels, sets);
     let package = Package::open(&baked, &Limits::default()).unwrap();
@@ -85,23 +86,23 @@ fn advice_is_given_only_when_it_applies() {
         let found = advised(sets, pixels, distance_m, texels);
         assert!(found.iter().any(|change| change == name), "{name} is missing: {found:?}");
     }
-    // Fading hair and occluding layers cost as much as any others: changing the look of the fur saves nothing.
+    // Transparent or occluded layers cost as much as any others, so a change of the look alone saves nothing.
     for sets in [["hair.root_radius=0.002", "hair.tip_radius=0.001"], ["hair.density=30000", "hair.length_variation=0"]]
     {
         assert_eq!(advised(&sets, pixels, near, 0), Vec::<String>::new(), "{sets:?}");
     }
-    // Small on the screen, but with half the texels no hair would be a texel wide.
+    // The texels are small on the screen, but with half as many every hair would be narrower than a texel.
     let small = prognosis(0, &["slice.tile_texels=64"], 120, 12.0, 1);
     assert!(small.on_screen.texel_px < 0.25, "{:?}", small.on_screen);
     assert!(!changes(&small).contains(&"slice.tile_texels"), "{:?}", small.advice);
     assert!(advised(&["hair.root_radius=0.016"], 120, 12.0, 0).contains(&"slice.tile_texels".to_owned()));
-    // The recommended change suffices.
+    // The recommended number of layers is sufficient: applying it leads to no further advice.
     let few = prognosis(0, &["slice.layers=64"], pixels, 12.0, 1);
     let change = few.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap().change.clone();
     assert!(!changes(&prognosis(0, &[&change], pixels, 12.0, 1)).contains(&"slice.layers"), "{change}");
 }
 
-/// Checks that all advice saves something, largest savings first, after advice that improves the look.
+/// Checks the order of advice: first changes that improve the look, then savings, largest first, all above zero.
 #[test]
 fn advice_is_ordered_by_savings() {
     let found = prognosis(512, &["slice.layers=64", "slice.tile_texels=256", "pack.shell_format=rgba8"], 300, 20.0, 3);
@@ -109,7 +110,7 @@ fn advice_is_ordered_by_savings() {
     assert!(saved.len() == found.advice.len() && saved.len() >= 4, "{:?}", found.advice);
     assert!(saved.iter().all(|saved| *saved > Saved::default()), "{saved:?}");
     assert!(saved.is_sorted_by(|a, b| a >= b), "{saved:?}");
-    // The predicted savings match the same package with the change.
+    // The predicted savings equal those of the same package with the change applied.
     let fragments = |p: &Prognosis| p.passes.iter().filter_map(|pass| pass.fragments).sum::<u64>() as f64;
     let layers = found.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap();
     let sets = [&layers.change, "slice.tile_texels=256", "pack.shell_format=rgba8"];
@@ -118,7 +119,8 @@ fn advice_is_ordered_by_savings() {
     assert!((0.95..1.05).contains(&ratio), "{ratio}");
 }
 
-/// Checks that close-ups get more layers or, above 64, more distance, and that the advice suffices.
+/// Checks that close-ups get the advice of more layers or, above 64, of more distance. Following the advice must
+/// suffice.
 #[test]
 fn close_ups_need_more_layers_or_more_distance() {
     let (distance_m, layers) = (6.0, 16.0);
@@ -144,8 +146,8 @@ fn close_ups_need_more_layers_or_more_distance() {
     assert!(look(&at_gap(20.0, &["slice.layers=64"], not_far_enough)).is_some(), "{away:?}");
 }
 
-/// Checks the up direction for a view almost straight down, where two definitions would differ: the prediction would
-/// show another picture than the runtime.
+/// Checks the up direction for a view almost straight down. Another definition of it than the runtime's would predict a
+/// different picture.
 #[test]
 fn doctor_cameras_match_the_runtime() {
     use pelage_runtime::{Camera, Projection};
@@ -176,12 +178,13 @@ fn predicted_work_scales_with_size_and_layers() {
         let pass = p.passes.iter().find(|pass| pass.name == name).unwrap();
         (pass.fragments.unwrap_or_default() as f64, pass.vertices)
     };
-    // All layers, whatever their size in pixels.
+    // Draw all layers, whatever their size in pixels.
     let full = ["detail.enabled=false"];
     let (one, ten) = (prognosis(0, &full, 300, 6.0, 1), prognosis(0, &full, 300, 6.0, 10));
     assert_eq!((of(&ten, "shells").1, of(&ten, "skin").0), (10 * of(&one, "shells").1, 10.0 * of(&one, "skin").0));
     assert_eq!(ten.memory, one.memory, "what stands still is shared");
-    // Twice the side has four times the pixels; above a limit they are counted on a smaller picture.
+    // A picture with twice the side has four times the pixels. Above `MOST_PIXELS` they are counted on a smaller
+    // picture.
     let (large, huge) = (prognosis(0, &full, 600, 6.0, 1), prognosis(0, &full, 4800, 6.0, 1));
     for (picture, factor) in [(&large, 4.0), (&huge, 256.0)] {
         let ratio = of(picture, "shells").0 / of(&one, "shells").0 / factor;
@@ -189,7 +192,7 @@ fn predicted_work_scales_with_size_and_layers() {
     }
     assert!(one.overdraw.0 > 8.0 && one.overdraw.1 >= 15, "{:?}", one.overdraw);
     assert!(one.covered_pixels[1] > one.covered_pixels[0]);
-    // With levels of detail there are as many layers as the fur has pixels.
+    // With levels of detail, the number of layers equals the fur's height in pixels.
     let (fewer, far) = (prognosis(0, &[], 300, 6.0, 1), prognosis(0, &[], 300, 600.0, 1));
     let drawn = [&one, &fewer, &far].map(|p| p.on_screen.layers_drawn);
     assert!(drawn[0] == 15 && (1..15).contains(&drawn[1]) && drawn[2] == 0, "{drawn:?}");

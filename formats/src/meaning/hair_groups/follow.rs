@@ -1,5 +1,5 @@
-//! Interpolation of many hairs from few guides: each hair lies between the guides around it, unless a parting separates
-//! them.
+//! Interpolation of many hairs from few guides: each hair is a weighted mean of the guides around it, except for those
+//! beyond a parting.
 
 use super::point_grid::PointGrid;
 use glam::Vec3;
@@ -7,8 +7,8 @@ use glam::Vec3;
 /// Number of guides that a hair follows.
 pub const GUIDES_PER_HAIR: usize = 4;
 
-/// Maximum difference of the shapes of two guides that mix, as a share of their mean length; beyond it hair parts
-/// between them.
+/// Maximum difference between the shapes of two guides that are mixed, as a share of their mean length. If the
+/// difference is larger, hair parts between them.
 const PARTING_THRESHOLD: f32 = 0.6;
 
 /// Guides that a hair follows, with weights.
@@ -16,7 +16,7 @@ const PARTING_THRESHOLD: f32 = 0.6;
 pub struct GuideWeights {
     /// Indices of guides, nearest first.
     pub guides: [u32; GUIDES_PER_HAIR],
-    /// Weights, summing to 1; 0 for guides on the other side of a parting.
+    /// Weights, summing to 1; 0 for guides beyond a parting.
     pub weights: [f32; GUIDES_PER_HAIR],
 }
 
@@ -51,14 +51,14 @@ impl GuideInterpolator {
 
     /// Returns the guides that hair from `root` follows; `None` if there are none.
     ///
-    /// Weights fall to 0 where the fifth nearest guide is equally near, so that they change smoothly from root to root.
-    /// This is a modified Shepard interpolation (Franke and Nielson 1980). Guides separated from the nearest one by a
-    /// parting have weight 0.
+    /// A guide's weight falls to 0 where the fifth nearest guide is equally near, so that weights change smoothly from
+    /// root to root. This is a modified Shepard interpolation (Franke and Nielson 1980). Guides separated from the
+    /// nearest one by a parting have weight 0.
     pub fn follow(&self, root: Vec3) -> Option<GuideWeights> {
         let near = self.roots.nearest::<{ GUIDES_PER_HAIR + 1 }>(root);
         let nearest = near[0].1 as usize;
         self.shapes.get(nearest)?;
-        // With few guides, all are followed.
+        // If there are few guides, all are followed.
         let last = near.iter().rev().find(|(d, _)| d.is_finite())?.0.sqrt();
         let reach = if near[GUIDES_PER_HAIR].0.is_finite() { last } else { 1.5 * last };
         let mut follow = GuideWeights::default();
@@ -81,7 +81,8 @@ impl GuideInterpolator {
         Some(follow)
     }
 
-    /// Whether hair parts between two guides: at some point, their offsets from their roots differ by too much.
+    /// Whether hair parts between two guides. This is the case if, at some point, their offsets from their roots differ
+    /// by too much.
     pub fn part(&self, a: usize, b: usize) -> bool {
         let limit = PARTING_THRESHOLD * 0.5 * (self.lengths[a] + self.lengths[b]);
         let (one, other) = (&self.shapes[a], &self.shapes[b]);
@@ -90,7 +91,7 @@ impl GuideInterpolator {
 }
 
 impl GuideWeights {
-    /// Returns the weighted mean of the guides' positions, given by `at`.
+    /// Returns the weighted mean of the guides' positions; `at` returns the position for a guide.
     pub fn mix(&self, at: impl Fn(usize) -> Vec3) -> Vec3 {
         let of = |(guide, weight): (&u32, &f32)| if *weight > 0.0 { *weight * at(*guide as usize) } else { Vec3::ZERO };
         self.guides.iter().zip(&self.weights).map(of).sum()
@@ -115,8 +116,8 @@ mod tests {
 
     #[test]
     fn hair_is_interpolated_between_guides() {
-        // Guides on a grid with smoothly varying direction: hair anywhere between them has the direction for its
-        // position.
+        // Guides on a grid with smoothly varying directions. Hair anywhere between them must have the direction that
+        // belongs to its position.
         let way = |x: f32, z: f32| Vec3::new(0.05 * x, 1.0, 0.05 * z);
         let grid = (0..6).flat_map(|i| (0..6).map(move |j| (i as f32, j as f32)));
         let guides = GuideInterpolator::new(grid.map(|(x, z)| straight(x, z, way(x, z))).collect());
@@ -128,14 +129,14 @@ mod tests {
             assert_eq!(hair[0], Vec3::ZERO);
             assert!(hair[4].distance(way(x, z)) < 0.03, "{hair:?}");
         }
-        // No jump from root to root.
+        // The tip does not jump between neighbouring roots.
         let tip = |x: f32| hair(&guides, Vec3::new(x, 0.0, 2.3))[4];
         let jump = (0..400).map(|i| 1.0 + 0.01 * i as f32).map(|x| tip(x).distance(tip(x + 0.01))).fold(0.0, f32::max);
         assert!(jump < 0.006, "{jump}");
     }
 
-    /// Hair falls to the left on the left of a parting, and to the right on its right. Hair interpolated across it
-    /// would stand up.
+    /// Hair falls to the left on the left of a parting, and to the right on its right. If it were interpolated across
+    /// the parting, it would stand up.
     #[test]
     fn hair_parts_where_guides_part() {
         let fall = |x: f32| Vec3::new(if x < 0.0 { -1.0 } else { 1.0 }, -0.5, 0.0);

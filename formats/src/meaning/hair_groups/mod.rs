@@ -1,8 +1,8 @@
 //! Guided hair: root and guides of each hair, and the positions of its points on a posed mesh.
 //!
-//! A package stores the guides of a group and parameters ([`HairGroup`]). The hairs follow deterministically from them
-//! and a seed, in the runtime as in the path-traced reference. A guide's points are stored relative to its root in the
-//! frame of the root's triangle, so that the group moves with the surface.
+//! A package stores the guides of a group, and the group's parameters ([`HairGroup`]). These and a seed determine the
+//! hairs, in the runtime as in the path-traced reference. A guide's points are stored relative to its root in the frame
+//! of the root's triangle, so that the group moves with the surface.
 
 mod follow;
 mod point_grid;
@@ -20,12 +20,12 @@ use glam::{Mat3, Vec3};
 /// Number of different colours of the hairs in a group.
 pub const HAIR_COLORS: u32 = 32;
 
-/// Share of the hairs that are stray.
+/// Share of the hairs that stray.
 const STRAY_SHARE: f32 = 0.08;
-/// Lateral offset of the other hairs, as a share of that of stray hairs.
+/// Lateral offset of hairs that do not stray, as a share of that of stray hairs.
 const ORDERLY_STRAY: f32 = 0.12;
 
-/// Hair of a group.
+/// Hair of a group, generated from the guides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hair {
     /// Root.
@@ -40,13 +40,13 @@ pub struct Hair {
     pub color: u32,
 }
 
-/// Group of hair on the mesh that it was baked for.
+/// Guides and generated hairs of a group, on the mesh for which the group was baked.
 #[derive(Clone, Debug, Default)]
 pub struct GrownGroup {
     /// Triangle of each guide's root.
     pub guide_triangles: Vec<u32>,
-    /// Points of each guide, relative to its root in the frame of that triangle, metres. All guides have the same
-    /// number.
+    /// Points of each guide, relative to its root in the frame of the root's triangle, metres. All guides have the same
+    /// number of points.
     pub guides: Vec<Vec<Vec3>>,
     /// Hairs; any prefix is an even sample of all.
     pub hairs: Vec<Hair>,
@@ -61,8 +61,8 @@ pub fn roots(group: &HairGroup, count: u32, corners: &impl Fn(u32) -> [Vec3; 3])
     (0..count).filter_map(|number| scalp.root(group.seed, number)).collect()
 }
 
-/// Returns the frame of a triangle: its first edge, the perpendicular in its plane, and its normal; the axes of the
-/// space for a triangle without area.
+/// Returns the frame of a triangle: its first edge, the perpendicular in its plane, and its normal. For a triangle
+/// without area, returns the coordinate axes.
 pub fn triangle_frame(corners: [Vec3; 3]) -> Mat3 {
     let [a, b, c] = corners;
     let (along, normal) = ((b - a).try_normalize(), (b - a).cross(c - a).try_normalize());
@@ -76,7 +76,7 @@ impl GrownGroup {
     /// Generates the hairs of a group.
     ///
     /// * `positions`: vertices at rest, metres
-    /// * `most`: maximum number of hairs; the first ones are generated
+    /// * `most`: maximum number of hairs; if there are more, only the first ones are generated
     pub fn new(group: &HairGroup, positions: &[Vec3], triangles: &[[u32; 3]], most: u32) -> Self {
         let corners = |triangle: u32| triangles[triangle as usize].map(|v| positions[v as usize]);
         let roots: Vec<TrianglePoint> = group.roots().collect();
@@ -90,13 +90,13 @@ impl GrownGroup {
         let guide_triangles = roots.iter().map(|root| root.triangle).collect();
         let mut out = Self { guide_triangles, guides, hairs: Vec::new() };
         if group.hairs == 0 {
-            // The guides are themselves the hairs.
+            // If the group has no hairs, the guides are the hairs.
             out.hairs = roots.iter().zip(0..most).map(|(root, number)| out.guide_hair(group, *root, number)).collect();
             return out;
         }
         let places = self::roots(group, group.hairs.min(most), &corners);
         let at = |root: &TrianglePoint| root.position(corners(root.triangle));
-        // The first hairs, which are an even sample, are the centres of locks.
+        // The first hairs are an even sample, so they serve as the centres of locks.
         let locks = (group.hairs / group.lock_hairs.max(1)).clamp(1, places.len().max(1) as u32) as usize;
         let middles = PointGrid::new(places.iter().take(locks).map(at).collect());
         let grow = |(root, number): (&TrianglePoint, u32)| {
@@ -114,7 +114,7 @@ impl GrownGroup {
         out
     }
 
-    /// Returns the hair that is guide `number` itself.
+    /// Returns guide number `number` as a hair.
     fn guide_hair(&self, group: &HairGroup, root: TrianglePoint, number: u32) -> Hair {
         let mut follow = GuideWeights::default();
         (follow.guides[0], follow.weights[0]) = (number, 1.0);
@@ -162,15 +162,16 @@ impl Hair {
     }
 }
 
-/// Returns the linear colour of a hair with that colour index, at a share of its length.
+/// Returns the linear colour of a hair with colour index `color`, at the share `share` of its length.
 pub fn hair_color(group: &HairGroup, color: u32, share: f32) -> Vec3 {
     let linear = |c: [u8; 3]| Vec3::from(c.map(srgb_to_linear));
-    // Hairs with consecutive indices differ.
+    // Gives hairs with consecutive indices different colours.
     let varied = 2.0 * radical_inverse(2, color) - 1.0 + 1.0 / HAIR_COLORS as f32;
     linear(group.root_color).lerp(linear(group.tip_color), share) * (1.0 + group.color_variation * varied)
 }
 
-/// Returns the radius of a hair at a share of its length, metres: constant up to the middle, then tapered.
+/// Returns the radius of a hair at the share `share` of its length, metres. It is constant up to the middle, then
+/// tapers.
 pub fn hair_radius(group: &HairGroup, share: f32) -> f32 {
     let tapered = (2.0 * share - 1.0).max(0.0);
     group.root_radius_m + (group.tip_radius_m - group.root_radius_m) * tapered * tapered
@@ -180,9 +181,10 @@ fn length_of(points: &[Vec3]) -> f32 {
     points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
-/// Area in which hairs root.
+/// Area in which hairs have their roots.
 struct Scalp {
-    /// Triangles with hair, each with the cumulative sum of area times density up to and including it.
+    /// Triangles with hair, in order, each with the sum of area times density over all triangles up to and including
+    /// it.
     triangles: Vec<(u32, f64)>,
 }
 
@@ -197,8 +199,8 @@ impl Scalp {
         Self { triangles: triangles.collect() }
     }
 
-    /// Returns the root of hair `number`: triangle and position in it, by radical inverses (Halton 1960), so that the
-    /// first few are spread evenly.
+    /// Returns the root of hair `number`: its triangle and position. Both come from radical inverses (Halton 1960), so
+    /// that the first few hairs are spread evenly.
     fn root(&self, seed: u32, number: u32) -> Option<TrianglePoint> {
         let whole = self.triangles.last()?.1;
         let at = |base: u32| (radical_inverse(base, number + 1) + hash_unit([seed, base, 0])).fract();
@@ -210,7 +212,7 @@ impl Scalp {
     }
 }
 
-/// Returns the radical inverse of `number`: its digits in base `base`, mirrored at the point.
+/// Returns the radical inverse of `number`: its digits in base `base`, mirrored at the radix point.
 fn radical_inverse(base: u32, mut number: u32) -> f32 {
     let (mut sum, mut scale) = (0.0f64, 1.0 / f64::from(base));
     while number > 0 {

@@ -19,7 +19,8 @@ impl PointGrid {
     pub fn new(points: Vec<Vec3>) -> Self {
         let (low, high) = points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
         let extent = (high - low).max_element().max(f32::MIN_POSITIVE);
-        // Hair points lie on a surface, so about two of them share each cell that it crosses.
+        // Hair points lie on a surface. The cell size is chosen so that each cell on the surface holds about two of
+        // them.
         let cell_m = extent / (points.len() as f32 / 2.0).sqrt().clamp(1.0, 512.0);
         let mut out = Self { points, low, cell_m, ..Self::default() };
         for (index, point) in out.points.iter().enumerate() {
@@ -33,15 +34,15 @@ impl PointGrid {
         ((at - self.low) / self.cell_m).floor().as_ivec3()
     }
 
-    /// Returns the `N` nearest points with their squared distances, nearest first; of equal ones those that were given
-    /// first. The distance is infinite if there are fewer points.
+    /// Returns the `N` nearest points with their squared distances, nearest first. Points at equal distance are ordered
+    /// by index. If there are fewer points, the remaining distances are infinite.
     pub fn nearest<const N: usize>(&self, at: Vec3) -> [(f32, u32); N] {
         let mut near = [(f32::INFINITY, 0u32); N];
-        // From outside the grid, the search begins at its border.
+        // If `at` is outside the grid, the search begins at the border.
         let middle = self.cell(at).clamp(IVec3::ZERO, (self.size - 1).max(IVec3::ZERO));
         let outside = at.distance(at.clamp(self.low, self.low + self.cell_m * self.size.as_vec3()));
         for ring in 0..=self.size.max_element() {
-            // Minimum distance of anything in a ring.
+            // Minimum distance from `at` to any point in a ring.
             let least = self.cell_m * (ring - 1) as f32 - outside;
             if least > 0.0 && least * least > near[N - 1].0 {
                 break;
@@ -65,7 +66,7 @@ impl PointGrid {
 fn ring_of(middle: IVec3, ring: i32) -> impl Iterator<Item = IVec3> {
     let side = -ring..=ring;
     side.clone().flat_map(move |x| side.clone().map(move |y| (x, y))).flat_map(move |(x, y)| {
-        // Inside the ring's faces, only the two ends of a column belong to it.
+        // Between the faces of the ring, only the two ends of a column belong to it.
         let step = if x.abs() == ring || y.abs() == ring || ring == 0 { 1 } else { 2 * ring };
         (-ring..=ring).step_by(step as usize).map(move |z| middle + IVec3::new(x, y, z))
     })

@@ -6,12 +6,12 @@ use glam::Vec3;
 /// Number of samples per curve segment for measuring its length.
 const SAMPLES: usize = 16;
 
-/// Weight of a turn relative to length when points are distributed: a right angle counts as much as this share of the
-/// whole length.
+/// Weight of turning angles relative to length when points are distributed: a right angle counts as much as this share
+/// of the whole length.
 const TURN: f32 = 0.25;
 
-/// Returns `count` points of a curve through all points of a polyline: both ends, and between them more points where
-/// the curve bends.
+/// Returns `count` points of a curve through all points of a polyline. They include both ends, and are denser where the
+/// curve bends.
 ///
 /// * `points`: 2 or more, consecutive ones distinct
 /// * `count`: 2 or more
@@ -31,9 +31,11 @@ pub fn smoothed(points: &[Vec3], count: usize) -> Vec<Vec3> {
     spread(&dense, count)
 }
 
-/// Returns the direction of the curve at each point. Inner points: tangent of the parabola through the point and its
-/// neighbours, parameterised by segment lengths, normalised so that long segments beside short ones do not overshoot.
-/// Ends: the tangent that makes the outermost segment a parabola.
+/// Returns the direction of the curve at each point.
+///
+/// At inner points, this is the tangent of the parabola through the point and its neighbours, parameterised by segment
+/// lengths. It is normalised so that long segments beside short ones do not overshoot. At the ends, it is the tangent
+/// that makes the outermost segment a parabola.
 fn tangents(points: &[Vec3]) -> Vec<Vec3> {
     let pieces: Vec<Vec3> = points.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let unit = |v: Vec3, or: Vec3| v.try_normalize().or(or.try_normalize()).unwrap_or(Vec3::Y);
@@ -52,7 +54,7 @@ fn tangents(points: &[Vec3]) -> Vec<Vec3> {
     std::iter::once(start).chain(inner.iter().copied()).chain(std::iter::once(stop)).collect()
 }
 
-/// Returns `count` points of a polyline, equally spaced by length and turn combined.
+/// Returns `count` points of a polyline, spaced equally in the sum of length and weighted turning angle.
 fn spread(dense: &[Vec3], count: usize) -> Vec<Vec3> {
     let lengths: Vec<f32> = dense.windows(2).map(|ends| ends[0].distance(ends[1])).collect();
     let whole: f32 = lengths.iter().sum();
@@ -91,7 +93,7 @@ mod tests {
         assert_eq!(smoothed(&points[..2], 2), points[..2]);
     }
 
-    /// A curve through seven points of a semicircle is far closer to it than their chords are.
+    /// A smoothed curve through seven points of a semicircle is far closer to the arc than the chords between them.
     #[test]
     fn smoothed_arc_stays_an_arc() {
         let at = |angle: f32| Vec3::new(angle.cos(), angle.sin(), 0.0);
@@ -114,7 +116,7 @@ mod tests {
         }
     }
 
-    /// There are more points where the curve bends: a hook has most of them in its bend.
+    /// Points are denser where the curve bends: most points of a hook are in its bend.
     #[test]
     fn points_are_denser_at_bends() {
         let points = [(0.0, 0.0), (3.0, 0.0), (6.0, 0.0), (6.5, 0.3), (6.5, 1.0), (6.0, 1.3)];
@@ -122,7 +124,7 @@ mod tests {
         let curve = smoothed(&points, 20);
         let bow = curve.iter().filter(|p| p.x > 5.8).count();
         assert!(bow >= 9, "{bow} of 20 in the last quarter of the length: {curve:?}");
-        // A reversal of direction does not cause a failure.
+        // A reversal of direction gives finite points.
         let back = smoothed(&[Vec3::ZERO, Vec3::X, Vec3::ZERO, Vec3::X], 9);
         assert!(back.iter().all(|p| p.is_finite() && (-1.0..2.0).contains(&p.x)), "{back:?}");
     }

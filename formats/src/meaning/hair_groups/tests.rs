@@ -38,10 +38,10 @@ fn hairs_follow_the_density_of_the_scalp() {
     assert_eq!(planted.hairs.len(), 4000);
     let posed = planted.posed_guides(corners);
     for hairs in [&planted.hairs[..400], &planted.hairs] {
-        // Three times as many on the second triangle, among the first few as among all.
+        // The second triangle has three times as many hairs, among the first few as among all.
         let second = hairs.iter().filter(|hair| hair.root.triangle == 1).count();
         assert!((second as f32 / hairs.len() as f32 - 0.75).abs() < 0.01, "{second} of {}", hairs.len());
-        // Evenly distributed over the triangle: equally many near each corner.
+        // Hairs are distributed evenly over the triangle: equally many are near each corner.
         for corner in 0..3 {
             let near = hairs.iter().filter(|h| h.root.triangle == 1 && h.root.weights[corner] > 0.5).count();
             assert!((near as f32 / second as f32 - 0.25).abs() < 0.04, "{near} of {second} near corner {corner}");
@@ -51,7 +51,7 @@ fn hairs_follow_the_density_of_the_scalp() {
         let points: Vec<Vec3> = hair.points(corners(hair.root.triangle), &posed).collect();
         assert!(points[0].y.abs() < 1e-6 && (points[8] - points[0]).distance(Vec3::new(0.2, 0.45, 0.0)) < 1e-3);
     }
-    // A smaller count gives a prefix of all.
+    // With a smaller maximum, the hairs are a prefix of all hairs.
     let few = GrownGroup::new(&group(4000), &POSITIONS, &TRIANGLES, 100);
     assert_eq!(few.hairs, planted.hairs[..100]);
 }
@@ -108,7 +108,7 @@ fn length_and_colour_variation_stay_within_their_ranges() {
     assert!(hair_radius(&group, 0.0) == 1e-3 && hair_radius(&group, 0.5) == 1e-3 && hair_radius(&group, 1.0) == 0.0);
 }
 
-/// A group whose guides are the hairs has no other hairs.
+/// If a group's guides are its hairs, it has no others.
 #[test]
 fn groups_without_hairs_use_their_guides_as_hairs() {
     let planted = GrownGroup::new(&group(0), &POSITIONS, &TRIANGLES, u32::MAX);

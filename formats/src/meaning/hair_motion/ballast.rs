@@ -1,19 +1,19 @@
-//! Forces that keep unmoved hair as it was groomed.
+//! Forces that hold hair at rest in its groomed shape.
 
 use glam::{Mat3, Vec3};
 
 /// Gravitational acceleration of the earth, m/s².
 pub const GRAVITY: f32 = 9.81;
 
-/// Returns the accelerations, one per point, that hold a guide's points in their groomed positions against gravity at
-/// rest, besides the tension of its segments; in the frame of its triangle.
+/// Returns the accelerations, one per point, that hold a guide in its groomed shape against gravity at rest, together
+/// with the tension of its segments. They are in the frame of the root's triangle.
 ///
-/// Segments only pull. From the tip on, each segment carries as much as it can, along itself, of the weight that hangs
-/// from it. The rest, from hair that stands out or up, is carried by the hair's stiffness, which is the returned
-/// acceleration.
+/// Segments can only pull. Starting at the tip, each segment carries as much as it can of the weight that hangs from
+/// it, as a force along its direction. The rest, from hair that stands out or up, must be carried by the hair's
+/// stiffness: this is the returned acceleration.
 ///
-/// * `points`: relative to the root, which is the first, in the frame of the root's triangle
-/// * `frame`: from that frame to the axes of the world at rest, +y up
+/// * `points`: points relative to the root, which is the first, in the frame of the root's triangle
+/// * `frame`: matrix from that frame to world axes at rest, +y up
 pub fn gravity_compensation(points: &[Vec3], frame: Mat3) -> Vec<Vec3> {
     let down = Vec3::NEG_Y * GRAVITY;
     let to_frame = frame.inverse();

@@ -1,15 +1,15 @@
 //! Motion of guided hair: each guide is a string of particles whose root moves with the surface (Nalu demo; position
 //! Verlet after Jakobsen 2001).
 //!
-//! The runtime does the same on the GPU (`runtime/src/passes/hair_motion`), particle for particle. Axes are those of
-//! world space, lengths metres, times seconds.
+//! The runtime does the same on the GPU (`runtime/src/passes/hair_motion`), particle for particle. Vectors are in world
+//! space, lengths in metres, times in seconds.
 //!
 //! - Free particles move by Verlet integration, corrected for steps of unequal length, with air drag.
-//! - A spring pulls each particle to its groomed position; another bends each segment back to its groomed shape. The
-//!   effect of gravity at rest is part of the groomed shape ([`gravity_compensation`]), so unmoved hair stays as
+//! - One spring pulls each particle to its groomed position; another bends each segment back to its groomed shape. The
+//!   effect of gravity at rest is part of the groomed shape ([`gravity_compensation`]), so hair at rest stays as
 //!   groomed.
-//! - Lengths are held exactly: the tensions of a string solve a tridiagonal system, a few times over, and the remaining
-//!   error is corrected from root to tip.
+//! - Segment lengths are exact. The tensions of a string solve a tridiagonal system, which is iterated a few times; the
+//!   remaining error is corrected from root to tip.
 //! - A particle inside a collider moves to a point on its surface at the required distance from its neighbour.
 
 mod ballast;
@@ -23,11 +23,12 @@ use glam::{Mat3, Quat, Vec3};
 
 /// Minimum number of steps per second.
 pub const STEPS_PER_S: f32 = 120.0;
-/// Maximum number of steps per frame. In a longer frame, less time passes for hair.
+/// Maximum number of steps per frame. If a frame is longer, hair simulates only the time of these steps.
 pub const MOST_STEPS: u32 = 16;
-/// Number of times that a particle is pushed out of the colliders.
+/// Number of passes over the colliders in which a particle is pushed out of them.
 const COLLISION_PASSES: u32 = 3;
-/// Cosine of the rotation beyond which a segment's current direction replaces its direction at the start of the step.
+/// Cosine of the rotation beyond which tension acts along a segment's current direction instead of its direction at the
+/// start of the step.
 const MIN_TURN_COS: f32 = 0.995;
 /// Damping of the springs to the groomed shape, as a share of critical damping.
 const SHAPE_DAMPING: f32 = 0.3;
@@ -44,11 +45,10 @@ const MAX_SPEED: f32 = 25.0;
 pub struct Solver {
     /// Minimum number of steps per second, above 0 (default [`STEPS_PER_S`]).
     pub steps_per_s: f32,
-    /// Maximum number of solutions for a string's tensions in a step; with 0, lengths are only corrected from root to
-    /// tip (default 16).
+    /// Maximum number of tension solves in a step. With 0, lengths are only corrected from root to tip (default 16).
     pub solved: u32,
-    /// Tolerance of each segment's length, as a share of it, at which solving stops (default 0.0001). The remaining
-    /// error is corrected from root to tip.
+    /// Relative error of the segment lengths at which solving stops (default 0.0001). The remaining error is corrected
+    /// from root to tip.
     pub within: f32,
 }
 
@@ -57,7 +57,7 @@ pub struct Solver {
 pub struct StepReport {
     /// Duration of a step, seconds.
     pub step_s: f32,
-    /// Number of solutions for the tensions, over all steps.
+    /// Number of tension solves, over all steps.
     pub solved: u32,
 }
 
@@ -67,7 +67,7 @@ impl Default for Solver {
     }
 }
 
-/// Returns number and duration of the steps of a frame.
+/// Returns the number of steps of a frame and the duration of each, seconds.
 pub fn steps(frame_s: f32) -> (u32, f32) {
     Solver::default().steps(frame_s)
 }
@@ -77,29 +77,29 @@ pub fn steps(frame_s: f32) -> (u32, f32) {
 pub struct Springs {
     /// Drag rate: how fast hair takes on the velocity of the air, 1/s.
     pub drag_per_s: f32,
-    /// Frequency of the spring to the groomed position, Hz; 0: hair hangs.
+    /// Frequency of the spring to the groomed position, Hz. With 0, hair hangs.
     pub shape_hz: f32,
-    /// Frequency of the spring to the groomed shape of each segment, Hz; 0: hair is limp.
+    /// Frequency of the spring to the groomed shape of each segment, Hz. With 0, hair is limp.
     pub bend_hz: f32,
-    /// Share of its speed along a collider that hair loses in 1 / [`STEPS_PER_S`] seconds, 0..=1.
+    /// Share of its tangential speed that hair on a collider loses in 1 / [`STEPS_PER_S`] seconds, 0..=1.
     pub friction: f32,
 }
 
 /// Guide as groomed.
 #[derive(Clone, Copy, Debug)]
 pub struct GroomedGuide<'a> {
-    /// Points relative to the root, which is the first, in the frame of its triangle, metres; two or more.
+    /// Points relative to the root, which is the first, in the frame of the root's triangle, metres; two or more.
     pub points: &'a [Vec3],
     /// Result of [`gravity_compensation`] for the points.
     pub ballast: &'a [Vec3],
-    /// Freedom of each point, 0..=1: from fixed to a free particle. Fixed points come first.
+    /// Freedom of each point, 0..=1: 0 is fixed to its groomed position, 1 is free. Fixed points come first.
     pub free: &'a [f32],
 }
 
 /// Particle: a moving point of a guide.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Particle {
-    /// Position relative to the root.
+    /// Position relative to the root, metres.
     pub place: Vec3,
     /// Velocity, m/s.
     pub velocity: Vec3,
@@ -110,7 +110,7 @@ pub struct Particle {
 pub struct RootFrame {
     /// Position of the root.
     pub root: Vec3,
-    /// Matrix from the frame of the root's triangle to the axes of the world, including the scale of the character.
+    /// Matrix from the frame of the root's triangle to world axes, including the scale of the character.
     pub frame: Mat3,
 }
 
@@ -128,9 +128,9 @@ pub struct Capsule {
 /// Time step.
 #[derive(Clone, Copy, Debug)]
 struct Step<'a> {
-    /// Duration; with 0, only lengths and colliders are enforced.
+    /// Duration, seconds. With 0, only lengths and colliders are enforced.
     seconds: f32,
-    /// Duration of the previous step; that of this one if there was none.
+    /// Duration of the previous step, seconds; equal to `seconds` if there was none.
     before_s: f32,
     /// Gravitational acceleration, m/s².
     gravity: Vec3,
@@ -139,7 +139,7 @@ struct Step<'a> {
     time_s: f32,
     /// Colliders at the end of the step.
     colliders: &'a [Capsule],
-    /// Settings for holding lengths.
+    /// Solver settings.
     solver: Solver,
 }
 
@@ -178,12 +178,12 @@ impl Capsule {
     }
 }
 
-/// Frame of time, divided into [`steps`].
+/// Time interval of a frame, which is divided into [`steps`].
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// Duration.
+    /// Duration, seconds.
     pub seconds: f32,
-    /// Duration of the steps of the previous frame; of the steps of this one if there was none.
+    /// Duration of one step of the previous frame, seconds; that of this frame's steps if there was none.
     pub before_s: f32,
     /// Gravitational acceleration, m/s².
     pub gravity: Vec3,
@@ -208,8 +208,8 @@ pub fn advance_frame(
 }
 
 impl Solver {
-    /// Returns number and duration of the steps of a frame. A frame longer than [`MOST_STEPS`] default steps is limited
-    /// to their duration.
+    /// Returns the number of steps of a frame and the duration of each, seconds. A frame is limited to the duration of
+    /// [`MOST_STEPS`] default steps.
     pub fn steps(&self, frame_s: f32) -> (u32, f32) {
         let frame_s = frame_s.clamp(0.0, MOST_STEPS as f32 / STEPS_PER_S);
         // A frame of 1/60 s is two steps of 1/120 s, even if rounding makes it slightly longer.
@@ -220,7 +220,7 @@ impl Solver {
     /// Moves a guide by one frame.
     ///
     /// * `pearls`: one for each point of the guide
-    /// * `before`, `now`: its root on the surface at the beginning and at the end of the frame
+    /// * `before`, `now`: root of the guide on the surface, at the beginning and at the end of the frame
     pub fn advance_frame(
         &self,
         pearls: &mut [Particle],
@@ -242,32 +242,33 @@ impl Solver {
                 wind: &frame.wind,
                 time_s: frame.time_s - (count - number) as f32 * seconds,
                 colliders: &colliders,
-                // Without time nothing moves, so no tensions are solved.
+                // Nothing moves in a step of duration 0, so no tensions are solved.
                 solver: Self { solved: if seconds > 0.0 { self.solved } else { 0 }, ..*self },
             };
             let (from, to) = (before.between(now, at(number - 1)), before.between(now, at(number)));
-            // Interpolating between two rotated frames shortens lengths, so lengths are those at the end of the frame.
+            // Interpolating between two rotated frames shortens lengths. Therefore all steps use the lengths at the end
+            // of the frame.
             solved += advance(pearls, groomed, springs, &step, from, to, now);
         }
         StepReport { step_s: seconds, solved }
     }
 }
 
-/// Returns the time, in seconds, after which the swing of a group's unmoved hair has decayed to a thousandth.
+/// Returns the time, in seconds, after which the swing of hair at rest has decayed to a thousandth.
 pub fn rest_s(motion: &GroupMotion) -> f32 {
     let slowed_per_s = motion.drag_per_s + 2.0 * SHAPE_DAMPING * std::f32::consts::TAU * motion.shape_hz;
     // Oscillations decay at half the rate of velocities.
     (2.0 * LN_1000 / slowed_per_s.max(1e-6)).clamp(REST_S[0], REST_S[1])
 }
 
-/// Returns the direction of `v`, or `other` if it has none.
+/// Returns the direction of `v`, or `other` if the length of `v` is too small.
 fn direction(v: Vec3, other: Vec3) -> Vec3 {
     let length = v.length();
     if length > 1e-9 { v / length } else { other }
 }
 
-/// Moves a guide by one step, from `before` to `now`; segment lengths are those at `whole`. Returns how often the
-/// tensions were solved.
+/// Moves a guide by one step, from `before` to `now`. Segment lengths are those at `whole`. Returns the number of
+/// tension solves.
 fn advance(
     pearls: &mut [Particle],
     groomed: &GroomedGuide<'_>,
@@ -291,11 +292,11 @@ fn advance(
     let kept_of_air = libm::expf(-springs.drag_per_s * h);
     let kept_of_shape = libm::expf(-2.0 * SHAPE_DAMPING * std::f32::consts::TAU * springs.shape_hz * h);
     let weight = step.gravity.length() / (GRAVITY * scale.max(1e-9));
-    // Positions relative to the current root.
+    // Make positions relative to the current root.
     pearls.iter_mut().for_each(|pearl| pearl.place -= went);
     let started: Vec<Vec3> = pearls.iter().map(|pearl| pearl.place).collect();
 
-    // Verlet step of the free particles.
+    // Move the free particles by a Verlet step.
     let mut held = 0;
     for (k, pearl) in pearls.iter_mut().enumerate() {
         if groomed.free[k] <= 0.0 || k == 0 {
@@ -312,7 +313,7 @@ fn advance(
         pearl.place += velocity * h + pulled * (0.5 * h * (h + step.before_s));
     }
 
-    // Bending springs: each segment turns with the previous one and moves those after it.
+    // Apply the bending springs: each segment turns with the previous one and moves those after it.
     let bend = square(springs.bend_hz) * h * h;
     let bend = bend / (1.0 + bend);
     let (mut turn, mut aside) = (Quat::IDENTITY, Vec3::ZERO);
@@ -336,7 +337,7 @@ fn advance(
     for k in 0..pearls.len() {
         let mut touched = Vec3::ZERO;
         if k > held {
-            // A freedom of 0.5 halves the distance to the groomed position in each step of nominal duration.
+            // With a freedom of 0.5, each step of nominal duration halves the distance to the groomed position.
             let free = libm::powf(groomed.free[k], STEPS_PER_S * h);
             pearls[k].place = goal(k) + (pearls[k].place - goal(k)) * free;
             let (parent, length) = (pearls[k - 1].place, lengths[k]);
@@ -378,11 +379,12 @@ fn smallest_rotation(from: Vec3, to: Vec3) -> Quat {
     if half < 1e-6 { Quat::IDENTITY } else { Quat::from_xyzw(across.x, across.y, across.z, half).normalize() }
 }
 
-/// Performs one Newton step for the tensions that give all segments their lengths. Particles after index `held` have
-/// equal masses; the others do not move.
+/// Performs one Newton step for the tensions that restore the lengths of all segments. Particles after index `held`
+/// have equal masses; the others do not move.
 ///
 /// Tensions act along the segments' directions at the beginning of the step (SHAKE, Ryckaert 1977), so that hair that
-/// carries its own weight stays in place. For a segment that has turned too far, they act along its current direction.
+/// carries its own weight stays in place. If a segment has turned too far, its tension acts along its current
+/// direction.
 fn hold_lengths(pearls: &mut [Particle], started: &[Vec3], lengths: &[f32], held: usize) {
     let now = |pearls: &[Particle], k: usize| direction(pearls[k].place - pearls[k - 1].place, Vec3::Y);
     let then = |k: usize| direction(started[k] - started[k - 1], Vec3::Y);
@@ -390,7 +392,7 @@ fn hold_lengths(pearls: &mut [Particle], started: &[Vec3], lengths: &[f32], held
         let (now, then) = (now(pearls, k), then(k));
         if now.dot(then) < MIN_TURN_COS { now } else { then }
     };
-    // Thomas algorithm: `left` and `right` are what elimination leaves of a row's neighbour and of its right-hand side.
+    // Thomas algorithm: `left` and `right` hold each row's upper coefficient and right-hand side after elimination.
     let mut left = vec![0.0; pearls.len()];
     let mut right = vec![0.0; pearls.len()];
     let mut before = Vec3::ZERO;
@@ -414,8 +416,8 @@ fn hold_lengths(pearls: &mut [Particle], started: &[Vec3], lengths: &[f32], held
     }
 }
 
-/// Returns the point nearest to `place` at distance `length` from `parent` and `radius` from `center`; if there is
-/// none, the point at distance `length` straight away from `center`.
+/// Returns the point nearest to `place` at distance `length` from `parent` and `radius` from `center`. If there is
+/// none, returns the point at distance `length` from `parent`, straight away from `center`.
 fn outside_sphere(parent: Vec3, length: f32, place: Vec3, center: Vec3, radius: f32) -> Vec3 {
     let to_center = center - parent;
     let distance = to_center.length();

@@ -37,7 +37,7 @@ impl Guide {
         self.points.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
     }
 
-    /// Simulates the guide for some seconds, and calls `at_end` after each frame with its particles and root.
+    /// Simulates the guide for `seconds`. After each frame, calls `at_end` with the particles and the root.
     fn run(
         &self,
         fps: f32,
@@ -82,7 +82,7 @@ fn still(_: f32) -> RootFrame {
     RootFrame { root: Vec3::new(1.0, 2.0, 3.0), frame: Mat3::IDENTITY }
 }
 
-/// Root on a galloping head: up and down, back and forth, nodding.
+/// Root on a galloping head, which moves up and down and back and forth, and nods.
 fn gallop(time_s: f32) -> RootFrame {
     let turns = TAU * 2.2 * time_s;
     let root = Vec3::new(0.08 * turns.cos(), 0.15 * turns.sin(), 9.0 * time_s);
@@ -100,7 +100,7 @@ fn hair_at_rest_keeps_its_groomed_shape() {
         let found = guide.run(60.0, 10.0, still, nothing, |_, _| ());
         let off = found.iter().zip(&groomed).map(|(a, b)| a.place.distance(b.place)).fold(0.0, f32::max);
         assert!(off < 1e-4 * guide.length(), "{} points: {off}", guide.points.len());
-        // Without ballast, hair that stands out falls.
+        // Without gravity compensation, hair that stands out falls.
         if guide.points[1].y > -0.001 {
             let slack = Guide { ballast: vec![Vec3::ZERO; 16], ..guide };
             let found = slack.run(60.0, 10.0, still, nothing, |_, _| ());
@@ -127,7 +127,8 @@ fn strings_keep_their_length_under_strong_motion() {
     }
 }
 
-/// Compares with the alternative to solving for tensions: sweeps that correct one segment at a time.
+/// Measures the alternative to solving for tensions: sweeps that correct one segment at a time leave long strings
+/// stretched.
 #[test]
 fn sweeps_leave_long_strings_stretched() {
     let (points, length, h) = (64, 0.3f32, 1.0 / 60.0);
@@ -155,7 +156,7 @@ fn sweeps_leave_long_strings_stretched() {
 fn pendulum_has_the_expected_period() {
     let mut guide = Guide::hanging(2);
     guide.springs = Springs { drag_per_s: 0.0, shape_hz: 0.0, bend_hz: 0.0, friction: 0.0 };
-    // Displaced in the first frame.
+    // The root is displaced in the first frame.
     let root = |time_s: f32| RootFrame { root: Vec3::X * if time_s > 0.0 { 0.01 } else { 0.0 }, frame: Mat3::IDENTITY };
     let mut crossed = Vec::new();
     let (mut time_s, mut last) = (0.0, -1.0);
@@ -220,10 +221,10 @@ fn hair_motion_stays_finite() {
             };
             guide.run(fps, seconds, still, swallowing, &mut check);
             guide.run(fps, seconds, jump, nothing, &mut check);
-            // The surface turns by a whole turn in a frame of half a second.
+            // The surface makes a full turn in a frame of half a second.
             guide.run(fps, seconds, spin, nothing, &mut check);
         }
-        // A frame of zero duration.
+        // Simulate a frame of zero duration.
         let groomed = GroomedGuide { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
         let mut pearls = still(0.0).groomed(&guide.points);
         let frame = Frame {

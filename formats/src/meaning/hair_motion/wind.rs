@@ -23,7 +23,7 @@ impl Default for Wind {
     }
 }
 
-/// Approximates the sine of a number of full turns with basic arithmetic only, so that the result is the same on every
+/// Approximates the sine of `turns` full turns. It uses basic arithmetic only, so that the result is the same on every
 /// machine.
 fn wave(turns: f32) -> f32 {
     let part = turns - (turns + 0.5).floor();

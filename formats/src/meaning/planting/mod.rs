@@ -1,8 +1,8 @@
 //! Planting: roots of the tile's strands on a mesh, and positions of their points.
 //!
-//! A strand of the tile roots wherever a copy of its root lies in a furred triangle ([`Roots`]). A walk over the mesh
-//! gives the positions of its points ([`SurfaceWalk`]). Both use the mesh's tile coordinates. Triangle and weights
-//! ([`WalkPosition`]) give the position in any pose.
+//! A strand of the tile has a root wherever a copy of its root is inside a furred triangle ([`Roots`]). A walk over the
+//! mesh gives the positions of its points ([`SurfaceWalk`]). Both use the mesh's tile coordinates. A point is stored as
+//! a triangle and weights ([`WalkPosition`]), which give its position in any pose.
 
 mod roots;
 mod walk;
@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Mesh data for planting. All lists over vertices have the same length, and so have those over triangles.
+/// Mesh data for planting. All lists over vertices have the same length, and all lists over triangles.
 #[derive(Clone, Debug, Default)]
 pub struct PlantingMesh {
     /// Corners of each triangle, valid vertex indices.
@@ -26,15 +26,15 @@ pub struct PlantingMesh {
     pub positions: Vec<DVec3>,
     /// Coordinates of each vertex in the hair tile; 1 is one tile.
     pub tile_uv: Vec<DVec2>,
-    /// For each vertex, the first one with the same position and motion: a position is stored once for each patch, part
-    /// and seam that meets there.
+    /// For each vertex, the index of the first vertex with the same position and motion. Several vertices share a
+    /// position where patches, parts or seams meet.
     pub same_place: Vec<u32>,
 }
 
 /// Joints that move a vertex, and their weights; `None` for a mesh without a skeleton.
 pub type MovedBy<J> = Option<(J, [f32; 4])>;
 
-/// Returns for each vertex the first one with bitwise the same position, joints and weights.
+/// Returns, for each vertex, the index of the first vertex with bitwise the same position, joints and weights.
 pub fn same_places<J: Eq + Hash>(vertices: impl Iterator<Item = ([f32; 3], MovedBy<J>)>) -> Vec<u32> {
     let mut first_at = HashMap::new();
     let keys = vertices.map(|(position, moved_by)| {
@@ -63,7 +63,7 @@ impl PlantingMesh {
         }
     }
 
-    /// Returns the corner values of a triangle from a list over vertices.
+    /// Returns the values at a triangle's corners, from a list over vertices.
     pub fn corners<T: Copy>(&self, triangle: usize, of: &[T]) -> [T; 3] {
         self.triangles[triangle].map(|v| of[v as usize])
     }
@@ -73,8 +73,8 @@ impl PlantingMesh {
 mod tests {
     use super::*;
 
-    /// Square of one metre and one tile, made of two triangles. The second is in another patch, with coordinates
-    /// `apart` tiles away.
+    /// Square of one metre and one tile, made of two triangles. The second triangle is in another patch, whose
+    /// coordinates are `apart` tiles away.
     fn square(apart: f64) -> PlantingMesh {
         let at = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         PlantingMesh {
@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn root_lies_in_one_triangle_per_tile() {
-        // On the edge between both triangles, and inside one of them; the indices identify the roots, and the tile's
-        // position does not matter.
+        // Roots on the edge between both triangles, and inside one of them. They are identified by index; whole tiles
+        // in the coordinates do not matter.
         let roots = Roots::new([(DVec2::new(0.5, 0.5), 7), (DVec2::new(3.25, -0.75), 9)]);
         for ground in [square(0.0), square(2.0)] {
             let mut found = Vec::new();
@@ -130,8 +130,8 @@ mod tests {
         let large = [DVec2::ZERO, DVec2::new(4.0, 0.0), DVec2::new(0.0, 4.0)];
         let mut count = [0; 10];
         roots.for_each_in(large, |strand, _| count[strand] += 1);
-        // Whole tiles below the diagonal, and tiles that it cuts; a root in the middle of a diagonal belongs to one of
-        // its sides.
+        // Count whole tiles below the diagonal, and tiles that the diagonal cuts. A root in the middle of a cut tile
+        // belongs to one side only.
         assert!(count[9] == 10 && (6..=10).contains(&count[7]), "{count:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Roots of a tile, and those of them in a triangle.
+//! Roots of the tile's strands, and lookup of those inside a triangle.
 
 use glam::{DVec2, DVec3};
 
@@ -6,13 +6,13 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Debug)]
 pub struct Roots {
     side: usize,
-    /// Root within the tile, 0..1, and strand index; cell after cell.
+    /// Position of each root within the tile, 0..1, and strand index; cell after cell.
     roots: Vec<(DVec2, u32)>,
     starts: Vec<usize>,
 }
 
 impl Roots {
-    /// Sorts roots; each is the tile coordinates of a strand and its index.
+    /// Sorts roots into the grid. Each is given as the tile coordinates of a strand's root and the strand's index.
     pub fn new(roots: impl IntoIterator<Item = (DVec2, u32)>) -> Self {
         let mut roots: Vec<(DVec2, u32)> = roots.into_iter().map(|(at, strand)| (at - at.floor(), strand)).collect();
         let side = ((roots.len() as f64 / 2.0).sqrt() as usize).clamp(1, 512);
@@ -25,8 +25,9 @@ impl Roots {
         Self { side, roots, starts }
     }
 
-    /// Calls `visit` for every strand, in every copy of the tile, whose root lies in a triangle of tile coordinates;
-    /// passes the weights of the corners at the root. A root on the edge of adjacent triangles belongs to exactly one.
+    /// Calls `visit` for every strand, in every copy of the tile, whose root is inside a triangle of tile coordinates.
+    /// Passes the strand index and the weights of the corners at the root. A root on the edge of adjacent triangles
+    /// belongs to exactly one.
     pub fn for_each_in(&self, corners: [DVec2; 3], mut visit: impl FnMut(usize, DVec3)) {
         let (low, high) = corners.iter().fold((corners[0], corners[0]), |(l, h), c| (l.min(*c), h.max(*c)));
         let side = self.side as f64;
@@ -46,7 +47,8 @@ impl Roots {
     }
 }
 
-/// Returns the weights of the corners at a point, if it lies in the triangle or on one of the edges that belong to it.
+/// Returns the weights of the corners at point `p`, if it is inside the triangle or on one of the edges that belong to
+/// it.
 fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
     let [a, b, c] = corners;
     let turn = if (b - a).perp_dot(c - a) < 0.0 { -1.0 } else { 1.0 };
@@ -54,7 +56,7 @@ fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
     for k in 0..3 {
         let (from, to) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
         let side = turn * side_of_edge(from, to, p);
-        // An edge belongs to the triangle above it, or to the right of it if the edge is upright.
+        // An edge belongs to the triangle above it, or to the right of it if the edge is vertical.
         let way = (to - from) * turn;
         let own = way.x > 0.0 || (way.x == 0.0 && way.y < 0.0);
         if side < 0.0 || (side == 0.0 && !own) {
@@ -66,8 +68,8 @@ fn weights_inside(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
     (sum > 0.0).then(|| weights / sum)
 }
 
-/// Returns twice the signed area of the triangle of an edge and a point. It is computed in the same order for both
-/// directions of the edge, so that the triangles on both sides see the same rounding.
+/// Returns twice the signed area of the triangle formed by an edge and a point. The order of operations is the same for
+/// both directions of the edge, so that the triangles on both sides see the same rounding.
 fn side_of_edge(from: DVec2, to: DVec2, p: DVec2) -> f64 {
     let forward = (from.x, from.y) <= (to.x, to.y);
     let (a, b) = if forward { (from, to) } else { (to, from) };

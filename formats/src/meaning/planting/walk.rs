@@ -1,12 +1,12 @@
-//! Walks on the mesh surface by steps in tile coordinates: the course of a strand that is longer than its triangle.
+//! Walks on the mesh surface by steps in tile coordinates: the path of a strand that extends beyond its triangle.
 //!
-//! A step is a straight line within each triangle. At an edge it continues in the neighbour with that triangle's own
-//! tile gradients. Within a patch that is the same line in tile coordinates. Across a patch border, where coordinates
-//! jump, it is the same direction in the comb's frame, which is continuous there.
+//! Within a triangle, a step is a straight line. At an edge it continues in the neighbouring triangle, with that
+//! triangle's own tile gradients. Within a patch, this gives the same line in tile coordinates. Tile coordinates jump
+//! across a patch border, but the comb's frame is continuous there, and the walk keeps its direction in that frame.
 //!
-//! If each side of such a border leads to the other, as nearly parallel ones may, the walk follows the edge by the
-//! remaining component in that direction. Without a neighbour to continue in, it leaves the surface straight ahead in
-//! the plane of its last triangle.
+//! If the directions on both sides of such a border lead back into each other, as nearly parallel sides may, the walk
+//! follows the edge by the component along it. Without a neighbour to continue in, the walk leaves the surface straight
+//! ahead in the plane of its last triangle.
 
 use super::PlantingMesh;
 use glam::{DVec2, DVec3};
@@ -14,18 +14,20 @@ use std::collections::HashMap;
 
 /// Marker for a missing triangle.
 const NONE: u32 = u32::MAX;
-/// Maximum number of edges crossed in a single step; beyond it the walk is going in circles.
+/// Maximum number of edges crossed in a single step; a walk that crosses more is going in circles.
 const MAX_CROSSINGS: u32 = 256;
-/// Twice the tile area over the square of the longest side, below which a triangle's coordinates are unusable.
+/// Minimum of twice a triangle's area in tile coordinates, divided by the square of its longest side. Below it, the
+/// coordinates are unusable.
 const LEAST_AREA: f64 = 1e-9;
 
 /// Adjacency of triangles, and gradients of the tile coordinates in them.
 #[derive(Clone, Debug)]
 pub struct SurfaceWalk<'a> {
     ground: &'a PlantingMesh,
-    /// For each corner, the triangle across the opposite edge; `NONE` at borders and where more than two meet.
+    /// For each corner, the triangle across the opposite edge; `NONE` at borders and where more than two triangles
+    /// meet.
     across: Vec<[u32; 3]>,
-    /// For each triangle, the change of the three weights along u and along v; `None` if no walk can enter it.
+    /// For each triangle, the change of the three corner weights along u and along v; `None` if no walk can enter it.
     gradients: Vec<Option<[DVec3; 2]>>,
 }
 
@@ -36,7 +38,7 @@ pub struct WalkPosition {
     pub triangle: usize,
     /// Weights of the triangle's corners; non-negative, with sum 1.
     pub weights: DVec3,
-    /// Offset from that point, tile coordinates, once the walk has left the surface.
+    /// Offset from the point given by `weights`, tile coordinates, once the walk has left the surface.
     pub beyond: Option<DVec2>,
 }
 
@@ -47,14 +49,14 @@ pub struct WalkEvents {
     pub patch_border: bool,
     /// The walk reached the end of the mesh or of the furred part.
     pub mesh_border: bool,
-    /// The walk followed a border whose two sides lead against each other.
+    /// The walk followed a border whose two sides lead back into each other.
     pub slid: bool,
     /// The walk crossed too many edges in one step and left the surface.
     pub lost: bool,
 }
 
 impl<'a> SurfaceWalk<'a> {
-    /// Analyses the furred triangles.
+    /// Computes adjacency and gradients of the furred triangles.
     pub fn new(ground: &'a PlantingMesh) -> Self {
         let mut sides: HashMap<[u32; 2], Vec<(u32, usize)>> = HashMap::new();
         for (t, triangle) in ground.triangles.iter().enumerate() {
@@ -80,14 +82,14 @@ impl<'a> SurfaceWalk<'a> {
         self.gradients[triangle].is_some()
     }
 
-    /// Moves `by` tile coordinates.
+    /// Moves the walk by `by`, in tile coordinates.
     pub fn step(&self, from: &mut WalkPosition, by: DVec2, crossed: &mut WalkEvents) {
         if let Some(way) = &mut from.beyond {
             *way += by;
             return;
         }
         let mut left = by;
-        // Corner opposite the edge that the walk came across.
+        // Corner opposite the edge over which the walk entered the triangle.
         let mut came_over = None;
         for _ in 0..MAX_CROSSINGS {
             let Some([along_u, along_v]) = self.gradients[from.triangle] else { break };
@@ -126,7 +128,7 @@ impl<'a> SurfaceWalk<'a> {
         from.beyond = Some(left);
     }
 
-    /// Returns the component of a change of the weights along the edge opposite corner `k`.
+    /// Projects a change of the weights onto the edge opposite corner `k`.
     fn along_edge(&self, triangle: usize, k: usize, change: DVec3) -> DVec3 {
         let corners = self.ground.corners(triangle, &self.ground.positions);
         let way = corners[0] * change.x + corners[1] * change.y + corners[2] * change.z;
@@ -161,7 +163,7 @@ impl<'a> SurfaceWalk<'a> {
     }
 
     /// Returns the weights of the corners at the walk's position. Once the walk has left the surface, the position is
-    /// on the plane of its last triangle, and weights may be negative.
+    /// in the plane of its last triangle, and weights may be negative.
     pub fn place_weights(&self, at: &WalkPosition) -> DVec3 {
         match (at.beyond, self.gradients[at.triangle]) {
             (Some(way), Some([along_u, along_v])) => at.weights + along_u * way.x + along_v * way.y,
@@ -170,8 +172,8 @@ impl<'a> SurfaceWalk<'a> {
     }
 }
 
-/// Returns the changes of a triangle's weights along u and v; `None` on bare parts and if the coordinates are
-/// degenerate.
+/// Returns the changes of a triangle's weights along u and v; `None` for a triangle that is bare or whose coordinates
+/// are degenerate.
 fn gradients(ground: &PlantingMesh, triangle: usize) -> Option<[DVec3; 2]> {
     if !ground.furred[triangle] {
         return None;

@@ -1,4 +1,5 @@
-//! Scattering around a fibre: light paths through its cross-section that end at an angle (Marschner 2003, section 4.2).
+//! Scattering around a fibre: light paths through its cross-section that leave in a given direction (Marschner 2003,
+//! section 4.2).
 //!
 //! Absorption is applied separately: each contribution has its share of light and its path length, so that one
 //! evaluation serves every colour.
@@ -8,12 +9,12 @@ use super::optics::Section;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::OnceLock;
 
-/// Contribution of a light path through the fibre, seen from one azimuth.
+/// Contribution of a light path through the fibre, as seen from one azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathContribution {
     /// Light per radian, without absorption.
     pub light: f64,
-    /// Path length within the fibre, over its radius.
+    /// Path length within the fibre, in fibre radii.
     pub length: f64,
 }
 
@@ -24,15 +25,15 @@ impl PathContribution {
     }
 }
 
-/// Shape of glints: they replace the caustics of internally reflected light, which are infinitely bright in a perfectly
+/// Shape of glints. They replace the caustics of internally reflected light, which are infinitely bright in a perfectly
 /// smooth fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlintShape {
     /// Standard deviation of each glint, radians (10 to 25 degrees in Marschner 2003).
     pub width: f64,
-    /// Strength; 1 keeps the light of the caustics, without loss or gain.
+    /// Strength. With 1, glints have exactly the light of the caustics that they replace.
     pub scale: f64,
-    /// Range of η′ above 2, where both glints meet and vanish, over which they fade out.
+    /// Range of η′ above 2 over which the glints fade out. At 2, both glints meet and vanish.
     pub fade: f64,
 }
 
@@ -42,7 +43,7 @@ impl Default for GlintShape {
     }
 }
 
-/// Maximum share of the cross-section that is concentrated into a glint.
+/// Maximum share of the light through the cross-section that is concentrated into a glint.
 const MOST_BUNDLED: f64 = 0.5;
 /// Number of Gauss quadrature points for each half of the cross-section.
 const RULE: usize = 24;
@@ -53,20 +54,20 @@ pub fn wrapped(phi: f64) -> f64 {
 }
 
 impl Section {
-    /// Returns the deviation from the straight exit of light that enters at angle `gamma` and leaves on path `p`,
-    /// radians: 2 p γt − 2 γ.
+    /// Returns the azimuthal deflection of light that enters at angle `gamma` and leaves on path `p`, radians: 2 p γt −
+    /// 2 γ. It is relative to the exit at `gamma` = 0.
     pub fn deviation(&self, p: u32, gamma: f64) -> f64 {
         let (sin, cos) = self.refracted(libm::sin(gamma));
         2.0 * f64::from(p) * libm::atan2(sin, cos) - 2.0 * gamma
     }
 
-    /// Returns the derivative of [`Section::turned`] with respect to the angle.
+    /// Returns the derivative of [`Section::deviation`] with respect to the entry angle.
     fn turned_slope(&self, p: u32, gamma: f64) -> f64 {
         let (sin, cos) = (libm::sin(gamma), libm::cos(gamma));
         2.0 * f64::from(p) * cos / (self.across * self.across - sin * sin).max(1e-12).sqrt() - 2.0
     }
 
-    /// Returns the contribution of path `p` for light that enters at the solution `gamma`.
+    /// Returns the contribution of path `p` for light that enters at angle `gamma`.
     fn contribution(&self, p: u32, gamma: f64) -> PathContribution {
         let (sin, cos) = (libm::sin(gamma), libm::cos(gamma).max(0.0));
         let bundled = self.turned_slope(p, gamma).abs().max(1e-6);
@@ -79,8 +80,8 @@ impl Section {
         0.25 * half * self.fresnel(half)
     }
 
-    /// Returns the contribution transmitted through the fibre (TT) towards azimuth `phi`; zero beyond the maximum
-    /// deviation.
+    /// Returns the contribution of light transmitted through the fibre (TT) towards azimuth `phi`; zero beyond the
+    /// maximum deflection.
     pub fn transmitted(&self, phi: f64) -> PathContribution {
         let aside = PI - wrapped(phi).abs();
         match self.root(1, -aside, [0.0, FRAC_PI_2]) {
@@ -90,14 +91,14 @@ impl Section {
     }
 
     /// Returns up to three contributions of light reflected once inside (TRT) towards azimuth `phi`, for a smooth
-    /// fibre: infinite at the caustics.
+    /// fibre. They are infinite at the caustics.
     pub fn reflected_inside(&self, phi: f64) -> impl Iterator<Item = PathContribution> + '_ {
         let phi = wrapped(phi).abs();
         let caustic = self.caustic().map_or(0.0, |(gamma, _)| gamma);
         let found = [
             self.root(2, phi, [0.0, caustic]),
             self.root(2, phi, [caustic, FRAC_PI_2]),
-            // From the other half of the cross-section.
+            // The third contribution comes from the other half of the cross-section.
             self.root(2, -phi, [caustic, FRAC_PI_2]),
         ];
         // A ray through the centre belongs to both halves, but counts once.
@@ -107,7 +108,7 @@ impl Section {
         gammas.into_iter().flatten().map(|gamma| self.contribution(2, gamma))
     }
 
-    /// Returns the caustic of internally reflected light, in the half with positive angles: entry angle and deviation.
+    /// Returns the caustic of internally reflected light, in the half with positive angles: entry angle and deflection.
     /// `None` if η′ is 2 or more.
     pub fn caustic(&self) -> Option<(f64, f64)> {
         let under = (4.0 - self.across * self.across) / 3.0;
@@ -117,8 +118,8 @@ impl Section {
         })
     }
 
-    /// Returns the entry angle between `from` and `to`, within 0..=π/2, at which path `p` deviates by `turned`, if any.
-    /// The deviation must be monotone between them.
+    /// Returns the entry angle between `from` and `to`, within 0..=π/2, at which the deflection on path `p` is
+    /// `turned`, if there is one. The deflection must be monotone between them.
     fn root(&self, p: u32, turned: f64, [from, to]: [f64; 2]) -> Option<f64> {
         let off = |gamma: f64| self.deviation(p, gamma) - turned;
         let (mut low, mut high) = (from, to);
@@ -138,7 +139,7 @@ impl Section {
             } else {
                 low = gamma;
             }
-            // Newton step if it stays in the bracket, else bisection.
+            // Do a Newton step if it stays in the bracket, else bisect.
             let next = gamma - found / self.turned_slope(p, gamma);
             let next = if next > low && next < high { next } else { 0.5 * (low + high) };
             if (next - gamma).abs() < 1e-15 {
@@ -149,12 +150,12 @@ impl Section {
         Some(gamma)
     }
 
-    /// Returns up to four contributions of light reflected once inside (TRT) towards azimuth `phi`, with its caustics
-    /// spread into the section's `glints`.
+    /// Returns up to four contributions of light reflected once inside (TRT) towards azimuth `phi`. The caustics are
+    /// spread into `glints`.
     pub fn glinting(&self, phi: f64, glints: Option<&Glints>) -> impl Iterator<Item = PathContribution> + '_ {
         let phi = wrapped(phi);
         let kept = glints.map_or(1.0, |glints| glints.remaining(phi));
-        // Light that is removed completely may be infinite, and 0 times infinity is NaN.
+        // A contribution that is removed completely may be infinite: avoid 0 times infinity, which is NaN.
         let own = self
             .reflected_inside(phi)
             .map(move |way| PathContribution { light: if kept > 0.0 { way.light * kept } else { 0.0 }, ..way });
@@ -166,8 +167,8 @@ impl Section {
         own.chain(spread)
     }
 
-    /// Returns the glints of this section, or `None` if it has none. Their light is that removed around the caustics,
-    /// times the scale.
+    /// Returns the glints of this section, or `None` if it has none. Their light is the light removed around the
+    /// caustics, multiplied by the scale of `glint`.
     pub fn glints(&self, glint: &GlintShape) -> Option<Glints> {
         let (gamma, phi, share) = match self.caustic() {
             Some((gamma, phi)) => (gamma, phi, 1.0),
@@ -188,8 +189,8 @@ impl Section {
         Some(glints)
     }
 
-    /// Returns the glints of this section with their light as printed in Marschner 2003. The scale is a property of the
-    /// fibre (0.5 to 5), independent of the light in the caustic.
+    /// Returns the glints of this section with their light as published in Marschner 2003. There, the scale is a
+    /// property of the fibre (0.5 to 5), independent of the light in the caustic.
     pub fn glints_as_printed(&self, glint: &GlintShape) -> Option<Glints> {
         let (gamma, bend) = self.caustic().map_or((0.0, 0.0), |(gamma, _)| (gamma, self.caustic_bend(gamma)));
         let bundled = if bend > 0.0 { MOST_BUNDLED.min(2.0 * (2.0 * glint.width / bend).sqrt()) } else { MOST_BUNDLED };
@@ -204,8 +205,8 @@ impl Section {
         (4.0 * h / (across * across.sqrt()) - 2.0 * h / (cos * cos * cos)).abs()
     }
 
-    /// Divides path `p` into thin bundles over the whole cross-section. Returns the exit azimuth and the contribution
-    /// of each.
+    /// Divides path `p` into thin bundles of rays over the whole cross-section. Returns the exit azimuth and the
+    /// contribution of each.
     pub fn bundles(&self, p: u32) -> impl Iterator<Item = (f64, PathContribution)> + '_ {
         const POINTS: usize = 512;
         (0..POINTS).map(move |k| {
@@ -217,14 +218,15 @@ impl Section {
         })
     }
 
-    /// Returns the contributions of path `p` towards azimuth `phi` in a fibre with azimuthal roughness: each bundle is
-    /// spread by a logistic distribution of that scale, radians (Chiang 2016).
+    /// Returns the contributions of path `p` towards azimuth `phi` in a fibre with azimuthal roughness. Each bundle is
+    /// spread by a logistic distribution of scale `scale`, radians (Chiang 2016).
     pub fn rough(&self, p: u32, phi: f64, scale: f64) -> impl Iterator<Item = PathContribution> + '_ {
         let spread = move |at: f64| logistic(scale, wrapped(phi - at));
         self.bundles(p).map(move |(at, way)| PathContribution { light: way.light * spread(at), ..way })
     }
 
-    /// Returns the total light that leaves on path `p`, without absorption: ½ ∫ A dh.
+    /// Returns the total light that leaves on path `p`, without absorption: ½ ∫ A dh, where A is the share at the
+    /// offset h.
     pub fn energy(&self, p: u32) -> f64 {
         0.5 * over_section(|gamma| self.share(p, libm::cos(gamma)))
     }
@@ -237,30 +239,31 @@ pub struct Glints {
     pub phi: f64,
     /// Light of each glint.
     pub light: f64,
-    /// Path length, over the radius.
+    /// Path length, in fibre radii.
     pub length: f64,
-    /// Share of the light concentrated there that the glints take, 0..=1.
+    /// Share of the caustics' light that is moved into the glints, 0..=1.
     pub share: f64,
     /// Standard deviation of each glint, radians.
     pub width: f64,
 }
 
 impl Glints {
-    /// Returns the share of the light at `phi` that the glints do not take.
+    /// Returns the share of the light at azimuth `phi` that is not moved into the glints.
     pub(super) fn remaining(&self, phi: f64) -> f64 {
         let of = |x: f64| 1.0 - self.share * libm::exp(-0.5 * (x / self.width) * (x / self.width));
         of(wrapped(phi - self.phi)) * of(wrapped(phi + self.phi))
     }
 }
 
-/// Returns the logistic distribution of that scale, truncated to ±π and renormalised.
+/// Returns the logistic distribution of scale `scale`, radians, truncated to ±π and renormalised.
 pub fn logistic(scale: f64, x: f64) -> f64 {
     let e = libm::exp(-x.abs() / scale);
     let whole = libm::tanh(0.5 * PI / scale);
     e / (scale * (1.0 + e) * (1.0 + e)) / whole
 }
 
-/// Returns ∫ f cos γ dγ over −π/2..=π/2, which is the integral over the offsets h, by Gauss quadrature on each half.
+/// Returns the integral of f cos γ over γ in −π/2..=π/2, by Gauss quadrature on each half. This equals the integral
+/// over the offsets h.
 pub fn over_section(f: impl Fn(f64) -> f64) -> f64 {
     let half = FRAC_PI_2 / 2.0;
     let of_half = |middle: f64| {

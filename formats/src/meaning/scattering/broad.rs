@@ -1,13 +1,13 @@
-//! Lookup tables for broad light: the light that a fibre scatters, over the light's mean cosine, θo, θj and φ.
+//! Lookup tables for broad light: the light that a fibre scatters, by mean cosine of the light, θo, θj and φ.
 //!
-//! The light is a spherical Gaussian, cut off well below its horizon ([`HORIZON_SINE`]): light from a sky reaches hair
+//! The light is a spherical Gaussian, cut off well below its horizon ([`HORIZON_SINE`]). Light from a sky reaches hair
 //! from above the surface and around its curves, not through the body. A whole Gaussian of that width would shine
 //! through the fibre from below, which is visible in dark fur.
 //!
-//! The light of each path around the fibre is a cosine series in n φ, as in [`super::gaussian_light::BroadlyLitFibre`].
-//! The series depends on θd alone and is computed once for all lights; along the fibre a 24-point quadrature is used.
-//! Colour is not part of the tables: a path that crosses the fibre n times keeps the remaining share of n mean
-//! crossings ([`FibreMeans::left`]).
+//! Around the fibre, the light of each path is a cosine series in n φ, as in
+//! [`super::gaussian_light::BroadlyLitFibre`]. The series depends on θd alone and is computed once for all lights.
+//! Along the fibre, a 24-point quadrature is used. The tables do not contain colour: a path that crosses the fibre n
+//! times keeps the share that remains after n mean crossings ([`FibreMeans::transmittance`]).
 
 use super::azimuthal::legendre;
 use super::gaussian_light::{BroadlyLitFibre, TERMS, window};
@@ -44,29 +44,29 @@ impl BroadSize {
     }
 }
 
-/// Last position on the axis of mean cosines, 1 − √((1 − r) / (1 − [`LEAST_MEAN`])). Narrower light is treated as
-/// having this width: a standard deviation of 8 degrees.
+/// Last coordinate on the axis of mean cosines r, which is 1 − √((1 − r) / (1 − [`LEAST_MEAN`])). Narrower light is
+/// treated as having this width: a standard deviation of 8 degrees.
 const LAST_MEAN: f64 = 0.83;
 
-/// Sine of the angle below its horizon at which a broad light is cut off: as far as hair tips see around a body of
+/// Sine of the angle below its horizon at which a broad light is cut off. Hair tips see this far around a body of
 /// typical roundness.
 pub const HORIZON_SINE: f64 = 0.45;
 
 /// Mean cosine of uniform light above the cutoff.
 pub const LEAST_MEAN: f64 = 0.5 * (1.0 - HORIZON_SINE);
 
-/// Upper half of a spherical Gaussian, with the rim of the lower half: radiance exp(κ (ω · ω_j − 1)) from the
-/// directions ω with ω · ω_j > −[`HORIZON_SINE`], none from others.
+/// Upper half of a spherical Gaussian, with the rim of the lower half. The radiance is exp(κ (ω · ω_j − 1)) from
+/// directions ω with ω · ω_j > −[`HORIZON_SINE`], and 0 from all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutGaussianLight {
     /// ω_j, a unit vector.
     pub towards: DVec3,
-    /// Mean cosine to ω_j, below 1; [`LEAST_MEAN`] for uniform light.
+    /// Mean cosine of the angle to ω_j, below 1; [`LEAST_MEAN`] for uniform light.
     pub mean: f64,
 }
 
 impl CutGaussianLight {
-    /// Returns ∫ of the light over all directions.
+    /// Returns the integral of the light over all directions.
     pub fn whole(&self) -> f64 {
         let k = sharpness_of_half(self.mean);
         if k < 1e-9 { TAU * (1.0 + HORIZON_SINE) } else { TAU * -libm::expm1(-k * (1.0 + HORIZON_SINE)) / k }
@@ -78,27 +78,27 @@ impl CutGaussianLight {
 pub struct BroadTables {
     /// Texels along each axis, 2 or more.
     pub size: BroadSize,
-    /// Texels by mean cosine, θo, φ and θj, the last varying fastest. Components, without absorption: R, TT, all
-    /// internally reflected light, and the path length of TT in the fibre, radii.
+    /// Texels by mean cosine, θo, φ and θj, the last varying fastest. The components, without absorption, are R, TT and
+    /// all internally reflected light; the fourth is the path length of TT in the fibre, in radii.
     pub texels: Vec<[f32; 4]>,
-    /// Light that remains after crossing the fibre.
+    /// Means from which the light that remains after a crossing is computed.
     pub means: FibreMeans,
     eta: f64,
 }
 
-/// Numbers of samples: of cos θd for the paths, of κ for the terms of a light around a fibre, and of the azimuth where
-/// the light ends.
+/// Numbers of samples: of cos θd for the paths, of the light's azimuthal sharpness, and of the azimuth at which the
+/// light ends.
 const SECTIONS: usize = 64;
 const LIGHTS: usize = 32;
 const ENDS: usize = 33;
-/// Number of cosine series: R, TT, TRT, and the rest of TT at an absorption of [`REFERENCE_SIGMA`] per radius.
+/// Number of cosine series: R, TT, TRT, and TT as attenuated by an absorption of [`REFERENCE_SIGMA`] per radius.
 const SERIES: usize = 4;
-/// Path of each series.
+/// Light path to which each series belongs.
 const PATH_OF: [usize; SERIES] = [0, 1, 2, 1];
 
-/// Paths around a fibre as cosine series, by cos θd.
+/// Light paths around a fibre as cosine series, by cos θd.
 struct PathSeries {
-    /// For each section, the terms of the series, and the light per radian of all further paths.
+    /// For each sample of cos θd: the terms of each series, and the light per radian of all further paths.
     sections: Vec<([[f64; TERMS]; SERIES], f64)>,
 }
 
@@ -135,13 +135,13 @@ impl PathSeries {
     }
 }
 
-/// Lights of one sharpness that reach a fibre at all angles.
+/// Lights of one sharpness that reach a fibre from all inclinations.
 struct Light<'a> {
     fibre: &'a Fibre,
     around: &'a PathSeries,
     sharpness: f64,
-    /// Terms of the lights around the fibre, by the square root of their azimuthal sharpness over their sharpness, and
-    /// by the azimuth where they end.
+    /// Terms of the light around the fibre. The first index is the square root of azimuthal sharpness over sharpness,
+    /// the second the azimuth at which the light ends.
     terms: Vec<[f64; TERMS]>,
 }
 
@@ -154,7 +154,8 @@ impl<'a> Light<'a> {
         Self { fibre, around, sharpness, terms: (0..LIGHTS * ENDS).map(at).collect() }
     }
 
-    /// Returns the terms of light with that share of the sharpness, which ends at azimuth `end`.
+    /// Returns the terms of a light that ends at azimuth `end`; `share` is its azimuthal sharpness divided by
+    /// `sharpness`.
     fn terms_at(&self, share: f64, end: f64) -> [f64; TERMS] {
         let (light, over) = interpolation_index(share.sqrt(), LIGHTS);
         let (until, beyond) = interpolation_index(end / PI, ENDS);
@@ -165,7 +166,8 @@ impl<'a> Light<'a> {
         from_fn(|n| mixed(mixed(a[n], b[n], beyond), mixed(c[n], d[n], beyond), over))
     }
 
-    /// Returns the scattered light from lights about θj at azimuths `phis`: the four series, and all further light.
+    /// Returns the scattered light of a light about inclination θj, at each azimuth of `cosines`: the four series, and
+    /// all further light.
     fn of_angles(&self, theta_o: f64, theta_j: f64, cosines: &[[f64; TERMS]]) -> Vec<([f64; SERIES], f64)> {
         let sines = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
         let (to, middle) = (sines(theta_o), sines(theta_j));
@@ -221,7 +223,7 @@ impl BroadTables {
             let light = Light::new(fibre, &around, sharpness_of_half(mean));
             for o in 0..size.to {
                 let theta_o = angle_at(o, size.to);
-                // One row for each θj, at all azimuths.
+                // Each row holds the light about one θj, at all azimuths.
                 let row = |j: usize| light.of_angles(theta_o, angle_at(j, size.from), &cosines);
                 let rows: Vec<_> = (0..size.from).map(row).collect();
                 for f in 0..size.phi {
@@ -236,13 +238,13 @@ impl BroadTables {
         Self { size, texels, means: FibreMeans::new(fibre), eta: fibre.eta }
     }
 
-    /// Returns width and height of an image of all texels: images over θj and φ, one below the other by θo and side by
-    /// side by mean cosine.
+    /// Returns width and height of an image of all texels. It consists of images over θj and φ, arranged vertically by
+    /// θo and horizontally by mean cosine.
     pub fn edges(size: BroadSize) -> [usize; 2] {
         [size.means * size.from, size.to * size.phi]
     }
 
-    /// Returns that image, row by row.
+    /// Returns the image described at [`Self::edges`], row by row.
     pub fn picture(&self) -> Vec<[f32; 4]> {
         let BroadSize { means, to, from, phi } = self.size;
         let at = |(row, column): (usize, usize)| {
@@ -252,7 +254,7 @@ impl BroadTables {
         (0..to * phi).flat_map(|row| (0..means * from).map(move |column| (row, column))).map(at).collect()
     }
 
-    /// Returns ∫ of [`Fibre::scatter`] over the directions of the light, for each colour, from the tables.
+    /// Returns the integral of [`Fibre::scatter`] over the directions of the light, for each colour, from the tables.
     ///
     /// * `sigma`: absorption of the fibre per radius, 0 or more
     /// * `tip`, `eye`: unit vectors
@@ -290,7 +292,7 @@ impl BroadTables {
     }
 }
 
-/// Returns the mean cosine of the difference angle for light of that mean cosine about a direction.
+/// Returns the mean of cos θd for light of mean cosine `mean` about the direction `towards`.
 fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
     let (sin_i, sin_o) = (mean * tip.dot(towards), tip.dot(eye).clamp(-1.0, 1.0));
     let cos_i = (1.0 - mean_square(mean, tip.dot(towards))).max(0.0).sqrt();
@@ -298,20 +300,20 @@ fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
     (0.5 * (1.0 + cos_i * cos_o + sin_i * sin_o)).clamp(0.0, 1.0).sqrt()
 }
 
-/// Returns the mean cosine of a [`CutGaussianLight`] of that κ, 0 or more, to its axis.
+/// Returns the mean cosine of the angle between a [`CutGaussianLight`] and its axis; `sharpness` is its κ, 0 or more.
 pub fn mean_of_half(sharpness: f64) -> f64 {
     let wide = 1.0 + HORIZON_SINE;
     if sharpness < 1e-3 {
         return LEAST_MEAN + sharpness * wide * wide / 12.0;
     }
-    // Share of a whole exponential that is cut off.
+    // Share of the untruncated exponential that is cut off.
     let cut = libm::exp(-sharpness * wide);
     (1.0 + HORIZON_SINE * cut) / (1.0 - cut) - 1.0 / sharpness
 }
 
 /// Returns the κ of a [`CutGaussianLight`] with mean cosine `mean`, clamped to at least [`LEAST_MEAN`].
 pub fn sharpness_of_half(mean: f64) -> f64 {
-    // 1 − r is 1/κ for large κ, and never more than that.
+    // 1 − `mean` is at most 1/κ, and approaches it for large κ.
     let mean = mean.clamp(LEAST_MEAN, 1.0 - 1e-6);
     let (mut low, mut high) = (0.0, 1.0 / (1.0 - mean));
     for _ in 0..60 {
@@ -321,8 +323,8 @@ pub fn sharpness_of_half(mean: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Returns the azimuth from a light's axis up to which the light reaches. `from` is the latitude of the incident light
-/// and `middle` that of the axis, as sine and cosine.
+/// Returns the azimuth, relative to a light's axis, at which the light is cut off, radians. `from` is the inclination
+/// of the incident light and `middle` that of the axis, each as sine and cosine.
 fn end_of_half(from: (f64, f64), middle: (f64, f64)) -> f64 {
     let (sines, cosines) = (from.0 * middle.0 + HORIZON_SINE, from.1 * middle.1);
     if sines >= cosines {
@@ -334,9 +336,9 @@ fn end_of_half(from: (f64, f64), middle: (f64, f64)) -> f64 {
     libm::acos(-sines / cosines)
 }
 
-/// Returns exp(κ (cos φ − 1)) for φ from −`end` to `end`, and 0 beyond, as a cosine series in n φ.
+/// Returns the cosine series in n φ of a function that is exp(κ (cos φ − 1)) for φ from −`end` to `end`, and 0 beyond.
 fn cosines_until(sharpness: f64, end: f64) -> [f64; TERMS] {
-    // Parts short enough for the narrowest light and the highest cosine.
+    // Number of quadrature parts: each is short enough for the narrowest light and the highest cosine.
     const PARTS: usize = 6;
     let mut terms = [0.0; TERMS];
     let half = 0.5 * end / PARTS as f64;
@@ -354,10 +356,10 @@ fn cosines_until(sharpness: f64, end: f64) -> [f64; TERMS] {
     terms
 }
 
-/// Returns the mean squared cosine between a direction and a [`CutGaussianLight`] with mean cosine `mean`; `cosine` is
-/// that between the direction and the light's axis.
+/// Returns the mean squared cosine of the angle between a direction and a [`CutGaussianLight`] with mean cosine `mean`.
+/// `cosine` is the cosine of the angle between that direction and the light's axis.
 pub fn mean_square(mean: f64, cosine: f64) -> f64 {
-    // Half of 1 minus the mean squared cosine to the axis, within 0.002; exact at both ends.
+    // (1 − m) / 2, where m is the mean squared cosine to the axis. The error is at most 0.002, and 0 at both ends.
     let across = (1.0 - mean) * ((1.0 + 2.0 * mean) / 3.0 - (mean - LEAST_MEAN) * (0.525 - 0.501 * mean));
     across + (1.0 - 3.0 * across) * cosine * cosine
 }
@@ -367,7 +369,7 @@ fn mean_at(share: f64) -> f64 {
     1.0 - (1.0 - LEAST_MEAN) * rest * rest
 }
 
-/// Returns the position of light of that mean cosine on its axis of the tables, 0..=1.
+/// Returns the coordinate of mean cosine `mean` on its axis of the tables, 0..=1.
 pub fn mean_place(mean: f64) -> f64 {
     ((1.0 - ((1.0 - mean.clamp(LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN)).sqrt()) / LAST_MEAN).clamp(0.0, 1.0)
 }

@@ -2,8 +2,8 @@ use super::*;
 use crate::meaning::scattering::AzimuthalScattering as Section;
 use crate::meaning::scattering::gaussian_light::GaussianLight;
 
-/// Returns the relative RMS error of tables over views and lights of that sharpness. `expected` returns the reference
-/// for a fibre's number, the light's axis and the eye.
+/// Returns the relative RMS error of the tables over views and lights of one sharpness. `expected` returns the
+/// reference value for the index of a fibre, the light's axis and the eye.
 fn off(
     tables: &[BroadTables],
     sharpness: f64,
@@ -14,7 +14,7 @@ fn off(
     let (mut wrong, mut size) = (0.0, 0.0);
     for (number, tables) in tables.iter().enumerate() {
         for k in 0..samples {
-            // Views and lights between texels.
+            // Use views and lights between texels.
             let share = |step: f64| (step * (f64::from(k) + 0.5)).fract();
             let (theta_o, theta_j) = (2.6 * (share(0.754_877_67) - 0.5), 3.0 * (share(0.569_840_29) - 0.5));
             let phi = PI * share(0.819_172_5);
@@ -39,7 +39,7 @@ fn table_image_holds_all_texels() {
     let tables = BroadTables::new(&Fibre::default(), size);
     let (picture, [width, height]) = (tables.picture(), BroadTables::edges(size));
     assert_eq!((picture.len(), width, height), (size.texels(), 8, 15));
-    // The second mean cosine, the third θo, the fourth φ, the second θj.
+    // Texel with the second mean cosine, the third θo, the fourth φ and the second θj.
     let index = ((3 + 2) * 5 + 3) * 4 + 1;
     assert_eq!(picture[(2 * 5 + 3) * width + 4 + 1], tables.texels[index]);
 }
@@ -50,7 +50,7 @@ fn fibres() -> [Fibre; 2] {
     [smoother, rougher]
 }
 
-/// For a narrow light, the cutoff makes no difference.
+/// For a narrow light, the cutoff makes no difference, so the reference is the scattering of a whole Gaussian.
 #[test]
 fn broad_tables_approximate_the_exact_scattering() {
     let tables = fibres().map(|fibre| BroadTables::new(&fibre, BroadSize::default()));
@@ -76,7 +76,7 @@ fn everywhere(count: usize) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// For wide lights, the tables agree with a sum over directions.
+/// For wide lights, the tables agree with a sum over all directions above the cutoff.
 #[test]
 fn nothing_shines_from_far_below_a_light() {
     const DIRECTIONS: usize = 2500;

@@ -2,25 +2,25 @@
 
 use core::f64::consts::PI;
 
-/// Absorption per radius, red, green and blue, per unit of eumelanin: 8 is black, 1.3 brown, 0.3 blond (d'Eon 2011, as
-/// in Chiang 2016).
+/// Absorption per radius, for red, green and blue, per unit of eumelanin. Hair is black with 8 units, brown with 1.3,
+/// blond with 0.3 (d'Eon 2011, as in Chiang 2016).
 pub const EUMELANIN: [f64; 3] = [0.419, 0.697, 1.37];
-/// Absorption per radius, red, green and blue, per unit of pheomelanin, which makes hair red.
+/// Absorption per radius, for red, green and blue, per unit of pheomelanin, which makes hair red.
 pub const PHEOMELANIN: [f64; 3] = [0.187, 0.4, 1.05];
-/// Darkest colour distinguished from black; black would need infinite absorption.
+/// Darkest colour value that is distinguished from black, which would need infinite absorption.
 pub const DARKEST: f64 = 1e-3;
 
-/// Returns the absorption per radius of a fibre with those amounts of pigment.
+/// Returns the absorption per radius of a fibre that contains the given units of pigment.
 ///
 /// * `eumelanin`, `pheomelanin`: 0 or more
 pub fn of_pigments(eumelanin: f64, pheomelanin: f64) -> [f64; 3] {
     core::array::from_fn(|i| eumelanin.max(0.0) * EUMELANIN[i] + pheomelanin.max(0.0) * PHEOMELANIN[i])
 }
 
-/// Returns the absorption per radius at which deep fur has that colour under light from all sides, after scattering
+/// Returns the absorption per radius at which deep fur has colour `color` under light from all sides, after scattering
 /// between hairs (Chiang 2016, section 4.2).
 ///
-/// * `color`: linear, 0..=1; at least [`DARKEST`], below it clamped
+/// * `color`: linear, 0..=1; clamped to at least [`DARKEST`]
 /// * `around`: scale of the azimuthal logistic distribution, radians
 pub fn absorption(color: [f64; 3], around: f64) -> [f64; 3] {
     let depth = depth(around);
@@ -30,14 +30,14 @@ pub fn absorption(color: [f64; 3], around: f64) -> [f64; 3] {
     })
 }
 
-/// Returns the colour of deep fur whose fibres have that absorption per radius. Inverse of [`absorption`].
+/// Returns the colour of deep fur whose fibres have absorption `absorption` per radius. Inverse of [`absorption`].
 pub fn color(absorption: [f64; 3], around: f64) -> [f64; 3] {
     let depth = depth(around);
     absorption.map(|sigma| libm::exp(-depth * sigma.max(0.0).sqrt()))
 }
 
-/// Returns how fast deep fur darkens with the square root of the absorption per radius, as a function of azimuthal
-/// roughness: a fit of Chiang 2016.
+/// Returns the factor that relates the darkening of deep fur to the square root of the absorption per radius. It
+/// depends on the azimuthal roughness; the function is a fit of Chiang 2016.
 ///
 /// * `around`: scale of the azimuthal logistic distribution, radians
 pub fn depth(around: f64) -> f64 {
@@ -45,7 +45,8 @@ pub fn depth(around: f64) -> f64 {
     5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))))
 }
 
-/// Returns the scale of the logistic distribution for a perceptually uniform roughness, 0..=1 (Chiang 2016, eq. 8).
+/// Returns the scale of the logistic distribution, radians, for a perceptually uniform roughness, 0..=1 (Chiang 2016,
+/// eq. 8).
 pub fn scale_of(roughness: f64) -> f64 {
     let b = roughness.clamp(0.0, 1.0);
     libm::sqrt(PI / 8.0) * (0.265 * b + 1.194 * b * b + 5.372 * libm::pow(b, 22.0))
@@ -62,7 +63,7 @@ pub fn roughness_along(deviation: f64) -> f64 {
     inverse(|b| 0.726 * b + 0.812 * b * b + 3.7 * libm::pow(b, 20.0), deviation)
 }
 
-/// Returns the argument in 0..=1 at which an increasing function has that value.
+/// Returns the argument in 0..=1 at which the increasing function `of` has the value `value`.
 fn inverse(of: impl Fn(f64) -> f64, value: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..50 {

@@ -1,9 +1,9 @@
 //! Scattering of a light that is a spherical Gaussian about a direction (after Xu 2011); a sky is a sum of such lights.
 //!
-//! A spherical Gaussian is exactly a Gaussian of θ times one of φ. Around the fibre, both it and the light of each path
-//! are cosine series in n φ, whose products are integrated in closed form. The paper fits the paths by Gaussians
-//! instead, which fails where glints meet (η′ near 2). Along the fibre, a 24-point quadrature covers the overlap of
-//! lobe and light.
+//! A spherical Gaussian is exactly a Gaussian of θ times one of φ. Around the fibre, the light and each path are cosine
+//! series in n φ, and their products are integrated in closed form. The paper fits the paths by Gaussians instead,
+//! which fails where glints meet (η′ near 2). Along the fibre, a 24-point quadrature covers the overlap of lobe and
+//! light.
 
 use super::azimuthal::{legendre, logistic};
 use super::longitudinal::{Spread, i0e};
@@ -27,7 +27,7 @@ impl GaussianLight {
         libm::exp(self.sharpness * (from.dot(self.towards) - 1.0))
     }
 
-    /// Returns ∫ of the radiance over all directions.
+    /// Returns the integral of the radiance over all directions.
     pub fn whole(&self) -> f64 {
         let k = self.sharpness;
         if k < 1e-9 { 2.0 * TAU } else { TAU * -libm::expm1(-2.0 * k) / k }
@@ -36,14 +36,14 @@ impl GaussianLight {
 
 /// Number of terms of the cosine series: enough for lights and glints of 8 degrees or more.
 pub(super) const TERMS: usize = 49;
-/// Half-width of the overlap of lobe and light that is integrated, standard deviations.
+/// Half-width of the range of integration over the overlap of lobe and light, standard deviations.
 const REACH: f64 = 5.0;
 
-/// Fibre prepared for Gaussian lights.
+/// Fibre with the data precomputed for Gaussian lights.
 #[derive(Clone, Debug)]
 pub struct BroadlyLitFibre {
     fibre: Fibre,
-    /// Factor on each term due to azimuthal roughness.
+    /// Factor on each term of a cosine series due to azimuthal roughness.
     rough: [f64; TERMS],
 }
 
@@ -62,14 +62,15 @@ impl BroadlyLitFibre {
         &self.fibre
     }
 
-    /// Returns the factor on term `n` due to roughness, for a bundle of azimuthal width `width`.
+    /// Returns the factor on term `n` of a cosine series due to roughness, for a bundle with azimuthal standard
+    /// deviation `width`, radians.
     pub(super) fn kept(&self, n: usize, width: f64) -> f64 {
         let around = n as f64 * width;
         self.rough[n] * if width > 0.0 { libm::exp(-0.5 * around * around) } else { 1.0 }
     }
 
-    /// Returns ∫ of [`Fibre::scatter`] over the directions of the light, for each colour: the light that the fibre
-    /// sends to the eye.
+    /// Returns the integral of [`Fibre::scatter`] over the directions of the light, for each colour: the light that the
+    /// fibre sends to the eye.
     ///
     /// * `sigma`: absorption of the fibre per radius, 0 or more
     /// * `tip`, `eye`: unit vectors
@@ -99,13 +100,14 @@ impl BroadlyLitFibre {
         sum
     }
 
-    /// Returns ∫ of path `p` around the fibre times exp(κ (cos(φ − δ) − 1)).
+    /// Returns the integral, over the azimuth φ, of the light of path `p` times exp(κ (cos(φ − δ) − 1)), where κ is
+    /// `sharpness` and δ is `delta`.
     fn around(&self, section: &FibreSection, p: usize, sigma: [f64; 3], sharpness: f64, delta: f64) -> [f64; 3] {
         let light = cosines_of_gaussian(sharpness, delta);
         if p == 3 {
             return sigma.map(|sigma| TAU * light[0] * section.rest(sigma));
         }
-        // Light that leaves at φ is weighted by cos(n φ) of both series.
+        // A bundle that leaves at azimuth φ contributes its light times the light's series at φ.
         let mut sum = [0.0; 3];
         section.for_each_bundle(p as u32, &mut |phi, width, way| {
             let mut met = 0.0;
@@ -123,8 +125,8 @@ impl BroadlyLitFibre {
     }
 }
 
-/// Returns the range of light angles in which a lobe and the light about `theta_j` overlap: both are nearly Gaussian,
-/// and so is their product.
+/// Returns the range of light inclinations, radians, in which a lobe and the light about `theta_j` overlap. Both are
+/// nearly Gaussian, and so is their product.
 pub(super) fn window(spread: &Spread, theta_j: f64, theta_o: f64, sharpness: f64) -> (f64, f64) {
     let lobe = 1.0 / spread.variance();
     let whole = lobe + sharpness;
@@ -134,9 +136,9 @@ pub(super) fn window(spread: &Spread, theta_j: f64, theta_o: f64, sharpness: f64
     (within(middle - reach), within(middle + reach))
 }
 
-/// Returns ∫ of the logistic distribution of that scale times cos(n x).
+/// Returns the integral of the logistic distribution of scale `scale` times cos(n x).
 fn cosine_of_logistic(scale: f64, n: usize) -> f64 {
-    // Half of the integral, in parts as wide as the scale or narrow enough for the cosine.
+    // Integrate one half, in parts about as wide as the scale but narrow enough for the cosine.
     let parts = libm::ceil(PI / scale.min(1.0)).clamp(4.0, 400.0) as usize;
     let half = 0.5 * PI / parts as f64;
     let of_part = |k: usize| {
@@ -149,8 +151,8 @@ fn cosine_of_logistic(scale: f64, n: usize) -> f64 {
     2.0 * (0..parts).map(of_part).sum::<f64>()
 }
 
-/// Returns exp(κ (cos(φ − δ) − 1)) over φ as a cosine series in n φ, for integrands even in φ: exp(−κ) times I₀(κ), and
-/// 2 I_n(κ) cos(n δ).
+/// Returns exp(κ (cos(φ − δ) − 1)) as a cosine series in n φ, for integrands that are even in φ. Its terms are exp(−κ)
+/// I₀(κ) and 2 exp(−κ) I_n(κ) cos(n δ).
 pub(super) fn cosines_of_gaussian(sharpness: f64, delta: f64) -> [f64; TERMS] {
     let mut terms = [0.0; TERMS];
     // Ratios of neighbouring Bessel functions, by downward recurrence from an order where they are negligible.

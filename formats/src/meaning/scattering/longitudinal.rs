@@ -1,32 +1,32 @@
-//! Scattering along a fibre, about the cone to which a smooth fibre would confine light.
+//! Longitudinal scattering: the distribution of light about the cone to which a smooth fibre would confine it.
 
 use core::f64::consts::PI;
 
 /// Shift and width of a path's longitudinal lobe, as in Marschner 2003.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Shift of the lobe by the tilt of the scales, radians of the half angle.
+    /// Shift of the lobe due to the tilt of the cuticle scales, in radians of the half angle.
     pub shift: f64,
     /// Standard deviation, radians of the half angle, above 0.
     pub width: f64,
 }
 
-/// Returns the density of a normal distribution.
+/// Returns the density at `x` of the normal distribution with mean 0 and standard deviation `width`.
 pub fn gaussian(width: f64, x: f64) -> f64 {
     libm::exp(-0.5 * (x / width) * (x / width)) / (width * libm::sqrt(2.0 * PI))
 }
 
 impl Spread {
-    /// Returns Marschner's lobe: a Gaussian of the half angle, halved because the outgoing angle moves twice as far as
-    /// the half angle. As published, a fibre without absorption would return twice the light.
+    /// Returns Marschner's lobe: a Gaussian of the half angle, halved because the outgoing angle changes twice as much
+    /// as the half angle. As published, without this halving, a fibre without absorption would return twice the light.
     pub fn by_half_angle(&self, theta_i: f64, theta_o: f64) -> f64 {
         0.5 * gaussian(self.width, 0.5 * (theta_i + theta_o) - self.shift)
     }
 
     /// Returns d'Eon's lobe, which conserves energy: ∫ M cos θi dθi = 1 for every θo, so that a fibre without
-    /// absorption is as bright as its uniform surroundings. The tilt turns the outgoing cone.
+    /// absorption is as bright as its uniform surroundings. The tilt rotates the outgoing cone.
     ///
-    /// * sines and cosines of both angles, from the plane across the fibre
+    /// * arguments: sine and cosine of θi and of θo, the inclinations to the normal plane of the fibre
     pub fn conserving(&self, (sin_i, cos_i): (f64, f64), (sin_o, cos_o): (f64, f64)) -> f64 {
         let (sin_o, cos_o) = self.tilted((sin_o, cos_o));
         let v = self.variance();
@@ -36,7 +36,8 @@ impl Spread {
 }
 
 impl Spread {
-    /// Returns the outgoing direction turned by the tilt: a tilt of the half angle by α turns it by 2 α.
+    /// Returns sine and cosine of the outgoing inclination, rotated by the tilt. A tilt of the half angle by α rotates
+    /// it by 2 α.
     pub fn tilted(&self, (sin_o, cos_o): (f64, f64)) -> (f64, f64) {
         let (sin, cos) = (libm::sin(2.0 * self.shift), libm::cos(2.0 * self.shift));
         (sin_o * cos - cos_o * sin, (cos_o * cos + sin_o * sin).abs())

@@ -7,29 +7,29 @@ use core::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Absorption per radius at which mean lengths are exact.
+/// Absorption per radius at which mean path lengths are exact.
 pub const REFERENCE_SIGMA: f64 = 0.5;
-/// Number of angles of the fit, and of azimuths for each.
+/// Numbers of inclinations in the fit, and of azimuths for each inclination.
 const ROWS: usize = 24;
 const PHIS: usize = 48;
 
 /// Properties of a fibre that need no table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FibreMeans {
-    /// Mean squared offset, over the squared radius, at which internally reflected light meets the fibre, 0..=1. The
-    /// length of each crossing follows from it ([`FibreMeans::left`]). Light reflected once inside (TRT) crosses twice;
-    /// all further light is assumed to cross three times. The length of transmitted light (TT) is in the tables, by
-    /// azimuth.
+    /// Mean squared offset from the axis, in squared radii, at which internally reflected light enters the fibre,
+    /// 0..=1. It determines the length of each crossing ([`FibreMeans::transmittance`]). Light reflected once inside
+    /// (TRT) crosses twice; all further light is assumed to cross three times. The length of transmitted light (TT) is
+    /// in the tables, by azimuth.
     pub aside: f32,
     /// Share of light that continues on the far side of the fibre, without absorption, for R, TT, TRT and all further
-    /// light. Coefficients of 1, (1 − cos θ)² and (1 − cos θ)⁴, where θ is the light's angle to the plane across the
-    /// fibre.
+    /// light. Each row holds the coefficients of one basis function: 1, (1 − cos θ)² and (1 − cos θ)⁴, where θ is the
+    /// light's inclination to the normal plane.
     pub on: [[f32; PATHS]; 3],
-    /// Share of light that returns on the near side, in the same form.
+    /// Share of light that returns on the near side, in the same form as `on`.
     pub back: [[f32; PATHS]; 3],
 }
 
-/// Returns the squares of 1 / cos θt and of 1 / η′ for light at an angle of that cosine to the plane across the fibre.
+/// Returns 1 / cos² θt and 1 / η′² for light whose inclination to the normal plane has the cosine `cos_theta`.
 fn bent(cos_theta: f64, eta: f64) -> [f64; 2] {
     let cos = cos_theta.max(LEAST_COS_D);
     let (square, per_eta) = (cos * cos, 1.0 / (eta * eta));
@@ -37,14 +37,15 @@ fn bent(cos_theta: f64, eta: f64) -> [f64; 2] {
     [slant, square * per_eta * slant]
 }
 
-/// Returns 1, (1 − cos θ)² and its square.
+/// Returns the basis functions of the fit: 1, (1 − cos θ)² and (1 − cos θ)⁴.
 fn basis(cos_theta: f64) -> DVec3 {
     let u = 1.0 - cos_theta.max(LEAST_COS_D);
     DVec3::new(1.0, u * u, u * u * u * u)
 }
 
 impl FibreMeans {
-    /// Returns the share of light reflected inside more than once, among all internally reflected light that leaves.
+    /// Returns the share of light reflected inside more than once, relative to all internally reflected light that
+    /// leaves.
     pub fn multiple_reflection_share(&self) -> f64 {
         let of = |path: usize| f64::from(self.on[0][path] + self.back[0][path]);
         of(3) / (of(2) + of(3)).max(1e-6)
@@ -53,7 +54,7 @@ impl FibreMeans {
     /// Fits the properties of a fibre by least squares. Without absorption the shares sum to 1.
     pub fn new(fibre: &Fibre) -> Self {
         let phis: Vec<f64> = (0..PHIS).map(|i| PI * i as f64 / (PHIS - 1) as f64).collect();
-        // For TRT: sum of squared entry offsets weighted by light, and sum of light.
+        // For TRT: the sum of squared entry offsets, weighted by light, and the sum of light.
         let (mut asides, mut light) = (0.0, 0.0);
         let mut matrix = DMat3::ZERO;
         let mut sums = [[DVec3::ZERO; PATHS]; 2];
@@ -68,7 +69,7 @@ impl FibreMeans {
                 if p == 2 {
                     for way in ways {
                         let [slant, per_across] = bent(cos, fibre.eta);
-                        // Weight for the solid angle: few directions are along the fibre.
+                        // Weight by solid angle, because few directions are along the fibre.
                         let weight = way.light * cos;
                         asides += weight * (1.0 - way.length * way.length / (16.0 * slant)) / per_across;
                         light += weight;
@@ -85,7 +86,7 @@ impl FibreMeans {
                 *sum += at * (share / all);
             }
         }
-        // All shares use one basis with a constant term, so the fit preserves their sum of 1.
+        // All shares use the same basis, which contains a constant, so the fit preserves their sum of 1.
         let solved = sums.map(|of| of.map(|sum| matrix.inverse() * sum));
         let numbers = |of: [DVec3; PATHS]| from_fn(|k| from_fn(|p| of[p][k] as f32));
         Self {
@@ -95,15 +96,15 @@ impl FibreMeans {
         }
     }
 
-    /// Returns the share of light that remains after one crossing of a fibre that absorbs `sigma` per radius, at that
-    /// cosine of θd.
+    /// Returns the share of light that remains after one crossing of a fibre that absorbs `sigma` per radius; `cos_d`
+    /// is cos θd.
     pub fn transmittance(&self, cos_d: f64, eta: f64, sigma: f64) -> f64 {
         let [slant, per_across] = bent(cos_d, eta);
         libm::exp(-2.0 * sigma * (slant * (1.0 - f64::from(self.aside) * per_across)).sqrt())
     }
 
-    /// Returns the share of light that continues and the share that returns. The light has an angle of that cosine to
-    /// the plane across the fibre, and `sigma` is the absorption per radius.
+    /// Returns the share of light that continues and the share that returns, for each colour. `cos_theta` is the cosine
+    /// of the light's inclination to the normal plane; `sigma` is the absorption per radius.
     pub fn sides(&self, cos_theta: f64, eta: f64, sigma: [f64; 3]) -> [[f64; 3]; 2] {
         let at = basis(cos_theta);
         [&self.on, &self.back].map(|of| {
@@ -115,7 +116,7 @@ impl FibreMeans {
         })
     }
 
-    /// Returns an error message if a value is outside the range of any fibre.
+    /// Returns an error message if a value is out of its valid range.
     pub fn fault(&self) -> Option<String> {
         if !(0.0..=1.0).contains(&self.aside) {
             return Some(format!("aside is {}, expected 0 to 1", self.aside));
@@ -127,8 +128,8 @@ impl FibreMeans {
     }
 }
 
-/// Returns the integrals of an even function of φ over the half turn about φ = 0 and over the other half. `values` are
-/// evenly spaced from 0 to π.
+/// Returns the integrals of an even function of φ over the half turn centred at φ = 0, and over the opposite half.
+/// `values` are samples at evenly spaced φ from 0 to π.
 fn halves(values: &[f64]) -> [f64; 2] {
     let step = PI / (values.len() - 1) as f64;
     let at = |phi: f64| {
@@ -136,7 +137,7 @@ fn halves(values: &[f64]) -> [f64; 2] {
         let below = (place as usize).min(values.len() - 2);
         values[below] + (values[below + 1] - values[below]) * (place - below as f64)
     };
-    // Trapezoidal rule over both quarters, with as many intervals as there are values.
+    // Use the trapezoidal rule over both quarter turns, with as many intervals as there are values.
     let pieces = values.len();
     let quarter = |from: f64| {
         let width = 0.5 * PI / pieces as f64;

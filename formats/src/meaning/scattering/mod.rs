@@ -1,12 +1,12 @@
 //! Light scattering of a fibre (Marschner 2003; d'Eon 2011; Chiang 2016; broad lights Xu 2011): reflected at its
 //! surface (R), transmitted (TT), and reflected once inside (TRT).
 //!
-//! Angles: θ is measured from the plane across the fibre, towards its tip, −π/2..=π/2. φ is measured around the fibre,
-//! from incident to outgoing light; 0 is straight back. Both directions point away from the fibre. θd = (θo − θi) / 2.
-//! Lengths within the fibre are in radii; its absorption σ is per radius, for each colour.
+//! Angles: θ is the inclination to the normal plane of the fibre, positive towards its tip, −π/2..=π/2. φ is the
+//! azimuth around the fibre, from incident to outgoing light; 0 is straight back. Both directions point away from the
+//! fibre. θd = (θo − θi) / 2. Lengths within the fibre are in radii; its absorption σ is per radius, for each colour.
 //!
-//! All computations are in f64, because tables are derived from them and the reference renderer uses them. A frame uses
-//! lookup tables.
+//! All computations are in f64, because tables are derived from them and the reference renderer uses them. The
+//! runtime's frames use lookup tables instead.
 
 pub mod azimuthal;
 pub mod broad;
@@ -24,10 +24,10 @@ use glam::DVec3;
 use longitudinal::Spread;
 use optics::Section;
 
-/// Number of paths: R, TT, TRT, and all light reflected inside more than once, which leaves evenly in azimuth.
+/// Number of paths: R, TT, TRT, and all light reflected inside more than once, which leaves uniformly in azimuth.
 pub const PATHS: usize = 4;
 
-/// Fibre without colour.
+/// Optical properties of a fibre except for its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fibre {
     /// Index of refraction, 1.2 to 2; 1.55 for hair.
@@ -35,7 +35,8 @@ pub struct Fibre {
     /// Standard deviation of the reflected lobe along the fibre, radians of the half angle (5 to 10 degrees for smooth
     /// hair). Transmitted light spreads half as far, internally reflected light twice as far.
     pub along: f64,
-    /// Tilt of the reflected lobe by the scales, radians of the half angle, towards the root (5 to 10 degrees).
+    /// Tilt of the reflected lobe due to the cuticle scales, radians of the half angle, towards the root (5 to 10
+    /// degrees).
     pub tilt: f64,
     /// Azimuthal scattering.
     pub around: AzimuthalScattering,
@@ -46,9 +47,9 @@ pub struct Fibre {
 /// Azimuthal scattering of a fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AzimuthalScattering {
-    /// Smooth fibre, whose caustics have that shape.
+    /// Smooth fibre, whose caustics are replaced by glints of this shape.
     Smooth(GlintShape),
-    /// Rough fibre: each contribution is spread by a logistic distribution of that scale, radians.
+    /// Rough fibre, in which each contribution is spread by a logistic distribution of this scale, radians.
     Rough(f64),
 }
 
@@ -57,12 +58,12 @@ pub enum AzimuthalScattering {
 pub enum LobeShape {
     /// Energy-conserving lobes ([`Spread::conserving`]).
     Energy,
-    /// Marschner's lobes, in which eye and light source can be exchanged ([`Spread::by_half_angle`]).
+    /// Marschner's lobes, which are reciprocal: eye and light source can be exchanged ([`Spread::by_half_angle`]).
     Reciprocity,
 }
 
 impl Default for Fibre {
-    /// Returns human hair.
+    /// Returns the fibre of human hair.
     fn default() -> Self {
         Self {
             eta: 1.55,
@@ -85,11 +86,11 @@ pub struct Angles {
     pub phi: f64,
 }
 
-/// Squared product of the components across the fibre, below which a direction is along the fibre and has no azimuth.
+/// Squared product of the components normal to the fibre below which a direction is along the fibre and has no azimuth.
 const ALONG: f64 = 1e-12;
 
 impl Angles {
-    /// Returns the angles for three unit vectors: along the fibre towards its tip, towards the light, and towards the
+    /// Computes the angles from three unit vectors: along the fibre towards its tip, towards the light, and towards the
     /// eye.
     pub fn between(tip: DVec3, light: DVec3, eye: DVec3) -> Self {
         let split = |way: DVec3| {
@@ -114,14 +115,14 @@ impl Angles {
 }
 
 impl Fibre {
-    /// Returns the lobe of path `p` along the fibre.
+    /// Returns the longitudinal lobe of path `p`.
     pub fn spread(&self, p: u32) -> Spread {
         let (shift, width) = [(-1.0, 1.0), (0.5, 0.5), (1.5, 2.0), (0.0, 2.0)][p.min(3) as usize];
         Spread { shift: shift * self.tilt, width: width * self.along }
     }
 
     /// Returns the longitudinal factor of each path: the share of light from θi that leaves at θo. Multiplied by the
-    /// contributions of [`FibreSection::contributions`], it is the scattered light times cos θi.
+    /// contributions of [`FibreSection::contributions`], it gives the scattered light times cos θi.
     pub fn along(&self, angles: &Angles) -> [f64; PATHS] {
         from_fn(|p| self.path_along(p as u32, angles))
     }
@@ -139,7 +140,7 @@ impl Fibre {
         }
     }
 
-    /// Returns the cross-section for a difference angle of that cosine, which all azimuths share.
+    /// Returns the cross-section for the difference angle with cosine `cos_d`, which is the same at all azimuths.
     pub fn section(&self, cos_d: f64) -> FibreSection {
         let section = Section::new(self.eta, cos_d);
         let glints = match &self.around {
@@ -153,9 +154,9 @@ impl Fibre {
         }
     }
 
-    /// Returns the light scattered from one direction into the other, times cos θi, for each colour. Multiplied by the
-    /// fibre's diameter, the incident light and its solid angle, it is the light that a fibre adds to a line of that
-    /// width.
+    /// Returns the light scattered from the incident into the outgoing direction, times cos θi, for each colour.
+    /// Multiplied by the fibre's diameter, the incident radiance and its solid angle, it gives the radiance that a
+    /// fibre adds, integrated over its width.
     ///
     /// * `sigma`: absorption of the fibre per radius, 0 or more
     pub fn scatter(&self, sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
@@ -193,8 +194,8 @@ impl FibreSection {
         }
     }
 
-    /// Divides path `p` into bundles. Calls `each` with the exit azimuth, the standard deviation of the spread besides
-    /// roughness, and the contribution of each.
+    /// Divides path `p` into bundles of rays. For each bundle, calls `each` with the exit azimuth, the standard
+    /// deviation of its spread besides roughness, radians, and its contribution.
     pub fn for_each_bundle(&self, p: u32, each: &mut dyn FnMut(f64, f64, PathContribution)) {
         let section = &self.section;
         let glints = self.glints.as_ref().filter(|_| p == 2);
@@ -209,7 +210,7 @@ impl FibreSection {
         }
     }
 
-    /// Returns the light per radian reflected inside more than once, for an absorption of `sigma` per radius.
+    /// Returns the light per radian that is reflected inside more than once, if the fibre absorbs `sigma` per radius.
     pub fn rest(&self, sigma: f64) -> f64 {
         let section = &self.section;
         let left = azimuthal::over_section(|gamma| {
@@ -219,8 +220,8 @@ impl FibreSection {
         0.5 * left / core::f64::consts::TAU
     }
 
-    /// Returns the light per radian reflected inside more than once, without absorption, with its effective path length
-    /// at absorption `sigma`.
+    /// Returns the light per radian that is reflected inside more than once, without absorption. Its path length is the
+    /// effective length at absorption `sigma`.
     pub fn mean_rest(&self, sigma: f64) -> PathContribution {
         mean_of(self.rest(0.0), self.rest(sigma), sigma)
     }
@@ -243,8 +244,8 @@ impl FibreSection {
         phis.iter().map(mean).collect()
     }
 
-    /// Returns the total light of path `p` towards azimuth `phi`, without absorption, with its effective path length at
-    /// absorption `sigma`.
+    /// Returns the total light of path `p` towards azimuth `phi`, without absorption. Its path length is the effective
+    /// length at absorption `sigma`.
     pub fn mean_contribution(&self, p: u32, phi: f64, sigma: f64) -> PathContribution {
         let (mut light, mut left) = (0.0, 0.0);
         self.contributions(p, phi, &mut |way| {
@@ -255,7 +256,8 @@ impl FibreSection {
     }
 }
 
-/// Returns the single contribution with the same light, and the same remaining light.
+/// Returns the single contribution that has the given light without absorption, and the light `left` at absorption
+/// `sigma`.
 fn mean_of(light: f64, left: f64, sigma: f64) -> PathContribution {
     if light <= 0.0 || left <= 0.0 {
         return PathContribution::default();

@@ -1,8 +1,9 @@
-//! Fibre at close range: light meets it at an offset from its axis, as in path tracing (Chiang 2016, also in the
+//! Fibre at close range: light meets it at a known offset from its axis, as in path tracing (Chiang 2016, also in the
 //! renderers pbrt and Mitsuba).
 //!
-//! Averaged over all offsets it equals the distant fibre, except that the cross-section is that of the eye's angle θo
-//! instead of θd. On the cone of a smooth fibre both agree; with θo no light is lost or gained at any angle.
+//! Averaged over all offsets, the result equals that of the distant fibre, except for the angle of the cross-section:
+//! the eye's angle θo instead of θd. On the cone of a smooth fibre, both angles agree. With θo, no light is lost or
+//! gained at any angle.
 
 use super::azimuthal::{logistic, wrapped};
 use super::optics::Section;
@@ -31,7 +32,7 @@ pub struct SampledDirection {
     pub from: (f64, f64),
     /// Azimuth of the light, relative to the eye.
     pub phi: f64,
-    /// Light scattered from there, times cos θi, over the probability density of the sample.
+    /// Light scattered from the sampled direction, times cos θi, divided by the probability density of the sample.
     pub weight: [f64; 3],
 }
 
@@ -39,7 +40,7 @@ impl<'a> FibreHit<'a> {
     /// Creates an intersection with a fibre of azimuthal roughness `scale`, radians.
     ///
     /// * `sigma`: absorption per radius, 0 or more
-    /// * `offset`: distance from the axis over the radius, −1..=1, towards increasing azimuths
+    /// * `offset`: distance from the axis divided by the radius, −1..=1, positive towards increasing azimuths
     /// * `to`: sine and cosine of θo
     pub fn new(fibre: &'a Fibre, scale: f64, sigma: [f64; 3], offset: f64, to: (f64, f64)) -> Self {
         let section = Section::new(fibre.eta, to.1);
@@ -59,14 +60,15 @@ impl<'a> FibreHit<'a> {
         Self { fibre, scale, to, ends, shares, chances: sums.map(|sum| sum / whole) }
     }
 
-    /// Returns the density of path `p` over directions: about its cone and its exit azimuth.
+    /// Returns the density of path `p` over directions of light: its lobe about the cone, times its distribution about
+    /// the exit azimuth.
     fn spread(&self, p: usize, from: (f64, f64), phi: f64) -> f64 {
         let along = self.fibre.spread(p as u32).conserving(from, self.to);
         along * self.ends.get(p).map_or(1.0 / TAU, |end| logistic(self.scale, wrapped(phi - end)))
     }
 
-    /// Returns the light scattered towards the eye from a direction, times cos θi, for each colour, and the probability
-    /// density of sampling that direction, per steradian.
+    /// Returns the light scattered towards the eye from a direction, times cos θi, for each colour. Also returns the
+    /// probability density of sampling that direction, per steradian.
     pub fn value(&self, from: (f64, f64), phi: f64) -> ([f64; 3], f64) {
         let (mut sum, mut chance) = ([0.0; 3], 0.0);
         for p in 0..PATHS {
@@ -89,7 +91,7 @@ impl<'a> FibreHit<'a> {
         let spread = self.fibre.spread(p as u32);
         let (sin_o, cos_o) = spread.tilted(self.to);
         let v = spread.variance();
-        // d'Eon's lobe is a distribution about a direction, as a function of the height alone.
+        // d'Eon's lobe is a distribution about a direction, and depends only on the cosine to it.
         let height = height.max(1e-300);
         let cos = 1.0 + v * libm::log(height + (1.0 - height) * libm::exp(-2.0 / v));
         let sin = (1.0 - cos * cos).max(0.0).sqrt();

@@ -1,7 +1,7 @@
 //! Optics of a smooth dielectric cylinder: refraction, reflection and absorption (Marschner 2003, section 4).
 
-/// Minimum cosine of the difference angle; light closer to the fibre's direction is treated as at this angle. The lobes
-/// divide by the square of the cosine.
+/// Minimum cosine of the difference angle, by whose square the lobes divide. Light closer to the fibre's direction is
+/// treated as at this angle.
 pub const LEAST_COS_D: f64 = 0.1;
 
 /// Cross-section of a fibre for light at one difference angle.
@@ -11,26 +11,26 @@ pub struct Section {
     pub eta: f64,
     /// Cosine of the difference angle θd, [`LEAST_COS_D`]..=1.
     pub cos_d: f64,
-    /// Effective index of refraction in the plane across the fibre: η′ = √(η² − sin²θd) / cos θd.
+    /// Effective index of refraction in the normal plane of the fibre: η′ = √(η² − sin²θd) / cos θd.
     pub across: f64,
-    /// Cosine of the angle within the fibre, from the plane across it.
+    /// Cosine of the refracted inclination θt: angle inside the fibre between ray and normal plane.
     pub cos_t: f64,
 }
 
 impl Section {
-    /// Creates the cross-section of a fibre of index `eta`, above 1, for light at a difference angle of that cosine,
-    /// clamped to at least [`LEAST_COS_D`].
+    /// Creates the cross-section of a fibre of refractive index `eta`, above 1, for light at the difference angle with
+    /// cosine `cos_d`, clamped to at least [`LEAST_COS_D`].
     pub fn new(eta: f64, cos_d: f64) -> Self {
         let cos_d = cos_d.clamp(LEAST_COS_D, 1.0);
         let under = (eta * eta - (1.0 - cos_d * cos_d)).max(0.0).sqrt();
         Self { eta, cos_d, across: under / cos_d, cos_t: under / eta }
     }
 
-    /// Returns the reflectance for unpolarised light, 0..=1. `cos_gamma` is the cosine of its angle in the plane across
-    /// the fibre. Light from inside is reflected by the same share.
+    /// Returns the reflectance for unpolarised light, 0..=1. `cos_gamma` is the cosine of the angle of incidence in the
+    /// normal plane of the fibre. Light from inside has the same reflectance.
     pub fn fresnel(&self, cos_gamma: f64) -> f64 {
-        // Use the angle in space. With the angle in the plane, the component polarised along it would need a different
-        // refraction angle for its other index.
+        // Use the angle in space. With the angle in the normal plane, the component polarised along it would need
+        // another index, and so another angle of refraction.
         let c = self.cos_d * cos_gamma;
         let t = (1.0 - (1.0 - c * c) / (self.eta * self.eta)).max(0.0).sqrt();
         let of = |a: f64, b: f64| if a + b > 0.0 { (a - b) / (a + b) } else { 1.0 };
@@ -38,23 +38,24 @@ impl Section {
         0.5 * (s * s + p * p)
     }
 
-    /// Returns sine and cosine of the refracted angle for that sine in the plane across the fibre.
+    /// Returns sine and cosine of the angle of refraction in the normal plane; `sin_gamma` is the sine of the angle of
+    /// incidence there.
     pub fn refracted(&self, sin_gamma: f64) -> (f64, f64) {
         let sin = (sin_gamma / self.across).clamp(-1.0, 1.0);
         (sin, (1.0 - sin * sin).max(0.0).sqrt())
     }
 
-    /// Returns the path length through the fibre from wall to wall, over its radius.
+    /// Returns the path length of one crossing of the fibre, in radii.
     pub fn chord(&self, sin_gamma: f64) -> f64 {
         2.0 * self.refracted(sin_gamma).1 / self.cos_t
     }
 
     /// Returns the share of the light that leaves after two or more internal reflections. `reflected` is the
-    /// reflectance, `through` the share that remains after a crossing.
+    /// reflectance; `through` is the share of light that remains after a crossing.
     pub fn rest(&self, reflected: f64, through: f64) -> f64 {
         let within = (1.0 - reflected) * (1.0 - reflected);
         let again = reflected * through;
-        // At grazing incidence nothing enters.
+        // At grazing incidence, no light enters.
         if again >= 1.0 { 0.0 } else { within * reflected * reflected * through * through * through / (1.0 - again) }
     }
 

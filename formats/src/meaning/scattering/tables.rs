@@ -1,8 +1,9 @@
 //! Lookup tables of the scattering along and around a fibre (after Nguyen and Donnelly 2005, with other axes).
 //!
-//! - Along the fibre, lobes are narrow about sin θh = 0 and change slowly with tan(θd / 2). These are the axes; the
-//!   first is stretched about its middle.
-//! - Around the fibre the axes are cos θd and φ / π. The paper uses cos φ, which has almost no texels where glints are.
+//! - Along the fibre, the axes are sin θh and tan(θd / 2). Lobes are narrow about sin θh = 0 and change slowly with
+//!   tan(θd / 2), so the first axis is stretched about its middle.
+//! - Around the fibre, the axes are cos θd and φ / π. The paper uses cos φ, which has almost no texels where glints
+//!   are.
 //! - Colour is not part of the tables: the light of a path is stored with its length in the fibre, to which absorption
 //!   is applied. One table serves all colours.
 //! - Values that hardly depend on the azimuth, or not at all, need no table: [`FibreMeans`].
@@ -14,7 +15,7 @@ use super::{Angles, Fibre, PATHS};
 use core::array::from_fn;
 use core::f64::consts::PI;
 
-/// Weight of the linear part of [`stretched`]; the middle of the axis is stretched by its reciprocal.
+/// Weight of the linear term of [`stretched`]. The middle of the axis is stretched by its reciprocal.
 const DRAWN_OUT: f64 = 0.3;
 
 /// Tables of a fibre.
@@ -24,18 +25,18 @@ pub struct ScatteringTables {
     pub size: usize,
     /// Index of refraction.
     pub eta: f64,
-    /// Longitudinal factors of the paths, times cos θi. Rows go from tan(θd / 2) = −1 to 1, columns by [`stretched`] of
-    /// sin θh from −1 to 1. The last component is that of all light reflected inside more than once, times its light
-    /// per radian, which is the same at every azimuth.
+    /// Longitudinal factors of the paths, times cos θi. Rows run over tan(θd / 2) from −1 to 1, columns over
+    /// [`stretched`] of sin θh from −1 to 1. The last component is for all light reflected inside more than once; it is
+    /// multiplied by its light per radian, which is the same at every azimuth.
     pub along: Vec<[f32; PATHS]>,
-    /// Light per radian of R, TT and TRT, and path length of TT in the fibre, radii. Rows go from cos θd =
-    /// [`LEAST_COS_D`] to 1, columns by φ / π from 0 to 1.
+    /// Light per radian of R, TT and TRT, and path length of TT in the fibre, in radii. Rows run over cos θd from
+    /// [`LEAST_COS_D`] to 1, columns over φ / π from 0 to 1.
     pub around: Vec<[f32; PATHS]>,
     /// Properties that need no table.
     pub means: FibreMeans,
 }
 
-/// Returns the position of sin θh on its stretched axis, −1..=1.
+/// Returns the coordinate of sin θh on the stretched axis, −1..=1.
 pub fn stretched(sin_h: f64) -> f64 {
     sin_h / (DRAWN_OUT + (1.0 - DRAWN_OUT) * sin_h.abs())
 }
@@ -73,8 +74,8 @@ impl ScatteringTables {
             let rest = fibre.section(libm::cos(d)).rest(0.0);
             for i in 0..size {
                 let h = libm::asin(drawn_in(2.0 * share(i) - 1.0).clamp(-1.0, 1.0));
-                // Beyond a quarter turn the angles are not directions: the lobe is extended evenly for interpolation
-                // between texels.
+                // Angles beyond a quarter turn are not directions. Clamping them extends the lobe evenly, for
+                // interpolation between texels.
                 let [from, to] = [h - d, h + d].map(|theta| theta.clamp(-0.5 * PI, 0.5 * PI));
                 let of = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
                 let angles = Angles { from: of(from), to: of(to), phi: 0.0 };
@@ -92,26 +93,27 @@ impl ScatteringTables {
         Self { size, eta: fibre.eta, along, around, means: FibreMeans::new(fibre) }
     }
 
-    /// Returns the position of two directions in the table along the fibre.
+    /// Returns the coordinates, 0..=1 each, of two directions in the table along the fibre.
     pub fn along_place(angles: &Angles) -> [f64; 2] {
         let cos_d = angles.cos_d();
         let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
-        // The sign of the difference tells which direction is closer to the tip.
+        // The sign of the difference shows which direction is closer to the tip.
         let half = (1.0 - cos_d * cos_d).max(0.0).sqrt().copysign(angles.to.0 - angles.from.0) / (1.0 + cos_d);
         [stretched(sin_h), half].map(|place| 0.5 + 0.5 * place)
     }
 
-    /// Returns the position of two directions in the table around the fibre.
+    /// Returns the coordinates, 0..=1 each, of two directions in the table around the fibre.
     pub fn around_place(angles: &Angles) -> [f64; 2] {
         [angles.phi.abs() / PI, (angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D)]
     }
 
-    /// Returns the two layers of a texture, each row by row.
+    /// Returns the two array layers of the texture, each row by row.
     pub fn layers(&self) -> [&[[f32; PATHS]]; 2] {
         [&self.along, &self.around]
     }
 
-    /// Creates tables from such layers; `None` if they are not square, differ in size, or are smaller than 2.
+    /// Creates tables from the two array layers of a texture; `None` if they are not square, differ in size, or are
+    /// smaller than 2.
     pub fn of_layers(eta: f64, means: FibreMeans, [along, around]: [Vec<[f32; PATHS]>; 2]) -> Option<Self> {
         let size = along.len().isqrt();
         let same = along.len() == size * size && around.len() == size * size;
@@ -125,7 +127,7 @@ impl ScatteringTables {
         self.of_texels(along, around, sigma, angles)
     }
 
-    /// Returns the scattered light for texels of both tables.
+    /// Returns the scattered light, computed from texels of both tables.
     pub fn of_texels(&self, along: [f64; PATHS], around: [f64; PATHS], sigma: [f64; 3], angles: &Angles) -> [f64; 3] {
         let [r, tt, trt, length] = around;
         let [r, tt, trt, others] = [along[0] * r, along[1] * tt, along[2] * trt, along[3]];

@@ -15,7 +15,7 @@ fn cos_deg(degrees: f64) -> f64 {
     libm::cos(degrees.to_radians())
 }
 
-/// Returns ∫ over all azimuths, by the midpoint rule.
+/// Returns the integral of `f` over all azimuths, by the midpoint rule.
 fn around(count: u32, f: impl Fn(f64) -> f64) -> f64 {
     (0..count).map(|k| f((f64::from(k) + 0.5) / f64::from(count) * TAU - PI)).sum::<f64>() * TAU / f64::from(count)
 }
@@ -93,7 +93,8 @@ fn exiting_light_matches_the_analytic_roots() {
                 let count = section.reflected_inside(phi).count();
                 let inside = section.caustic().is_some_and(|(_, at)| phi < at);
                 let reach = -section.deviation(2, PI / 2.0);
-                // Two contributions on this side of the caustic, and one from the other half, as far as it reaches.
+                // Expect two contributions on this side of the caustic, and one from the other half of the
+                // cross-section, up to its maximum deflection.
                 let expected = usize::from(inside) * if phi > -reach { 2 } else { 1 } + usize::from(phi <= reach);
                 assert_eq!(count, expected, "eta {eta}, {degrees} degrees, phi {phi}, reach {reach}");
             }
@@ -129,7 +130,7 @@ fn longitudinal_lobes_conserve_energy() {
             assert!((whole - 1.0).abs() < 1e-5, "width {width}, {theta} degrees: {whole}");
         }
     }
-    // exp(-x) I0(x) from its integral.
+    // Compare with exp(-x) I0(x) from its integral.
     for x in [0.0, 0.5, 3.74, 3.76, 20.0, 5000.0] {
         let whole: f64 = (0..20_000)
             .map(|k| (f64::from(k) + 0.5) / 20_000.0 * PI)
@@ -189,7 +190,7 @@ fn scattering_is_finite_for_all_directions() {
             assert!(found[0] >= found[1] && found[1] >= found[2]);
         }
     }
-    // Through η′ = 2, where the glints meet.
+    // Pass through η′ = 2, where the glints meet.
     for k in 0..=4000 {
         let section = Section::new(1.55, cos_deg(44.0 + 12.0 * f64::from(k) / 4000.0));
         let glints = section.glints(&GlintShape::default());
@@ -242,7 +243,7 @@ fn scattering_tables_approximate_the_equations() {
     }
 }
 
-/// Continuing and returning light add up to the light that the fibre does not absorb; for white fibres, to all of it.
+/// Continuing and returning light add up to the light that the fibre does not absorb; in white fibres, to all light.
 #[test]
 fn table_means_split_light_into_forward_and_backward() {
     let fibre = Fibre::default();
@@ -285,7 +286,7 @@ fn colours_convert_to_absorption_and_pigments() {
             let sigma = colour::absorption([c; 3], scale);
             assert!((colour::color(sigma, scale)[0] - c).abs() < 1e-9 && sigma[0].is_finite());
         }
-        // White absorbs nothing, and black as much as the darkest colour.
+        // White absorbs nothing. Black absorbs as much as the darkest colour.
         assert_eq!(colour::absorption([1.0, 1.5, 2.0], scale), [0.0; 3]);
         assert_eq!(colour::absorption([0.0; 3], scale), colour::absorption([colour::DARKEST; 3], scale));
     }
@@ -296,7 +297,8 @@ fn colours_convert_to_absorption_and_pigments() {
     assert_eq!(colour::of_pigments(-1.0, 0.0), [0.0; 3]);
 }
 
-/// Returns quasi-random numbers, uniform in 0..1: the fractional parts of multiples of roots (Roberts 2018).
+/// Returns quasi-random numbers, uniform in 0..1: fractional parts of multiples of the powers of 1 / `ROOT` (Roberts
+/// 2018).
 fn even(i: u32) -> [f64; 5] {
     let mut step = 1.0;
     from_fn(|_| {
@@ -321,7 +323,7 @@ fn a_white_fibre_vanishes_in_even_light() {
                 let [offset, numbers @ ..] = even(i);
                 let hit = FibreHit::new(&fibre, scale, [0.0; 3], 2.0 * offset - 1.0, to);
                 drawn += hit.sample(numbers).weight[1];
-                // The same with directions uniform over the sphere.
+                // Repeat with directions that are uniform over the sphere.
                 let sin_i = 2.0 * numbers[0] - 1.0;
                 let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
                 found += hit.value(from, TAU * numbers[1] - PI).0[1] * 2.0 * TAU;
@@ -340,7 +342,7 @@ fn near_field_average_equals_the_far_field() {
     let fibre = Fibre::default();
     let AzimuthalScattering::Rough(scale) = fibre.around else { return };
     let sigma = [0.1, 0.5, 2.0];
-    // On the cone of each path, both have the same cross-section.
+    // On the cone of each path, the near and the distant fibre have the same cross-section.
     for degrees in [0.0_f64, 20.0, 50.0] {
         let theta = degrees.to_radians();
         let (to, from) = ((libm::sin(theta), libm::cos(theta)), (-libm::sin(theta), libm::cos(theta)));
@@ -391,7 +393,7 @@ fn sampled_directions_follow_their_density() {
     }
 }
 
-/// Returns the integral over all directions, on a fine grid.
+/// Returns the integral of the scattered light over all directions, on a fine grid.
 fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DVec3) -> f64 {
     const ROWS: usize = 120;
     const AROUND: usize = 96;
@@ -444,8 +446,8 @@ fn gaussian_lights_scatter_as_the_integral_over_their_directions() {
         let off = (found - expected) / light.whole();
         assert!(off.abs() < 2e-5, "{fibre:?} {towards} {degrees}: {found}, expected {expected}");
     }
-    // Uniform light: a white fibre is as bright as its surroundings. From afar it gains a little where the scales tilt
-    // its lobes apart.
+    // Under uniform light, a white fibre is as bright as its surroundings. Seen from afar, it gains a little light
+    // where the scales tilt its lobes apart.
     let even = GaussianLight { towards: eye, sharpness: 0.0 };
     for fibre in [Fibre::default(), rough, smooth] {
         let found = BroadlyLitFibre::new(&fibre).scatter([0.0; 3], tip, &even, eye)[0];

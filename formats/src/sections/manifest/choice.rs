@@ -1,17 +1,17 @@
-//! Record of a bake that chose its settings.
+//! Record of a bake that chose its settings automatically.
 
 use serde::{Deserialize, Serialize};
 
 /// Record of a bake that chose its settings within limits: the limits, the trials, and the chosen settings.
 ///
-/// Frame times depend on the machine, so with a limit on them the same inputs need not give the same bytes.
+/// Frame times depend on the machine. With a limit on them, the same inputs need not give the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Choice {
     /// Requested limits; at least one is set.
     pub limits: ChoiceLimits,
-    /// Limit that prevents cheaper or better settings: `max_error`, `max_frame_ms` or `max_bytes`, one that was set;
-    /// empty if none does.
+    /// Name of the limit that prevents cheaper or better settings: `max_error`, `max_frame_ms` or `max_bytes`, if it
+    /// was set. Empty if no limit does.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["", "max_error", "max_frame_ms", "max_bytes"])))]
     pub binding: String,
     /// Adapter on which frames were timed; empty if none were.
@@ -28,9 +28,9 @@ pub struct Choice {
     pub trials: Vec<Trial>,
     /// Index into `trials` of the settings used in the package.
     pub chosen: u32,
-    /// Index into `trials` of the cheapest settings with less error.
+    /// Index into `trials` of the cheapest settings with a smaller error than the chosen ones.
     pub next_better: Option<u32>,
-    /// Index into `trials` of the most accurate settings that cost less.
+    /// Index into `trials` of the most accurate settings that cost less than the chosen ones.
     pub next_cheaper: Option<u32>,
 }
 
@@ -52,8 +52,9 @@ pub struct ChoiceLimits {
 pub struct Trial {
     /// Settings in the recipe, each `key=value` as for `pelage bake --set`.
     pub settings: Vec<String>,
-    /// Difference from the reference images, 0 for equal ones: mean FLIP, lost outline and lost contrast, weighted by
-    /// the tool that baked. The first tools used mean FLIP alone. `None` if nothing was compared.
+    /// Difference from the reference images, 0 if they are equal. It is the mean FLIP, the lost outline and the lost
+    /// contrast, weighted by the tool that baked. The first tools used the mean FLIP alone. `None` if nothing was
+    /// compared.
     pub error: Option<f64>,
     /// Frame time, milliseconds, at least 0; `None` if nothing was timed.
     pub frame_ms: Option<f64>,

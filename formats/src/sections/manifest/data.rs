@@ -1,4 +1,4 @@
-//! Data of the manifest. Fields are in byte order: see `FORMAT.md`, "MANI".
+//! Data of the manifest. Fields are in byte order; see `FORMAT.md`, "MANI".
 
 use super::choice::Choice;
 use super::detail::{self, DetailLevel, FarLayerInfo};
@@ -27,7 +27,7 @@ pub struct Manifest {
     pub shading: Shading,
     /// Materials of the model.
     pub materials: Vec<Material>,
-    /// Index ranges, one draw call each; together they cover the index buffer in order.
+    /// Index ranges, one draw call each. Together they cover the index buffer in order.
     pub parts: Vec<Part>,
     /// Textures; the k-th entry names the k-th `KTX2` section.
     pub textures: Vec<TextureEntry>,
@@ -35,8 +35,9 @@ pub struct Manifest {
     pub quality: Vec<QualityFigure>,
     /// Warnings: what the bake had to repair, omit or guess.
     pub warnings: Vec<String>,
-    /// Far layer, since version 3, like the fields below: all layers above the surface seen from above, in one more
-    /// array layer of the shell textures, dry and wet, after the outermost.
+    /// Far layer; `None` if there is none. It shows all layers above the surface, seen from above. It is stored in one
+    /// more array layer of the shell textures, dry and wet, after the outermost. Since version 3, like the fields
+    /// below.
     pub coat: Option<FarLayerInfo>,
     /// Levels of detail, finest first; empty if all layers are drawn at any distance.
     pub detail: Vec<DetailLevel>,
@@ -47,7 +48,7 @@ pub struct Manifest {
 /// Input file of a bake.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputRecord {
-    /// `model`, `recipe`, `buffer`, `image` or `material`.
+    /// Role of the file: `model`, `recipe`, `buffer`, `image` or `material`.
     pub role: String,
     /// File name without folders; empty for data embedded in another file.
     pub name: String,
@@ -91,7 +92,7 @@ pub struct FurInfo {
     pub direction_texture: u32,
     /// Wet hair: a second set of textures of the same size, which a renderer blends in by wetness.
     pub wet: Option<ShellTextures>,
-    /// Fin textures; present exactly if the package has a `FINS` section.
+    /// Fin textures; present if and only if the package has a `FINS` section.
     pub fins: Option<FinInfo>,
 }
 
@@ -104,15 +105,16 @@ pub struct ShellTextures {
     pub direction_texture: u32,
 }
 
-/// Fin textures: hair of the tile seen from the side, one array layer per slab. u runs along a slab and repeats; v runs
-/// from the surface, the first row, to [`FurInfo::height_m`], the last.
+/// Fin textures: hair of the tile seen from the side. A slab is a slice through the tile; each has an array layer. u
+/// runs along a slab and repeats; v runs from the surface, the first row, to [`FurInfo::height_m`], the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FinInfo {
     /// Width of a slab, texels, at least 1.
     pub width: u32,
     /// Height of a slab, texels, at least 1.
     pub height: u32,
-    /// Number of slabs, each cut through the tile in another direction, at least 1: array layers of both textures.
+    /// Number of slabs, at least 1, each cut through the tile in another direction. Equals the number of array layers
+    /// of both textures.
     pub slabs: u32,
     /// Index into `textures`: RGBA, premultiplied linear colour and opacity.
     pub color_texture: u32,
@@ -125,17 +127,18 @@ pub struct FinInfo {
 pub struct Shading {
     /// ka, multiplied by the hair's colour (default 0.35 each).
     pub ambient: [f32; 3],
-    /// kd (default 1.2 each, because hair shadows hair and not all light arrives).
+    /// kd (default 1.2 each, because hairs shadow each other and not all light arrives).
     pub diffuse: [f32; 3],
     /// ks (default 0.18 each).
     pub specular: [f32; 3],
-    /// pd, 0..=10 000 (default 2); 0 lights all directions equally.
+    /// pd, 0..=10 000 (default 2); with 0, all directions are lit equally.
     pub diffuse_exponent: f32,
-    /// ps, 0..=10 000 (default 30); higher is a narrower highlight.
+    /// ps, 0..=10 000 (default 30); a higher exponent gives a narrower highlight.
     pub specular_exponent: f32,
     /// ε of the ambient attenuation γ, 0..1 (default 0.3): share of the ambient light that reaches the surface.
     pub ambient_floor: f32,
-    /// r of Attenu_Back, 0..1, exclusive (default 0.3): how far light extends past the terminator, as −N·L.
+    /// r of Attenu_Back, between 0 and 1, both exclusive (default 0.3): how far light extends past the terminator, as
+    /// −N·L.
     pub back_light_range: f32,
 }
 
@@ -183,7 +186,7 @@ impl Shading {
                 return Err(format!("{what} is {value}, expected {}..={}", range.start(), range.end()));
             }
         }
-        // Exclusive: the lighting equation divides by it, and at 1 no direction is ever dark.
+        // Both ends are exclusive: the lighting equation divides by the value, and at 1 no direction is ever dark.
         if !(self.back_light_range > 0.0 && self.back_light_range < 1.0) {
             return Err(format!(
                 "back_light_range is {}, expected a number above 0 and below 1",
@@ -193,8 +196,8 @@ impl Shading {
         Ok(())
     }
 
-    /// Returns the constants for wet hair: the water film smooths its scales, which makes the highlight twice as strong
-    /// and much narrower.
+    /// Returns the constants for wet hair: the water film smooths the hair's scales, which makes the highlight twice as
+    /// strong and much narrower.
     pub fn wet(&self) -> Self {
         Self {
             specular: self.specular.map(|k| 2.0 * k),
@@ -356,7 +359,7 @@ impl Manifest {
                     t.name
                 ));
             }
-            // Two names that differ only in case would be the same file on some systems.
+            // Two names that differ only in case would be the same file on some file systems.
             if !names.insert(t.name.to_ascii_lowercase()) {
                 return Err(format!("textures[{i}].name {:?} is taken, expected unique names", t.name));
             }

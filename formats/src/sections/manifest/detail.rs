@@ -2,17 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Far layer: its height and lighting, as means over the hair visible from above.
+/// Far layer: its height and lighting, as means over the hair that is visible from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FarLayerInfo {
-    /// Share of the fur's height at which a surface drawn with the far layer has as wide an outline as the layers,
-    /// 0..=1.
+    /// Height of the surface drawn with the far layer, as a share of the fur's height, 0..=1. At this height, its
+    /// outline is as wide as that of the layers.
     pub height: f32,
-    /// Share of the fur's height at which the ambient attenuation γ equals the mean of the visible hair, 0..=1.
+    /// Height, as a share of the fur's height, at which the ambient attenuation γ equals the mean over the visible
+    /// hair, 0..=1.
     pub ambient_height: f32,
-    /// Mean share of the key light that reaches the visible hair for light along the normal, 0..=1: t of Yang 2006, eq.
-    /// (2).
+    /// Mean share of the key light that reaches the visible hair if the light arrives along the normal, 0..=1: t of
+    /// Yang 2006, eq. (2).
     pub light_straight: f32,
     /// Mean share of the key light that reaches the visible hair if the path through each layer is four times as long,
     /// 0..=[`FarLayerInfo::light_straight`].
@@ -21,29 +22,29 @@ pub struct FarLayerInfo {
 
 /// Level of detail, for a range of heights of the fur on screen.
 ///
-/// Between `full_px` and `gone_px` a level and the next are cross-faded. `full_px` decreases from level to level, and
-/// each level is gone where the next begins to fade, or before.
+/// Between `full_px` and `gone_px`, a level and the next are cross-faded. `full_px` decreases from level to level. Each
+/// level is gone before the next begins to fade, or at the same height.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DetailLevel {
     /// Step between drawn layers, from the outermost inwards; each drawn layer represents `step` layers. A power of
-    /// two: 1 in the first level, and twice that of the level before. 0, in the last level only: no layers, but the far
-    /// layer on the surface.
+    /// two: 1 in the first level, and twice that of the previous level in the others. The last level may have 0: it
+    /// draws no layers, but the far layer on the surface.
     pub step: u32,
     /// Minimum height of the fur on screen at which the level is drawn without fading, pixels; 0 in the last level.
     pub full_px: f32,
-    /// Height of the fur on screen up to which the next level is drawn alone, pixels, at most `full_px`; 0 in the last
-    /// level.
+    /// Maximum height of the fur on screen at which only the next level is drawn, pixels, at most `full_px`; 0 in the
+    /// last level.
     pub gone_px: f32,
-    /// Factor on the fins' opacity, 0..=1; with 0 they are not drawn.
+    /// Factor on the fins' opacity, 0..=1. With 0, fins are not drawn.
     pub fins: f32,
-    /// Factor on the number of layers that each layer represents, above 0. It keeps the mean optical depth of the
-    /// whole, because hair is thinner in the outer layers than in those they represent. 1 in the first level.
+    /// Factor on the number of layers that each layer represents, above 0; 1 in the first level. It preserves the mean
+    /// optical depth of the fur, because hair is thinner in the outer layers than in the layers that they represent.
     pub density: f32,
 }
 
 impl FarLayerInfo {
-    /// Checks that every share is in range.
+    /// Checks that every value is in its range.
     pub(super) fn check(&self) -> Result<(), String> {
         for (what, value, max) in [
             ("height", self.height, 1.0),
@@ -51,7 +52,7 @@ impl FarLayerInfo {
             ("light_straight", self.light_straight, 1.0),
             ("light_slanted", self.light_slanted, self.light_straight),
         ] {
-            // NaN is in no range.
+            // NaN is outside every range.
             if !(0.0..=max).contains(&value) {
                 return Err(format!("coat.{what} is {value}, expected 0..={max}"));
             }
@@ -60,8 +61,8 @@ impl FarLayerInfo {
     }
 }
 
-/// Checks that the levels form a chain from all layers down to the last that the package has: for that number of
-/// layers, with or without a far layer.
+/// Checks that the levels form a chain from all layers down to the coarsest level that the package can have, given its
+/// layer count and whether it has a far layer.
 pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Result<(), String> {
     if !levels.is_empty() && layers == 0 {
         return Err(format!("detail has {} levels, expected none without fur", levels.len()));
@@ -80,12 +81,12 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
         if !coat && level.step != step {
             return Err(format!("detail[{i}].step is {}, expected {step}, or 0 in the last level", level.step));
         }
-        // 2^32 is not a valid step, and far exceeds every number of layers: the chain ends before.
+        // 2^32 is not a valid step, but exceeds every number of layers, so the chain ends before it.
         step = step.checked_mul(2).unwrap_or(0);
         if last && (level.full_px != 0.0 || level.gone_px != 0.0) {
             return fail("full_px", level.full_px, "it and gone_px to be 0 in the last level".into());
         }
-        // NaN is in no range.
+        // NaN is outside every range.
         let falls = level.full_px > 0.0 && level.full_px <= ceiling;
         if !last && !falls {
             return fail(

@@ -21,7 +21,7 @@ pub(crate) const KIND: Kind = Kind {
     tag: Tag::MANIFEST,
     since: 1,
     count: Count::AtMostOne,
-    // Without a valid manifest no package opens.
+    // A package without a valid manifest does not open.
     check: |package, _| package.section_bytes(0).map(drop),
     check_use: |package| faults([package.fur_textures().err(), package.wet_textures().err()]),
     row: Row { what: "[manifest](#mani-manifest)", how_many: "exactly one", place: "first" },
@@ -38,7 +38,7 @@ pub(crate) fn decode(version: u32, offset: u64, bytes: &[u8]) -> Result<Manifest
     Ok(manifest)
 }
 
-/// Writes the section; fails for a manifest with fields that the version cannot store.
+/// Writes the section. Fails if the manifest has fields that the version cannot store.
 pub(crate) fn encode(version: u32, manifest: &Manifest) -> Result<Vec<u8>, FormatError> {
     let no_place = |reason| FormatError::Content { tag: Tag::MANIFEST, offset: 0, reason };
     match version {

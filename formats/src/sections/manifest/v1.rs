@@ -1,5 +1,5 @@
 //! Manifest of version 1: that of version 2 without wet hair, fins and groom textures. Kept permanently, so that
-//! packages of version 1 stay readable; the order of the fields must not change.
+//! packages of version 1 stay readable. The order of the fields must not change.
 
 use super::data::{Bounds, FurInfo, InputRecord, Manifest, Material, Part, QualityFigure, Shading, TextureEntry};
 use super::v2;

@@ -5,11 +5,11 @@
 pub struct StrandPoint {
     /// Offset from the root along u and v, widths of the tile.
     pub aside: [f32; 2],
-    /// Height as a share of the fur's height, 0..=1.
+    /// Height, as a share of the fur's height, 0..=1.
     pub height: f32,
     /// Radius, widths of the tile.
     pub radius: f32,
-    /// Colour, sRGB, multiplied with the surface colour at the root.
+    /// Colour, sRGB, by which the surface colour at the root is multiplied.
     pub color: [u8; 3],
     /// Visibility of light, as in a texel of [`crate::VisibilityInfo`].
     pub visibility: [u8; 4],
@@ -22,11 +22,12 @@ pub struct StrandsData {
     pub points_per_strand: u32,
     /// Position of each root in the tile, 0..1. Any prefix is an even sample of all.
     pub roots: Vec<[f32; 2]>,
-    /// Points of each strand, root first; if dry and wet hair blend, followed by those of the same strands when wet.
+    /// Points of each strand, root first. If dry and wet hair are blended, the points of the same strands when wet
+    /// follow.
     pub points: Vec<StrandPoint>,
 }
 
-/// Values represented by the largest integers of a stored point.
+/// Values that the largest integers of a stored point represent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StrandScale {
     /// Offset along u or v, widths of the tile; above 0.
@@ -50,20 +51,20 @@ pub struct StoredStrandPoint {
     pub visibility: [u8; 4],
 }
 
-/// Strands of a section as stored, for programs that take packages apart and put them together again.
+/// Strands of a section as stored, for programs that unpack packages and pack them again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StoredStrands {
     /// Points of each strand, as [`StrandsData::points_per_strand`].
     pub points_per_strand: u32,
     /// Scale of the points' integers.
     pub scale: StrandScale,
-    /// Roots, as [`StrandsData::roots`], in units of 1/65536; each represents the middle of its interval.
+    /// Roots, as [`StrandsData::roots`], in units of 1/65536. Each represents the middle of its interval.
     pub roots: Vec<[u16; 2]>,
     /// Points, as [`StrandsData::points`].
     pub points: Vec<StoredStrandPoint>,
 }
 
-/// Returns the position of a stored root, the middle of its interval, 0..1.
+/// Returns the position of a stored root, 0..1: the middle of its interval.
 pub fn strand_root(stored: [u16; 2]) -> [f32; 2] {
     stored.map(|x| (f32::from(x) + 0.5) / 65536.0)
 }
@@ -96,7 +97,8 @@ impl StoredStrandPoint {
 }
 
 impl StoredStrands {
-    /// Converts strands to integers, with the smallest scale that holds all of them. Fails if a number is out of range.
+    /// Converts strands to integers, with the smallest scale that can represent all of them. Fails if a number is out
+    /// of range.
     pub(super) fn of(data: &StrandsData) -> Result<Self, String> {
         let sane = data.points.iter().all(|p| {
             p.aside.iter().all(|x| x.is_finite())

@@ -62,7 +62,7 @@ impl PackageWriter<'_> {
         self.encoded(Tag::STRANDS, stored.and_then(|stored| encode(&stored)))
     }
 
-    /// Adds the strands of the tile as integers of the section.
+    /// Adds the strands of the tile, given as integers of the section.
     pub fn stored_strands(self, strands: &StoredStrands) -> Self {
         self.encoded(Tag::STRANDS, encode(strands))
     }
@@ -110,7 +110,7 @@ fn fault(reason: String) -> FormatError {
     FormatError::Content { tag: Tag::STRANDS, offset: 0, reason }
 }
 
-/// Returns the number of sets of points, one or two. Fails if the counts are inconsistent.
+/// Returns the number of sets of points: 1, or 2 with wet strands. Fails if the counts are inconsistent.
 fn set_count(strands: usize, per_strand: u32, points: usize) -> Result<u32, FormatError> {
     match strands.checked_mul(per_strand as usize) {
         Some(of_set) if of_set > 0 && points == of_set => Ok(1),
@@ -192,7 +192,7 @@ impl<'a> StrandsView<'a> {
         Ok(view)
     }
 
-    /// Returns the strands of a section with that header, whose length matches it.
+    /// Returns the strands of a section with the given header; its length must match it.
     fn of(bytes: &'a [u8], header: Header) -> Self {
         let first = layout(header)[0] as usize;
         let roots = &bytes[HEADER_BYTES as usize..(HEADER_BYTES + ROOT_BYTES * u64::from(header.strands)) as usize];

@@ -1,18 +1,17 @@
-//! Decoding of blocks into texels: for readers without a GPU, and for devices that cannot sample blocks, or only
-//! slowly.
+//! Decoding of compressed blocks into texels: for readers without a GPU, and for devices that cannot sample blocks, or
+//! only slowly.
 
 use super::format::TextureFormat;
 use super::view::TextureView;
 
 impl TextureFormat {
-    /// Returns the uncompressed format that [`TextureView::rgba8`] decodes to: four bytes per texel, sRGB if this
-    /// format is.
+    /// Returns the uncompressed format that [`TextureView::rgba8`] decodes to: four bytes per texel, sRGB if `self` is.
     pub fn decoded(self) -> Self {
         if self.is_srgb() { Self::Rgba8Srgb } else { Self::Rgba8Unorm }
     }
 
-    /// Decodes `width * height` texels of this format to RGBA8, row-major from the top, with their encoding unchanged.
-    /// For formats with two components, blue is 0 and alpha 255; for half floats, 0 to 255 represent 0 to 1. `None` if
+    /// Decodes `width * height` texels of this format to RGBA8, row-major from the top; the sRGB encoding is unchanged.
+    /// For formats with two components, blue is 0 and alpha 255. For half floats, 0 to 255 represent 0 to 1. `None` if
     /// the length of `data` is not [`Self::layer_bytes`].
     pub fn to_rgba8(self, data: &[u8], width: u32, height: u32) -> Option<Vec<u8>> {
         if data.len() as u64 != self.layer_bytes(width, height) {
@@ -39,7 +38,7 @@ pub(crate) fn half_to_f32(bytes: [u8; 2]) -> f32 {
     let half = u32::from(u16::from_le_bytes(bytes));
     let (sign, exponent, fraction) = ((half & 0x8000) << 16, half >> 10 & 0x1f, half & 0x3ff);
     match exponent {
-        // Subnormal: a multiple of 2^-24.
+        // A subnormal number is a multiple of 2^-24.
         0 => f32::from_bits(sign | (fraction as f32 / 16_777_216.0).to_bits()),
         31 => f32::from_bits(sign | 0x7f80_0000 | fraction << 13),
         _ => f32::from_bits(sign | (exponent + 112) << 23 | fraction << 13),
@@ -47,8 +46,8 @@ pub(crate) fn half_to_f32(bytes: [u8; 2]) -> f32 {
 }
 
 impl TextureView<'_> {
-    /// Returns a layer of level 0 of half floats, four numbers per texel; `None` for a layer that does not exist, and
-    /// for another format.
+    /// Returns a layer of level 0 of half floats, four numbers per texel. `None` if the layer does not exist, or for
+    /// another format.
     pub fn floats(&self, layer: u32) -> Option<Vec<[f32; 4]>> {
         let size = usize::try_from(self.format.layer_bytes(self.width, self.height)).ok()?;
         let data = self.level(0).chunks_exact(size.max(1)).nth(layer as usize)?;

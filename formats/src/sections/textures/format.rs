@@ -3,11 +3,11 @@
 /// Texel format of a texture in a package.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TextureFormat {
-    /// Four bytes per texel, colour sRGB-encoded.
+    /// Four bytes per texel, RGBA, colour sRGB-encoded.
     Rgba8Srgb,
-    /// Four bytes per texel.
+    /// Four bytes per texel, RGBA.
     Rgba8Unorm,
-    /// Two bytes per texel.
+    /// Two bytes per texel, two components.
     Rg8Unorm,
     /// 16 bytes per 4×4 block, RGBA, colour sRGB-encoded.
     Bc7Srgb,
@@ -66,13 +66,13 @@ impl TextureFormat {
         }
     }
 
-    /// Returns the size of the numbers that texels consist of, whose bytes a big-endian machine would have to swap: 1
-    /// or 2.
+    /// Returns the size in bytes of the numbers in a texel, 1 or 2. A big-endian machine would have to swap the bytes
+    /// of each.
     pub fn type_size(self) -> u32 {
         if self == Self::Rgba16Float { 2 } else { 1 }
     }
 
-    /// Returns the number of channels that carry data in a sampler's result.
+    /// Returns the number of channels of a sampler's result that carry data.
     pub fn components(self) -> u32 {
         match self {
             Self::Rg8Unorm | Self::Bc5Unorm => 2,

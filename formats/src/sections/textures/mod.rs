@@ -32,7 +32,7 @@ pub(crate) const KIND: Kind = Kind {
     },
 };
 
-/// Checks that the textures of materials suit their use: each texture once, however many materials share it.
+/// Checks that the textures of materials suit their use. Each texture is checked once, however many materials share it.
 fn check_materials(package: &Package<'_>) -> Vec<FormatError> {
     let (mut colors, mut grooms) = (BTreeSet::new(), BTreeSet::new());
     let mut faults = Vec::new();
@@ -50,7 +50,7 @@ fn check_materials(package: &Package<'_>) -> Vec<FormatError> {
 /// Pair of hair textures, see [`Package::fur_textures`], [`Package::wet_textures`] and [`Package::fin_textures`].
 #[derive(Clone, Copy, Debug)]
 pub struct FurTextures<'a> {
-    /// Premultiplied colour and opacity; one array layer per shell, the surface first, or per slab.
+    /// Premultiplied colour and opacity. Each shell, the surface first, or each slab has one array layer.
     pub color: TextureView<'a>,
     /// Hair direction in the tile frame, of the same size (`FORMAT.md`, "Directions").
     pub direction: TextureView<'a>,
@@ -90,8 +90,9 @@ impl<'a> Package<'a> {
 
     /// Returns the two shell textures; `None` if the package has no fur.
     ///
-    /// Fails if a texture is damaged or inconsistent with [`crate::FurInfo`]: an array layer for each of `layers` and
-    /// for the far layer, `tile_texels` square, colour with four components, directions in a format that is not sRGB.
+    /// Fails if a texture is damaged or inconsistent with [`crate::FurInfo`]. It must have an array layer for each of
+    /// `layers` and for the far layer, each `tile_texels` square. Colour needs four components; directions need a
+    /// format that is not sRGB.
     pub fn fur_textures(&self) -> Result<Option<FurTextures<'a>>, FormatError> {
         let fur = &self.manifest().fur;
         if fur.layers == 0 {
@@ -110,8 +111,8 @@ impl<'a> Package<'a> {
         self.hair_textures("fur.wet", size, wet.color_texture, wet.direction_texture).map(Some)
     }
 
-    /// Fails if dry and wet hair cannot be blended: a shader decodes the directions of both in the same way. Other
-    /// faults of the textures are reported elsewhere.
+    /// Fails if dry and wet hair cannot be blended, because a shader decodes the directions of both in the same way.
+    /// Other faults of the textures are reported elsewhere.
     pub(crate) fn check_wet_matches_dry(&self) -> Result<(), FormatError> {
         let (Ok(Some(dry)), Ok(Some(wet)), Some(info)) =
             (self.fur_textures(), self.wet_textures(), &self.manifest().fur.wet)

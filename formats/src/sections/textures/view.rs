@@ -35,7 +35,7 @@ impl fmt::Debug for TextureView<'_> {
 /// Size of an entry of the level index, which follows the header, bytes.
 const LEVEL_ENTRY: usize = ktx2::LevelIndex::LENGTH;
 
-/// Position of a .ktx2 file in the package, for errors.
+/// Position of a .ktx2 file in the package, for error messages.
 #[derive(Clone, Copy)]
 struct FileOffset(u64);
 
@@ -78,8 +78,8 @@ impl<'a> TextureView<'a> {
     ///
     /// [`FormatError::Limit`] for sizes above `limits`, [`FormatError::Content`] for everything else.
     pub fn parse(ktx2: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
-        // The crate's types decode the header and the level index. Its `Reader` is not used: it panics on a descriptor
-        // with block dimension 255, and its errors have no position.
+        // Use only the crate's types for the header and the level index. Its `Reader` panics on a descriptor with block
+        // dimension 255, and its errors have no position.
         let place = FileOffset(offset);
         let header: &[u8; ktx2::Header::LENGTH] = ktx2.first_chunk().ok_or_else(|| {
             place.fail(0, format!("{} bytes, expected a KTX2 header of {}", ktx2.len(), ktx2::Header::LENGTH))
@@ -136,7 +136,8 @@ impl<'a> TextureView<'a> {
         Ok(view)
     }
 
-    /// Checks the positions of descriptor, key/value and global data, and the descriptor's contents. Returns their end.
+    /// Checks the positions of descriptor, key/value data and global data, and the contents of the descriptor. Returns
+    /// the end of these data.
     fn check_metadata(&self, place: FileOffset, index: &ktx2::Index) -> Result<u64, FormatError> {
         let index_end = (ktx2::Header::LENGTH + LEVEL_ENTRY * self.levels as usize) as u64;
         let mut end = index_end;
@@ -147,7 +148,7 @@ impl<'a> TextureView<'a> {
             if length == 0 && offset == 0 {
                 continue;
             }
-            // Both are u32 in the file, so the sum cannot overflow.
+            // Both numbers are u32 in the file, so the sum cannot overflow.
             if length == 0 || offset < end || offset + length > self.ktx2.len() as u64 {
                 let file = self.ktx2.len();
                 let reason = format!("{what} is {length} bytes at {offset}, expected it after {end} in {file} bytes");
@@ -164,7 +165,7 @@ impl<'a> TextureView<'a> {
         Ok(end)
     }
 
-    /// Checks that the descriptor, which repeats the format, agrees with it. Otherwise tools would disagree about the
+    /// Checks that the descriptor, which repeats the format, agrees with it. Otherwise, tools would disagree about the
     /// colours.
     fn check_descriptor(&self, place: FileOffset, offset: u32, length: u32) -> Result<(), FormatError> {
         let (expected, _) = ktx2::dfd::Basic::from_format(self.format.ktx2())
@@ -194,7 +195,7 @@ impl<'a> TextureView<'a> {
     }
 
     fn check_levels(&self, place: FileOffset, mut end: u64) -> Result<(), FormatError> {
-        // Least common multiple of the block's size and 4: 4 for 2 and 4, 16 for 16.
+        // Least common multiple of the block size and 4, in bytes: 4 for sizes 2 and 4, 8 for 8, 16 for 16.
         let alignment = u64::from(self.format.block_bytes().max(4));
         for level in (0..self.levels).rev() {
             let at = (ktx2::Header::LENGTH + LEVEL_ENTRY * level as usize) as u64;
@@ -237,7 +238,7 @@ impl<'a> TextureView<'a> {
         (size(self.width), size(self.height))
     }
 
-    /// Returns the size of a level, all layers, bytes; `u64::MAX` if larger.
+    /// Returns the size of a mip level with all its layers, bytes; `u64::MAX` if larger.
     pub fn level_bytes(&self, level: u32) -> u64 {
         let (width, height) = self.level_size(level);
         self.format.layer_bytes(width, height).saturating_mul(self.layers.into())
@@ -248,7 +249,7 @@ impl<'a> TextureView<'a> {
         self.gpu_bytes_as(self.format)
     }
 
-    /// Returns [`Self::gpu_bytes`] for texels in another format.
+    /// Returns [`Self::gpu_bytes`] for the same texels in another format.
     pub fn gpu_bytes_as(&self, format: TextureFormat) -> u64 {
         let level = |level| {
             let (width, height) = self.level_size(level);
@@ -273,8 +274,8 @@ impl<'a> TextureView<'a> {
 /// Bytes of the descriptor that a writer may choose: the colour primaries and the flags (premultiplied alpha).
 const DESCRIPTOR_FREE: [usize; 2] = [13, 15];
 
-/// Returns the name of a format. On WebAssembly it is only the number in `VkFormat`: the names of all formats would be
-/// a hundredth of the download.
+/// Returns the name of a format. On WebAssembly, it is only the number in `VkFormat`, because the names of all formats
+/// would be a hundredth of the download.
 fn name_of(format: ktx2::Format) -> String {
     if cfg!(target_family = "wasm") { format!("VkFormat {}", format.value()) } else { format!("{format:?}") }
 }

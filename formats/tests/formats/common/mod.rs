@@ -1,5 +1,5 @@
-//! Helpers shared by several tests: a minimal .ktx2 writer (the real one is in bake) and a package with everything in
-//! it.
+//! Helpers shared by several tests: a minimal .ktx2 writer (the real one is in bake) and a package with every kind of
+//! section.
 #![allow(dead_code, reason = "the tests of the command include this module too, and each uses its own part of it")]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
@@ -110,7 +110,7 @@ pub fn sample_animation() -> Animation {
     }
 }
 
-/// Returns a manifest for [`sample_mesh`] and the textures of [`sample_package`], with no field at its default.
+/// Returns a manifest for [`sample_mesh`] and the textures of [`sample_package`]; no field has its default.
 pub fn sample_manifest() -> Manifest {
     Manifest {
         generator: "pelage 0.1.0".into(),
@@ -133,7 +133,7 @@ pub fn sample_manifest() -> Manifest {
             wet: Some(ShellTextures { color_texture: 3, direction_texture: 4 }),
             fins: Some(FinInfo { width: 8, height: 4, slabs: 2, color_texture: 5, direction_texture: 6 }),
         },
-        // Written out in full: golden files must not depend on defaults.
+        // All values are written out, because golden files must not depend on defaults.
         shading: Shading {
             ambient: [0.25, 0.5, 0.75],
             diffuse: [0.9; 3],
@@ -264,14 +264,14 @@ pub fn sample_package_v2() -> Vec<u8> {
     all_sections(writer, 2).finish().unwrap()
 }
 
-/// Returns a package with every kind of section, including one with an unknown tag: the sections of version 2, and the
-/// far layer in the shell textures.
+/// Returns a package with every kind of section: the sections of version 2, those added since, one with an unknown tag,
+/// and the far layer in the shell textures.
 pub fn sample_package() -> Vec<u8> {
     all_sections(PackageWriter::new(sample_manifest()).mesh(&sample_mesh(true)), 3).finish().unwrap()
 }
 
-/// Returns two targets of the sample's five vertices, the first with weight 0.5 at rest; a curve of both, and one of
-/// the second alone.
+/// Returns two morph targets of the sample's five vertices; the first has weight 0.5 at rest. One curve drives both,
+/// another only the second.
 pub fn sample_morphs() -> Morphs {
     let delta = |target, position, normal| MorphDelta { target, position, normal, tangent: [0.0, 0.25, 0.0] };
     let target = |name: &str, weight| MorphTarget { name: name.into(), node: 1, weight };

@@ -1,4 +1,4 @@
-//! Tests of packages as assets: loading, rejection, and files that change.
+//! Tests of packages as assets: loading, rejection, and reloading of files that change.
 
 use crate::support::{Stand, ball, gpu};
 use bevy_asset::{AssetServer, Assets, Handle, LoadState};
@@ -17,7 +17,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Loads a file as a user does, and waits; returns the handle, and the error if any.
+/// Loads a file as an application does, and waits for it. Returns the handle, and the error if any.
 fn load(stand: &mut Stand, file: &Path) -> (Handle<PelageModel>, Option<String>) {
     let server = stand.world().resource::<AssetServer>().clone();
     let handle: Handle<PelageModel> = server.load(file.to_str().unwrap().to_owned());
@@ -81,7 +81,7 @@ fn changed_files_are_reloaded() {
     let plain = stand.picture(&camera);
     let other = crate::sphere::package(&crate::sphere::SphereParams { stripes: true, ..Default::default() });
     fs::write(&file, other).unwrap();
-    // Same reload as by Bevy's watcher when the file changes.
+    // Triggers the same reload as Bevy's file watcher.
     let server = stand.world().resource::<AssetServer>().clone();
     server.reload(file.to_str().unwrap().to_owned());
     let before = stand.world().resource::<Assets<PelageModel>>().get(&handle).unwrap().clips().len();
@@ -95,7 +95,7 @@ fn changed_files_are_reloaded() {
     }
     let striped = stand.picture(&camera);
     assert!(striped.differences(&plain).0 > 3.0, "{:?}", striped.differences(&plain));
-    // A damaged file keeps the loaded model.
+    // If the file is damaged, the loaded model stays.
     fs::write(&file, b"half a file").unwrap();
     server.reload(file.to_str().unwrap().to_owned());
     (0..200).for_each(|_| {
@@ -105,7 +105,7 @@ fn changed_files_are_reloaded() {
     assert_eq!(stand.picture(&camera), striped);
 }
 
-/// Collects every file of a folder, recursively.
+/// Collects all files of a folder, recursively.
 fn walk(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

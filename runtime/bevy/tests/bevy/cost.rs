@@ -1,4 +1,4 @@
-//! Measurement of a frame's cost in Bevy against the runtime alone.
+//! Measures the cost of a frame in Bevy, compared with the runtime alone.
 
 use crate::support::{Stand, ball};
 use bevy_camera::visibility::Visibility;
@@ -15,12 +15,12 @@ use std::time::Instant;
 const SIZE: [u32; 2] = [640, 480];
 const EYE: Vec3 = Vec3::new(0.0, 0.05, 0.5);
 const FRAMES: u32 = 30;
-/// Number of warm-up frames, in which pipelines are compiled.
+/// Number of warm-up frames, during which pipelines are compiled.
 const WARM: u32 = 4;
 /// Clip time per frame, seconds.
 const STEP_S: f32 = 0.01;
 
-/// Returns the time of a frame until the GPU is finished, milliseconds.
+/// Returns the time from the start of a frame until the GPU is finished, milliseconds.
 fn ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
     let begun = Instant::now();
     frame();
@@ -28,7 +28,7 @@ fn ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
     begun.elapsed().as_secs_f64() * 1e3
 }
 
-/// Returns the package to measure: `PELAGE_PACKAGE`, or the ball.
+/// Returns the package to measure: the file `PELAGE_PACKAGE`, or the test ball.
 fn package() -> Vec<u8> {
     std::env::var_os("PELAGE_PACKAGE").map_or_else(ball, |path| std::fs::read(path).unwrap())
 }
@@ -47,8 +47,8 @@ fn first_clip(stand: &mut Stand, model: &bevy_asset::Handle<bevy_pelage::PelageM
     models.get(model).unwrap().clips().next().map_or_else(String::new, |(name, _)| name.to_owned())
 }
 
-/// Returns a function that draws a frame with the runtime alone on the same device. Its arguments are the time of the
-/// clip, and whether to draw the animal.
+/// Returns a function that draws a frame with the runtime alone on the same device. Its arguments: time of the clip,
+/// and whether to draw the animal.
 fn alone(gpu: &Gpu) -> impl FnMut(f32, bool) {
     let options = RendererOptions {
         color_format: wgpu::TextureFormat::Rgba16Float,
@@ -85,7 +85,7 @@ fn frame_cost_is_measured_against_the_runtime_alone() {
     let gpu = Gpu { device: device.clone(), queue, info };
     let animal = in_bevy(&mut stand);
     let mut alone = alone(&gpu);
-    // Interleaved, so that other load affects all variants alike; the fastest of each was disturbed least.
+    // Interleaves the variants, so that other load affects all alike. The minimum of each is the least disturbed time.
     let mut fastest = [f64::INFINITY; 4];
     for number in 0..WARM + FRAMES {
         let moment = STEP_S * number as f32;
@@ -107,7 +107,7 @@ fn frame_cost_is_measured_against_the_runtime_alone() {
     println!("overhead of Bevy for the animal {:+.1} %", 100.0 * (bevy / runtime - 1.0));
 }
 
-/// Returns the time of a Bevy frame with that visibility of the animal, milliseconds.
+/// Returns the time of a Bevy frame in which the animal has this `visibility`, milliseconds.
 fn in_one_frame(stand: &mut Stand, device: &wgpu::Device, animal: Entity, visibility: Visibility) -> f64 {
     *stand.world().get_mut::<Visibility>(animal).unwrap() = visibility;
     ms(device, || stand.wait(STEP_S))

@@ -1,4 +1,4 @@
-//! Scene of the example, which `./run bevy` shows in a window.
+//! Test of the example's scene, which `./run bevy` shows in a window.
 
 use crate::scene::{self, Animals, Stage};
 use crate::support::{Stand, ball, gpu};

@@ -1,4 +1,4 @@
-//! Tests of shadows in both directions, exposure, and clips that move the casters.
+//! Tests of shadows from fur on meshes and from meshes on fur, of exposure, and of clips that move the casters.
 
 use crate::support::{Picture, Stand, TestCamera, ball, gpu};
 use bevy_camera::{Exposure, Hdr};
@@ -40,11 +40,12 @@ fn animal_casts_its_shadow_on_a_bevy_ground() {
     let (a, b): (Vec<_>, Vec<_>) = (with.pixels().collect(), without.pixels().collect());
     let shadow: Vec<usize> = a.iter().zip(&b).enumerate().filter(|(_, pair)| darker(*pair)).map(|(i, _)| i).collect();
     assert!(shadow.len() > 60, "{} pixels of shadow", shadow.len());
-    // The sun is on the left.
+    // The sun is on the left, so the shadow is on the right.
     let mean_x = shadow.iter().map(|i| (i % SIZE[0] as usize) as f64).sum::<f64>() / shadow.len() as f64;
     assert!(mean_x > f64::from(SIZE[0]) * 0.55, "the shadow's middle is at {mean_x}");
 
-    // Outside the camera's view, towards the sun and in front of the cascades' first plane, it casts a shadow as well.
+    // The ball is outside the camera's view, in front of the cascades' first plane towards the sun. It must still cast
+    // a shadow.
     stand.world().entity_mut(ball).remove::<NotShadowCaster>().insert(Transform::from_xyz(-6.0, 6.0, 0.0));
     let far = stand.picture(&camera);
     stand.world().despawn(ball);
@@ -64,7 +65,7 @@ fn bevy_cube_casts_its_shadow_on_fur() {
     stand.world().entity_mut(cube).insert(ShadesPelage);
     let shaded = stand.picture(&camera);
     assert!(green(&shaded) * 3 < green(&lit) * 2, "{} is not darker than {}", green(&shaded), green(&lit));
-    // The cube moves aside, and the maps follow.
+    // The cube moves aside, and the shadow maps must follow.
     *stand.world().get_mut::<Transform>(cube).unwrap() = Transform::from_xyz(-0.5, 0.5, 0.8);
     let aside = stand.picture(&camera);
     assert!(green(&aside) * 10 > green(&lit) * 9, "{} is not as bright as {}", green(&aside), green(&lit));
@@ -119,7 +120,7 @@ fn environment_map_lights_from_its_direction_and_rotates() {
     };
     let lit = shine(&mut stand, lights.clone(), 60.0);
     let [left, right] = halves(&lit);
-    // Most of what is visible from above faces up and is lit from both sides.
+    // Most of what is visible from above faces up, and is lit by the lights on both sides.
     assert!(100 * left > 108 * right && left > 3_000, "{left} {right}");
     let turned = halves(&shine(&mut stand, lights.turned(180.0), 60.0));
     assert!(100 * turned[1] > 108 * turned[0], "{turned:?}");
@@ -162,7 +163,7 @@ fn clips_move_the_animal_and_faults_are_reported_once() {
     let model = stand.model("ball", &ball());
     let camera = camera(&mut stand);
     stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
-    // Hair motion would continue while a clip is paused.
+    // Disables hair motion, which would continue while a clip is paused.
     stand.world().insert_resource(PelageHair(None));
     let ball = stand.world().spawn((Pelage::fur(model), PelageClip::new("bend"))).id();
     let first = stand.picture(&camera);
@@ -181,7 +182,7 @@ fn clips_move_the_animal_and_faults_are_reported_once() {
     stand.world().entity_mut(ball).remove::<PelageClip>();
     assert_eq!(stand.picture(&camera), rest, "an unknown clip is rest");
 
-    // An animal scaled to zero, and one with another skeleton's pose, do not affect the others.
+    // An animal scaled to zero, and one with the pose of a different skeleton, must not affect the others.
     let model = stand.world().get::<Pelage>(ball).unwrap().model.clone();
     let nothing = stand.world().spawn((Pelage::fur(model.clone()), Transform::from_scale(Vec3::ZERO))).id();
     let strange = stand.world().spawn((Pelage::fur(model), PelageJoints(vec![Mat4::IDENTITY; 5]))).id();

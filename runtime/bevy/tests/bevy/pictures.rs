@@ -1,4 +1,4 @@
-//! Tests of pictures: the ball among Bevy's meshes, compared with the runtime alone, and in several cameras.
+//! Tests of pictures: the ball among Bevy's meshes, the comparison with the runtime alone, and several cameras.
 
 use crate::support::{Picture, Stand, TestCamera, ball, gpu};
 use bevy_asset::Handle;
@@ -93,17 +93,17 @@ fn drawn_by_the_runtime(pelage: &Pelage) -> Picture {
 fn bevy_frame_equals_that_of_the_runtime_alone() {
     let Some(mut stand) = gpu("bevy_frame_equals_that_of_the_runtime_alone") else { return };
     let model = stand.model("ball", &ball());
-    // The ball's shadow on itself is drawn by the runtime: a sun with shadow maps turns on `soft_shadow`.
+    // The runtime draws the ball's shadow on itself: a sun with shadow maps enables `soft_shadow`.
     stand.sun(SUN, true);
     let camera = stand.camera(SIZE, Msaa::Off, front());
     for pelage in [Pelage::fur(model.clone()), Pelage::ink(model)] {
         let alone = drawn_by_the_runtime(&pelage);
         let ball = stand.world().spawn(pelage.clone()).id();
         let picture = stand.picture(&camera);
-        // Bevy blends in half floats and encodes at the end; the canvas blends in bytes.
+        // Tolerance: Bevy blends in half floats and encodes at the end, while the canvas blends in bytes.
         let (mean, most) = picture.differences(&alone);
         assert!(mean < 0.4 && most <= 12, "{:?}: {mean} in the mean, {most} at most", pelage.style.kind());
-        // A moved ball gives a different picture: the comparison can fail.
+        // Negative control: a moved ball gives a different picture.
         *stand.world().get_mut::<Transform>(ball).unwrap() = Transform::from_xyz(0.01, 0.0, 0.0);
         let (mean, _) = stand.picture(&camera).differences(&alone);
         assert!(mean > 1.0, "{:?}: moved by a centimetre, it differs by {mean}", pelage.style.kind());
@@ -111,7 +111,7 @@ fn bevy_frame_equals_that_of_the_runtime_alone() {
     }
 }
 
-/// Returns an animal in ink without paper relief, which would be fixed to the whole picture instead of the view.
+/// Returns an animal in ink on paper without relief. Relief would be fixed to the whole picture instead of the view.
 fn on_even_paper(model: Handle<PelageModel>) -> Pelage {
     let mut pelage = Pelage::ink(model);
     if let Style::Ink(ink) = &mut pelage.style {
@@ -120,7 +120,7 @@ fn on_even_paper(model: Handle<PelageModel>) -> Pelage {
     pelage
 }
 
-/// Spawns a camera that draws to a part of another camera's picture.
+/// Spawns a camera that draws to a rectangle of another camera's picture.
 fn in_part_of(stand: &mut Stand, whole: &TestCamera, part: (UVec2, UVec2)) -> TestCamera {
     let camera = stand.camera([part.1.x, part.1.y], Msaa::Off, front());
     let viewport = Viewport { physical_position: part.0, physical_size: part.1, ..Default::default() };
@@ -140,7 +140,7 @@ fn several_cameras_draw_the_animal_in_their_viewports() {
         let ball = stand.world().spawn(pelage.clone()).id();
         let whole = stand.camera(SIZE, Msaa::Off, front());
         let alone = stand.picture(&whole);
-        // The same view twice: the whole picture of one camera, and the right half of one twice as wide.
+        // Draws the same view twice: as a whole picture, and as the right half of a picture twice as wide.
         let wide = stand.camera([2 * SIZE[0], SIZE[1]], Msaa::Off, Transform::from_xyz(0.0, 9.0, 0.0));
         let half = in_part_of(&mut stand, &wide, (UVec2::new(SIZE[0], 0), UVec2::from(SIZE)));
         let picture = stand.picture(&half);
@@ -152,7 +152,7 @@ fn several_cameras_draw_the_animal_in_their_viewports() {
         assert!(left.pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: nothing of it falls beside its part");
         assert_eq!(stand.picture(&whole), alone, "{kind:?}: other cameras change nothing");
 
-        // A camera with other layers does not see it.
+        // A camera with other render layers must not see the animal.
         stand.world().entity_mut(whole.entity).insert(RenderLayers::layer(3));
         assert!(stand.picture(&whole).pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: not in its layers");
         stand.remove([ball, whole.entity, wide.entity, half.entity]);
@@ -177,7 +177,7 @@ fn despawned_animals_are_freed() {
     assert_eq!(stand.renderers().models_gpu_bytes(), models, "the other keeps the model");
     stand.world().despawn(balls[1]);
     drop(model);
-    // The asset is dropped a frame after its last handle.
+    // Bevy drops the asset a frame after its last handle.
     (0..3).for_each(|_| stand.app.update());
     assert_eq!(stand.renderers().animals_gpu_bytes(), 0);
     assert_eq!(stand.renderers().models_gpu_bytes(), 0);

@@ -53,7 +53,7 @@ impl Picture {
         (sum as f64 / f64::from(3 * self.size[0] * self.size[1]), most)
     }
 
-    /// Returns the part of the picture with that corner and size.
+    /// Returns the rectangle of the picture with the given upper left corner and size, pixels.
     pub fn part(&self, [left, top]: [u32; 2], size: [u32; 2]) -> Self {
         let rows = (0..size[1]).flat_map(|y| (0..size[0]).flat_map(move |x| self.pixel(left + x, top + y)));
         Self { size, rgba: rows.collect() }
@@ -65,7 +65,7 @@ pub struct Stand {
     pub app: App,
 }
 
-/// Pictures read back, by the entity of their reader.
+/// Pictures that were read back, by the entity of the `Readback`.
 #[derive(Resource, Default)]
 struct Read(std::collections::HashMap<Entity, Vec<u8>>);
 
@@ -77,7 +77,7 @@ pub struct TestCamera {
     pub size: [u32; 2],
 }
 
-/// Returns a test app for the GPU test of that name; `None`, with a message, if GPU tests are disabled.
+/// Returns a test app for the GPU test named `test`. `None`, with a message, if GPU tests are disabled.
 pub fn gpu(test: &str) -> Option<Stand> {
     if !gpu_is_wanted(test) {
         return None;
@@ -88,7 +88,7 @@ pub fn gpu(test: &str) -> Option<Stand> {
 }
 
 impl Stand {
-    /// Creates an app with all plugins that Bevy needs to draw meshes. Time advances only when a test says so.
+    /// Creates an app with all plugins that Bevy needs to draw meshes. Only tests advance its time.
     pub fn new() -> Self {
         let mut app = App::new();
         app.add_plugins((
@@ -155,13 +155,13 @@ impl Stand {
         *self.world().resource_mut() = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
     }
 
-    /// Adds the model of a package's bytes to the assets.
+    /// Adds a model, made from the bytes of a package, to the assets.
     pub fn model(&mut self, name: &str, bytes: &[u8]) -> Handle<PelageModel> {
         let model = PelageModel::from_bytes(name, bytes.to_vec()).unwrap();
         self.world().resource_mut::<Assets<PelageModel>>().add(model)
     }
 
-    /// Spawns a camera that draws into its own image, without tone mapping.
+    /// Spawns a camera that draws to its own image, without tone mapping.
     pub fn camera(&mut self, size: [u32; 2], msaa: Msaa, place: Transform) -> TestCamera {
         let mut image = Image::new_target_texture(size[0], size[1], TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= bevy_render::render_resource::TextureUsages::COPY_SRC;
@@ -185,7 +185,7 @@ impl Stand {
         TestCamera { entity, image, size }
     }
 
-    /// Spawns a sun of full light from that direction.
+    /// Spawns a sun of full light that shines from the direction `from`.
     pub fn sun(&mut self, from: Vec3, shadows: bool) -> Entity {
         let full = std::f32::consts::PI / bevy_camera::Exposure::default().exposure();
         let light = DirectionalLight { illuminance: full, shadow_maps_enabled: shadows, ..Default::default() };
@@ -202,7 +202,7 @@ impl Stand {
         self.world().spawn((Mesh3d(mesh), MeshMaterial3d(material), Transform::from_translation(at))).id()
     }
 
-    /// Returns the picture of a camera after everything requested is loaded, compiled and drawn.
+    /// Returns the picture of a camera after all requested assets and pipelines are ready.
     pub fn picture(&mut self, camera: &TestCamera) -> Picture {
         // Meshes, pipelines and light clusters are ready a few frames after they are requested.
         (0..4).for_each(|_| self.app.update());
@@ -230,7 +230,7 @@ fn unpadded(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
     bytes.chunks(row.next_multiple_of(256)).take(height as usize).flat_map(|padded| &padded[..row]).copied().collect()
 }
 
-/// Returns the package of a furry ball of 12.5 cm with a skeleton, a clip that bends it, and the ink style.
+/// Returns the package of a furry ball of 12.5 cm. It has a skeleton, a clip that bends it, and the ink style.
 pub fn ball() -> Vec<u8> {
     sphere::package(&SphereParams { skeleton: true, ink: true, quads: 12, ..SphereParams::default() })
 }

@@ -5,7 +5,7 @@
 //! bevy-pelage-walk PACKAGE.pelage... --picture fur-and-ink.png         without one
 //! ```
 //!
-//! Keys in the window: I toggles fur and ink, Space pauses, arrows orbit and zoom, Escape quits.
+//! Keys in the window: I switches between fur and ink, Space pauses, arrows orbit and zoom, Escape quits.
 
 mod picture;
 mod scene;
@@ -41,7 +41,7 @@ use std::process::ExitCode;
 #[derive(Resource, Default)]
 struct Orbit {
     turn_rad: f32,
-    /// Natural logarithm of the distance over the default distance.
+    /// Natural logarithm of the distance divided by the default distance.
     farther: f32,
 }
 
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
     let (mut app, drawn) = (app(picture.is_none()), picture.map(picture::Wanted::new));
     let server = app.world().resource::<AssetServer>().clone();
     let absolute = |package: &String| std::path::absolute(package).unwrap_or_else(|_| package.into());
-    // Absolute paths, because packages may be anywhere.
+    // Bevy resolves relative paths in its asset folder; packages may be anywhere, so their paths are made absolute.
     let load = |package: &String| server.load(absolute(package).to_string_lossy().into_owned());
     app.insert_resource(Animals(packages.iter().map(load).collect()));
     scene::add(&mut app);
@@ -84,7 +84,7 @@ fn usage(fault: &str) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Creates an app with the parts of Bevy that this needs; `DefaultPlugins` of the crate `bevy` include them.
+/// Creates an app with the Bevy plugins that this example needs. `DefaultPlugins` of the crate `bevy` includes them.
 fn app(window: bool) -> App {
     let mut app = App::new();
     let title = "pelage in Bevy: I ink, Space stands still, arrows move".to_owned();
@@ -119,12 +119,12 @@ fn app(window: bool) -> App {
     app
 }
 
-/// Returns the camera of both modes: HDR, so that fur and meshes get the same exposure and tone mapping.
+/// Returns the camera of both modes. It is HDR, so that fur and meshes get the same exposure and tone mapping.
 fn camera(place: Transform) -> impl Bundle {
     (Camera3d::default(), Hdr, Tonemapping::AcesFitted, place)
 }
 
-/// Reports packages that cannot be loaded, with the reason, and quits.
+/// Quits if a package cannot be loaded, and reports the reason.
 fn leave_without_animals(animals: Res<Animals>, server: Res<AssetServer>, mut exit: MessageWriter<AppExit>) {
     let failed = |handle: &Handle<PelageModel>| match server.load_state(handle) {
         LoadState::Failed(fault) => Some(fault),

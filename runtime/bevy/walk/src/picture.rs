@@ -1,4 +1,4 @@
-//! Picture mode: the scene in fur and in ink, one above the other, written to a PNG file without a window.
+//! Picture mode: writes a PNG file without opening a window. It shows the scene in fur and in ink, one above the other.
 
 use crate::camera;
 use crate::scene::{self, Stage};
@@ -18,7 +18,7 @@ use std::time::Duration;
 /// Size of each half, pixels.
 const SIZE: [u32; 2] = [832, 424];
 
-/// Number of frames from a request to its capture: models and pipelines are ready by then.
+/// Number of frames before a capture, after which models and pipelines are ready.
 const FRAMES: u32 = 8;
 
 /// Requested picture and its progress.
@@ -34,7 +34,7 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// Requests a picture in that file.
+    /// Requests a picture, to be written to `file`.
     pub fn new(file: PathBuf) -> Self {
         Self { file, target: None, reader: None, frames: 0, halves: Vec::new() }
     }
@@ -42,7 +42,7 @@ impl Wanted {
 
 /// Adds the system that draws the picture and quits.
 pub fn add(app: &mut App, wanted: Wanted) {
-    // Each frame advances time by the same amount, however long it takes.
+    // Every frame advances time by the same amount, however long it takes to draw.
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)))
         .insert_resource(wanted)
         .add_systems(Update, draw);
@@ -84,7 +84,7 @@ fn keep(
     let Some(reader) = wanted.reader.take() else { return };
     commands.entity(reader).despawn();
     let row = 4 * SIZE[0] as usize;
-    // Rows of a copied texture are aligned.
+    // The rows of a copied texture have alignment padding, which is removed.
     let rows = read.data.chunks_exact(read.data.len() / SIZE[1] as usize).flat_map(|aligned| &aligned[..row]);
     wanted.halves.push(rows.copied().collect());
     wanted.frames = 0;

@@ -1,4 +1,4 @@
-//! Scene: animals that walk in circles on a ground, between posts that shade them.
+//! Scene: animals that walk in circles on a ground, between posts that cast shadows on them.
 
 use bevy_app::{App, Update};
 use bevy_asset::{Assets, Handle};
@@ -15,11 +15,11 @@ use bevy_time::Time;
 use bevy_transform::components::Transform;
 use std::f32::consts::TAU;
 
-/// Models of the animals, ordered by their circles, innermost first.
+/// Models of the animals in the order of their circles, innermost first.
 #[derive(Resource)]
 pub struct Animals(pub Vec<Handle<PelageModel>>);
 
-/// Size of the scene, present once its animals are loaded.
+/// Size of the scene; this resource exists once all animals are loaded.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Stage {
     /// Radius of the outermost circle, metres.
@@ -41,7 +41,7 @@ struct Walker {
 }
 
 impl Walker {
-    /// Returns the transform at a time, facing the direction of walking: models face +z.
+    /// Returns the transform at a time. The animal faces its walking direction; models face +z.
     fn at(&self, time_s: f32) -> Transform {
         let angle = self.start_rad + time_s * self.speed_m_s / self.radius_m;
         let place = Vec3::new(self.radius_m * angle.sin(), self.lift_m, self.radius_m * angle.cos());
@@ -49,7 +49,7 @@ impl Walker {
     }
 }
 
-/// Adds the scene to an app; it is set up when all of [`Animals`] are loaded.
+/// Adds the scene to an app. The scene is set up once all of [`Animals`] are loaded.
 pub fn add(app: &mut App) {
     app.insert_resource(GlobalAmbientLight { brightness: 1_500.0, ..Default::default() })
         .add_systems(Update, (set_up.run_if(not_yet), walk));
@@ -68,18 +68,18 @@ fn set_up(
 ) {
     let Some(loaded) = animals.0.iter().map(|handle| models.get(handle)).collect::<Option<Vec<_>>>() else { return };
     let height_m = loaded.iter().map(|model| 2.0 * model.bounds().half_extents.y).fold(0.0, f32::max);
-    // Around the block in the middle.
+    // The first circle leaves room for the block in the middle.
     let mut stage = Stage { radius_m: 0.4 * height_m, height_m };
     for (number, (handle, model)) in (0u8..).zip(animals.0.iter().zip(loaded)) {
         let (bounds, fur) = (model.bounds(), model.fur_height_m());
         let length = bounds.half_extents.z;
         stage.radius_m += 1.5 * length + bounds.half_extents.x;
-        // Approximate walking speed of the built-in animals' clips.
+        // The speed approximately matches the clips of the built-in animals.
         let speed_m_s = 0.5 * length.max(bounds.half_extents.y);
         let lift_m = bounds.half_extents.y - bounds.center.y - fur;
         let walker = Walker { radius_m: stage.radius_m, start_rad: -0.5 + 0.8 * f32::from(number), speed_m_s, lift_m };
         let mut animal = commands.spawn((Pelage::fur(handle.clone()), walker, walker.at(0.0)));
-        // Without a clip of that name an animal does not move its legs.
+        // An animal without a clip of that name glides without moving its legs.
         if model.clip("Walk").is_ok() {
             animal.insert(PelageClip::new("Walk"));
         }
@@ -130,7 +130,7 @@ fn walk(mut walkers: Query<(&Walker, &mut Transform)>, time: Res<Time>) {
 
 /// Returns a camera position from which all circles and animals are visible.
 ///
-/// * `turn_rad` - angle about the middle; 0 looks from +z
+/// * `turn_rad`: rotation about the centre; at 0 the camera is on the +z side
 pub fn seen_from(stage: &Stage, turn_rad: f32) -> Transform {
     let distance = 2.1 * stage.radius_m;
     let eye = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.5 * stage.height_m + 0.18 * distance, distance);
@@ -147,7 +147,7 @@ pub fn ink() -> Style {
     Style::Ink(InkParams::default().with(|ink| ink.background = InkBackground::Picture))
 }
 
-/// Sets the style of all animals.
+/// Sets the drawing style of all animals.
 pub fn restyle(animals: &mut Query<&mut Pelage>, style: &Style) {
     for mut animal in animals {
         animal.style = style.clone();

@@ -1,4 +1,5 @@
-//! Fur strands of a package, placed on its mesh at load time, because there are many times more than the tile has.
+//! Fur strands of a package. They are placed on the mesh at load time, because there are many times more than in the
+//! tile.
 
 use super::set::{Strand, StrandSet, StrandSource, SurfacePoint, mean_deviation, steps};
 use crate::error::RuntimeError;
@@ -14,8 +15,8 @@ use std::ops::Range;
 
 /// Places the strands. Returns `None` for a package without strands, or if a buffer of the device cannot hold them.
 ///
-/// If there were more than `most`, a share of them is placed, each correspondingly wider. If that share would be too
-/// small, there are none.
+/// If there would be more than `most`, only a share of them is placed, each correspondingly wider. If that share would
+/// be too small, none are placed.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -28,7 +29,7 @@ pub(super) fn load(
         let [a, b, c] = ground.corners(triangle, &ground.tile_uv);
         0.5 * (b - a).perp_dot(c - a).abs()
     };
-    // Estimates the count from the area that the tile covers, so that too many strands are not placed just to be
+    // Estimate the count from the area that the tile covers. Otherwise, too many strands would be placed only to be
     // counted.
     let tiles: f64 = (0..ground.triangles.len()).filter(|t| ground.furred[*t]).map(area).sum();
     let Some(share) = placed_share(f64::from(view.strand_count()) * tiles, most) else { return Ok(None) };
@@ -63,7 +64,7 @@ pub(super) fn load(
     Ok(fits.then_some(strands))
 }
 
-/// Smallest share of strands that is placed. Fewer and wider strands leave holes in dense short fur, which layers do
+/// Minimum share of strands that are placed. Fewer and wider strands would leave holes in dense short fur; layers do
 /// not.
 const FEWEST_PLANTED: f32 = 0.5;
 
@@ -79,8 +80,8 @@ fn least_chances(strands: &[Strand]) -> Vec<f32> {
     strands.chunks(WORKGROUP as usize).map(least).collect()
 }
 
-/// Returns the greatest distance of the tile's mean dry strand from the straight segments between every `step`th point,
-/// metres.
+/// Returns the greatest distance between the tile's mean dry strand and the straight segments that connect every
+/// `step`th point, metres.
 fn mean_deviation_m(view: &StrandsView<'_>, step: usize, tile_m: f32, height_m: f32) -> f32 {
     let points: Vec<Vec3> =
         view.points().map(|p| Vec3::new(p.aside[0] * tile_m, p.aside[1] * tile_m, p.height * height_m)).collect();
@@ -88,7 +89,7 @@ fn mean_deviation_m(view: &StrandsView<'_>, step: usize, tile_m: f32, height_m: 
     mean_deviation(points.chunks_exact(view.points_per_strand() as usize).take(count), step)
 }
 
-/// Returns the mean radius of the tile's dry strands over all their points, in widths of the tile.
+/// Returns the mean radius of the tile's dry strands over all their points, as a fraction of the tile's width.
 fn mean_radius(view: &StrandsView<'_>) -> f32 {
     let count = (view.strand_count() * view.points_per_strand()) as usize;
     view.points().take(count).map(|point| f64::from(point.radius)).sum::<f64>() as f32 / count.max(1) as f32
@@ -97,20 +98,20 @@ fn mean_radius(view: &StrandsView<'_>) -> f32 {
 struct PlacedStrands {
     strands: Vec<Strand>,
     stands: Vec<SurfacePoint>,
-    /// Points of the same strands when wet, if the package has wet hair.
+    /// Surface points of the same strands when wet, if the package has wet hair.
     wet_stands: Vec<SurfacePoint>,
     of_parts: Vec<Range<u32>>,
 }
 
-/// Strand whose points have not been placed on the surface yet.
+/// Strand whose points have not yet been placed on the surface.
 struct RootedStrand {
     strand: Strand,
     root: WalkPosition,
 }
 
 impl PlacedStrands {
-    /// Places the strands whose chance is below `share`. Neighbouring parts of one material are drawn as one; their
-    /// strands are sorted by chance, so that any share of them is a prefix.
+    /// Places the strands whose selection number is below `share`. Neighbouring parts of one material are drawn as one.
+    /// Their strands are sorted by that number, so that any share of them is a prefix.
     fn of(
         package: &Package<'_>,
         mesh: &MeshView<'_>,
@@ -138,7 +139,7 @@ impl PlacedStrands {
             run.sort_by(|a, b| a.strand.selection.total_cmp(&b.strand.selection));
             for RootedStrand { strand, root } in run {
                 let number = strand.of_tile as usize;
-                // Rescaled chances: any share of the remaining strands is again a uniform sample.
+                // The numbers are rescaled, so that any share of the remaining strands is again a uniform sample.
                 out.strands.push(Strand { selection: strand.selection / share, ..strand });
                 for (asides, stands) in [(dry, &mut out.stands), (wet, &mut out.wet_stands)] {
                     let of_strand = asides.get(number * per_strand..(number + 1) * per_strand).unwrap_or_default();
@@ -159,7 +160,7 @@ impl PlacedStrands {
 }
 
 impl RootedStrand {
-    /// Returns the strands of every part of the manifest, in the order of its triangles.
+    /// Returns the strands of every part of the manifest, in triangle order.
     fn on_parts(
         package: &Package<'_>,
         mesh: &MeshView<'_>,
@@ -169,7 +170,7 @@ impl RootedStrand {
     ) -> Vec<Vec<Self>> {
         let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
         let attributes: Vec<AttributeVertex> = mesh.attributes().collect();
-        // The package was validated when the model was loaded.
+        // Errors are ignored, because the package was validated when the model was loaded.
         let openness = package.openness().ok().flatten();
         let opened = |vertex: usize| {
             let of = openness.and_then(|all| all.get(4 * vertex..4 * vertex + 4));
@@ -214,8 +215,8 @@ impl RootedStrand {
     }
 }
 
-/// Returns a groom with the openness of the body, whose vector is interpolated between the corners; unchanged if the
-/// openness is unknown.
+/// Returns the packed groom with the openness of the body, a vector interpolated between the triangle's corners.
+/// Unchanged if the openness is unknown.
 fn with_openness(groom: u32, open: Vec3) -> u32 {
     let share = open.length();
     if share <= 0.0 {

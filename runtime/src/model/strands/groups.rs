@@ -1,4 +1,4 @@
-//! Hair groups of a package; their hairs are generated at load time.
+//! Hair groups of a package. Their hairs are generated at load time.
 
 use super::set::{Guided, HairRoot, Strand, StrandSet, StrandSource, mean_deviation, steps};
 use crate::error::RuntimeError;
@@ -15,7 +15,7 @@ use std::ops::Range;
 /// Number of hairs sampled to measure the deviation of simplified hairs.
 const SAMPLED_HAIRS: usize = 256;
 
-/// Mesh at rest, as hair groups need it.
+/// Mesh at rest, in the form that hair groups need.
 struct RestMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
@@ -68,7 +68,7 @@ fn generate_group(
     let points = group.points;
     let (motion, freedom) = motion.unzip();
     let of_buffer = largest_buffer(&uploader.gpu.device.limits()) / (u64::from(points + 2) * 16);
-    // Room for the padding of each part's workgroups.
+    // Reserve room for the padding of each part's workgroups.
     let filled = u64::from(WORKGROUP) * rest.parts.len() as u64;
     let most = u32::try_from(of_buffer.saturating_sub(filled)).unwrap_or(u32::MAX);
     let planted = GrownGroup::new(group, &rest.positions, &rest.triangles, most);
@@ -78,7 +78,7 @@ fn generate_group(
         let first = strands.len() as u32;
         let here = planted.hairs.iter().enumerate().filter(|(_, hair)| part.contains(&hair.root.triangle));
         for (number, hair) in here {
-            // Any prefix is an even sample.
+            // With evenly spaced numbers, any prefix of the hairs is an even sample.
             let chance = (number as f32 + 0.5) / planted.hairs.len() as f32;
             strands.push(Strand { color: u32::MAX, of_tile: hair.color, selection: chance, ..Strand::default() });
             roots.push(root(hair, rest));
@@ -104,8 +104,8 @@ fn generate_group(
         .collect();
     let length = |points: &Vec<Vec3>| points.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
     let as_groomed = |step: u32| mean_deviation(measured.iter().map(Vec::as_slice), step as usize);
-    // Straight hair that moves does not stay straight. The deviation of a segment from an arc of a quarter turn is
-    // proportional to the square of its share of the hair.
+    // Moving hair does not stay straight. The deviation of a segment from a quarter-turn arc is proportional to the
+    // square of its share of the hair's length.
     let longest = planted.guides.iter().map(length).fold(0.0, f32::max);
     let swinging = |step: u32| longest * FRAC_PI_2 / 8.0 * (step as f32 / (points - 1) as f32).powi(2);
     let bent = |step: u32| as_groomed(step).max(if motion.is_some() { swinging(step) } else { 0.0 });
@@ -116,7 +116,7 @@ fn generate_group(
     let triangles: Vec<[u32; 4]> = planted.guide_triangles.iter().zip(&group.guide_roots).map(triangle).collect();
     let held_up =
         |(triangle, points): (&u32, &Vec<Vec3>)| gravity_compensation(points, triangle_frame(corners(*triangle)));
-    // Also stores how freely the guide moves; unused if no guide moves.
+    // The buffer also stores how freely the guide moves; the value is unused if no guide moves.
     let freedom = freedom.unwrap_or_default();
     let of_guide = |(number, guide)| {
         let free = freedom.get(number).copied().unwrap_or_default();
@@ -171,14 +171,14 @@ fn share(k: u32, points: u32) -> f32 {
     k as f32 / (points - 1) as f32
 }
 
-/// Returns radius and colour along the hairs of each colour, in the format of tile strand points.
+/// Returns radius and colour along the hairs, one profile for each colour, in the format of tile strand points.
 fn profiles(group: &HairGroup) -> Vec<[u32; 4]> {
     let point = |color: u32, k: u32| {
         let share = share(k, group.points);
         let unorm = |x: f32| (x.clamp(0.0, 1.0) * 65535.0).round() as u32;
         let radius = unorm(hair_radius(group, share) / group.root_radius_m);
         let [r, g, b] = hair_color(group, color, share).to_array().map(linear_to_srgb);
-        // The light that reaches it is unknown.
+        // The visibility of light at the hair is unknown.
         let visible = u32::from_le_bytes(encode_visibility(Vec4::X));
         [0, unorm(share) | radius << 16, u32::from_le_bytes([r, g, b, 0]), visible]
     };

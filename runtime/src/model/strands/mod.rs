@@ -10,7 +10,7 @@ use super::upload::Uploader;
 use crate::error::RuntimeError;
 use pelage_formats::{MeshView, Package};
 
-/// Places the fur strands and generates the hair groups. The fur strands are omitted if there would be more than
+/// Places the fur strands and generates the hair groups. Fur strands are omitted if there would be more than
 /// `most_of_coat`, or if a buffer of the device cannot hold them.
 pub(super) fn load(
     uploader: &Uploader<'_>,

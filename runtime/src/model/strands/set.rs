@@ -1,4 +1,4 @@
-//! Strands on the GPU, of fur and of hair groups.
+//! Strands in GPU memory: fur strands and hair groups.
 
 use crate::gpu::WORKGROUP;
 use bytemuck::{Pod, Zeroable};
@@ -9,30 +9,30 @@ use std::ops::Range;
 /// Maximum number of fur strands drawn into the deep opacity map.
 const MOST_SHADOWING: f32 = 100_000.0;
 
-/// Strands of a model with the same number of points each: its fur strands, or a hair group.
+/// Strands of a model that all have the same number of points: its fur strands, or a hair group.
 #[derive(Debug)]
 pub(crate) struct StrandSet {
     /// Buffer of [`Strand`], one per strand.
     pub(crate) strands: wgpu::Buffer,
-    /// Source data from which points are posed.
+    /// Data from which the points are posed.
     pub(crate) growth: StrandSource,
-    /// Points of the tile's strands as stored in the package, dry, then wet. For a hair group: radius and colour of its
-    /// hairs in the same format.
+    /// Points of the tile's strands as stored in the package: the dry ones, then the wet ones. For a hair group: radius
+    /// and colour of its hairs in the same format.
     pub(crate) tile: wgpu::Buffer,
-    /// Points per strand.
+    /// Number of points per strand.
     pub(crate) points: u32,
     /// Number of strands.
     pub(crate) count: u32,
-    /// Strand range of each part of the manifest, in whole workgroups.
+    /// Strand range of each part of the manifest, aligned to workgroups.
     pub(crate) of_parts: Vec<Range<u32>>,
-    /// Number of points of all dry strands of the tile, and the largest radius in metres.
+    /// Number of points of all dry strands of the tile. The next field is the largest radius, metres.
     pub(super) dry_points: u32,
     pub(super) radius: f32,
     /// Mean width of the tile's dry strands over all their points, metres.
     pub(crate) mean_width_m: f32,
-    /// Deviation of the mean dry strand from its simplified form, metres, for each of [`Self::steps`].
+    /// Deviation of the mean dry strand from its simplified shape, metres, for each of [`Self::steps`].
     pub(crate) deviation_m: Vec<f32>,
-    /// Smallest chance in each workgroup; empty if the strands are not sorted by chance.
+    /// Smallest selection number in each workgroup; empty if the strands are not sorted by it.
     pub(super) least_chances: Vec<f32>,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct StrandSet {
 pub(crate) enum StrandSource {
     /// Fur: the surface position of each point, [`SurfacePoint`].
     Fur {
-        /// Points of all dry strands, followed by those of wet hair.
+        /// Surface points of all dry strands, followed by those of all wet strands.
         stands: wgpu::Buffer,
     },
     /// Hair group that follows guides.
@@ -51,11 +51,11 @@ pub(crate) enum StrandSource {
 /// Guided hair.
 #[derive(Debug)]
 pub(crate) struct Guided {
-    /// Triangle corners of each guide, and the weights of the second and third corner at its root, unorm.
+    /// Triangle corners of each guide. Also the weights of the second and third corner at the guide's root, unorm.
     pub(crate) triangles: wgpu::Buffer,
     /// Guide points at rest, relative to their roots, in the frames of their triangles.
     pub(crate) guides: wgpu::Buffer,
-    /// Accelerations that hold the guides in shape against gravity at rest, in the frames of their triangles.
+    /// Accelerations that keep the guides in their rest shape against gravity, in the frames of their triangles.
     pub(crate) ballast: wgpu::Buffer,
     /// Motion parameters; `None` if the guides do not move.
     pub(crate) motion: Option<GroupMotion>,
@@ -73,15 +73,15 @@ pub(crate) struct Guided {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct HairRoot {
-    /// Triangle corners.
+    /// Vertex indices of the root triangle.
     pub(crate) vertices: [u32; 3],
-    /// Weights of the second and third corner, unorm.
+    /// Barycentric weights of the second and third corner, unorm.
     pub(crate) weights: [u16; 2],
     /// Indices of the guides.
     pub(crate) guides: [u16; 4],
     /// Weights of the guides, unorm.
     pub(crate) shares: [u8; 4],
-    /// Length relative to the guides.
+    /// Length relative to that of the guides.
     pub(crate) length: f32,
     /// Offset of the tip from the interpolated guides, in the frame of the root triangle, metres.
     pub(crate) aside: [f32; 3],
@@ -97,8 +97,8 @@ impl StrandSet {
         }
     }
 
-    /// Returns the constants shared by the strands of a part: `share` of them is used, every `step`th point, at
-    /// `widened` times their natural width.
+    /// Returns the shader constants for the strands of a part. A share `share` of them is drawn, with every `step`th
+    /// point and `widened` times their natural width.
     pub(crate) fn constants(&self, part: &Range<u32>, [share, widened]: [f32; 2], step: u32) -> StrandConstants {
         StrandConstants {
             points: self.points,
@@ -112,8 +112,8 @@ impl StrandSet {
         }
     }
 
-    /// Returns the share of strands drawn into the deep opacity map, each correspondingly wider: all guided hairs, and
-    /// as many fur strands as a map can resolve.
+    /// Returns the share of strands that are drawn into the deep opacity map, each correspondingly wider: all guided
+    /// hairs, and as many fur strands as a map can resolve.
     pub(crate) fn shadow_share(&self) -> f32 {
         match self.growth {
             StrandSource::Fur { .. } => (MOST_SHADOWING / self.count.max(1) as f32).min(1.0),
@@ -121,32 +121,34 @@ impl StrandSet {
         }
     }
 
-    /// Returns the range of a part that contains all strands whose chance is below `share`, in whole workgroups.
+    /// Returns a range of a part, in whole workgroups, that contains all strands whose selection number is below
+    /// `share`.
     pub(crate) fn prefix_below(&self, part: &Range<u32>, share: f32) -> Range<u32> {
         let groups = (part.start / WORKGROUP) as usize..part.end.div_ceil(WORKGROUP) as usize;
         let Some(chances) = self.least_chances.get(groups) else { return part.clone() };
-        // Where non-adjacent parts were joined, the order holds only within each piece.
+        // Where non-adjacent parts were joined, the strands are sorted only within each of them.
         let count = chances.iter().rposition(|least| *least < share).map_or(0, |last| last as u32 + 1);
         part.start..(part.start + count * WORKGROUP).min(part.end)
     }
 
-    /// Returns the size in bytes of the particles of movable guides: two vectors per point, and four for their frames.
+    /// Returns the size of the particle buffer of movable guides, bytes: two vectors per point, and four per guide for
+    /// its frames. `None` if the guides cannot move.
     pub(crate) fn particle_bytes(&self) -> Option<u64> {
         let guided = self.guided().filter(|guided| guided.motion.is_some())?;
         Some(u64::from(guided.guide_count) * u64::from(2 * self.points + 4) * 16)
     }
 
-    /// Returns the size in bytes of the posed points: two vectors of the surface frame per strand, then its points.
+    /// Returns the size of the posed points in bytes: per strand, two vectors of the surface frame, then its points.
     pub(crate) fn posed_bytes(&self) -> u64 {
         u64::from(self.count) * u64::from(self.points + 2) * 16
     }
 
-    /// Returns the corners of a ribbon that uses every `step`th point: two per point.
+    /// Returns the number of corners of a ribbon that uses every `step`th point: two per point.
     fn corners(&self, step: u32) -> u32 {
         2 * (self.segments(step) + 1)
     }
 
-    /// Returns the segments of such a ribbon, each of two triangles.
+    /// Returns the number of segments of a ribbon that uses every `step`th point; each has two triangles.
     pub(crate) fn segments(&self, step: u32) -> u32 {
         (self.points - 1) / step
     }
@@ -161,7 +163,7 @@ impl StrandSet {
         u64::from(self.count) * u64::from(self.corners(step)) * CORNER_BYTES
     }
 
-    /// Returns the size on the GPU in bytes.
+    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let growth = match &self.growth {
             StrandSource::Fur { stands } => stands.size(),
@@ -173,21 +175,21 @@ impl StrandSet {
     }
 }
 
-/// Bytes per corner of a ribbon: its position and its light.
+/// Bytes per corner of a ribbon, which stores position and light.
 pub(crate) const CORNER_BYTES: u64 = 16;
 
-/// Pose-independent data of a strand.
+/// Data of a strand that do not depend on the pose.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct Strand {
     pub(crate) base_uv: [f32; 2],
     /// Vertex colour, unorm.
     pub(crate) color: u32,
-    /// Bareness and wetness, unorm; openness of the body at the strand, packed.
+    /// Bareness and wetness, unorm. The rest is the packed openness of the body at the strand.
     pub(crate) groom: u32,
-    /// Index of the tile's strand.
+    /// Index of the strand in the tile.
     pub(crate) of_tile: u32,
-    /// Random number in 0..1 that selects a share of all strands.
+    /// Random number in 0..1; a strand is drawn if it is below the drawn share.
     pub(crate) selection: f32,
     pub(crate) lean: f32,
     pub(crate) fur_height: f32,
@@ -197,9 +199,9 @@ pub(crate) struct Strand {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct SurfacePoint {
-    /// Triangle corners.
+    /// Vertex indices of the triangle.
     pub(crate) vertices: [u32; 3],
-    /// Weights of the second and third corner, as snorm of a quarter of the value.
+    /// Barycentric weights of the second and third corner, a quarter of the value as snorm.
     pub(crate) weights: [i16; 2],
 }
 
@@ -210,14 +212,14 @@ pub(crate) struct StrandConstants {
     pub(crate) points: u32,
     /// Number of strands of the model.
     pub(crate) count: u32,
-    /// Points of the tile's dry strands.
+    /// Number of points of all dry strands of the tile.
     pub(crate) dry_points: u32,
-    /// Radius in metres of the largest stored number.
+    /// Radius of the largest stored value, metres.
     pub(crate) radius: f32,
-    /// Range of strands of the part.
+    /// First strand of the part; the next field is the end of the range.
     pub(crate) first: u32,
     pub(crate) end: u32,
-    /// Share of the strands that is drawn.
+    /// Share of the strands that are drawn.
     pub(crate) share: f32,
     /// Stride between the points that are used.
     pub(crate) step: u32,
@@ -228,8 +230,8 @@ pub(super) fn steps(points: u32) -> impl DoubleEndedIterator<Item = u32> {
     (1..=pieces).filter(move |step| pieces.is_multiple_of(*step))
 }
 
-/// Returns the greatest mean distance of some strands from the straight segments between every `step`th of their
-/// points.
+/// Returns the mean, over the strands, of the greatest distance of a strand from the straight segments that connect
+/// every `step`th of its points.
 pub(super) fn mean_deviation<'a>(strands: impl Iterator<Item = &'a [Vec3]>, step: usize) -> f32 {
     let off_piece = |piece: &[Vec3]| {
         let (from, along) = (piece[0], piece[piece.len() - 1] - piece[0]);

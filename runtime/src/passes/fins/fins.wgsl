@@ -1,11 +1,11 @@
 //! uses debug/false_color, hair/fin_corner, hair/hair, hair/vertex, light/baked, light/forms, light/key, light/point,
 //! light/visibility, shared/tile_frame, surface/place
-// Fins: a quad on every mesh edge, visible when seen face on, which is along the outline (Lengyel 2001). Faded fins
+// Fins: a quad on every mesh edge, visible when it faces the eye, which is along the outline (Lengyel 2001). Faded fins
 // collapse into a point and produce no fragments.
 
 struct FinVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Coordinate along the slab; height: 0 on the mesh surface, 1 at the outermost layer.
+    // Coordinate along the slab, and height: 0 on the mesh surface, 1 at the outermost layer.
     @location(0) slab_uv: vec2<f32>,
     @location(1) light_ts: vec3<f32>,
     @location(2) half_ts: vec3<f32>,
@@ -14,7 +14,7 @@ struct FinVarying {
     @location(5) @interpolate(flat, either) slab: u32,
     @location(6) @interpolate(flat, either) opacity: f32,
     @location(7) groom: vec2<f32>,
-    // Length of the hair relative to the tile's; slope that the vertex lean adds at this height.
+    // Hair length relative to the tile's, and the slope that the vertex lean adds at this height.
     @location(8) length_slope: vec2<f32>,
     @location(9) place: vec4<f32>,
     @location(10) position_ws: vec3<f32>,
@@ -23,7 +23,7 @@ struct FinVarying {
     @location(13) open: vec3<f32>,
 }
 
-// Returns the mean baked visibility at a height (formulas 4.9). The mean is used because the package does not record
+// Returns the mean baked visibility at a height (formulas 4.9). The mean is used because the package does not store
 // which strands of the tile a slab shows.
 fn baked_at_height(height: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
@@ -86,7 +86,7 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     }
     let groom = groom_at_root(in.groom, in.base_uv, root);
     let base = base_color_at_root(in.tint, in.base_uv, root);
-    // Hair that grows and is not in wet locks; fins have no wet locks.
+    // Keep the hair that grows outside wet locks; fins have no wet locks.
     let texel = hair.color * (in.opacity * groom.x * select(1.0, 1.0 - groom.y, WET));
     if texel.a < LEAST_ALPHA || is_cut(base.a) {
         discard;

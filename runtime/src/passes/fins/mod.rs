@@ -1,5 +1,5 @@
-//! `fins`: hair quads on mesh edges, faded by viewing angle (Lengyel 2001). Blended into the application's colour
-//! target, with depth test and without depth write. Runs between `skin` and `shells`.
+//! `fins`: hair quads on mesh edges, faded by viewing angle (Lengyel 2001). They are blended into the application's
+//! colour target, with depth test and without depth write. Runs between `skin` and `shells`.
 
 use super::{Outcome, Pass, PassId, PassStage, any_reduced};
 use crate::gpu::{DrawBindGroup, RenderSpec, Shader, flag};
@@ -19,7 +19,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Hair quads on mesh edges, visible when seen face on.
+    /// Hair quads on mesh edges, visible when they face the eye.
     pub const FINS: Self = Self(&PASS);
 }
 

@@ -1,10 +1,10 @@
 //! uses hair/wind, shared/skinning, shared/tile_frame, surface/geometry
-// Motion of fur (formulas 2.7): one particle at the hair tip of each vertex. Twin of formats/src/meaning/fur_motion.rs,
-// which explains the method.
+// Motion of fur (formulas 2.7): one particle per vertex, at its hair tip. Counterpart of
+// formats/src/meaning/fur_motion.rs, which explains the method.
 
-// Constants of a model in a frame.
+// Constants of a model for a frame.
 struct FurMotion {
-    // Transform of directions.
+    // Transform of directions from model to world space.
     world_from_model: mat3x3<f32>,
     // Model origin in world space.
     origin: vec3<f32>,
@@ -15,23 +15,22 @@ struct FurMotion {
     wind: Wind,
     // Duration of the previous frame, s.
     before_s: f32,
-    // Scale of the character.
+    // Length scale of the character.
     scale: f32,
-    // Strength of the lean.
+    // Strength of the lean; 1 is natural.
     strength: f32,
-    // 1: first frame of motion. 2: second frame; the previous velocity of the surface is unknown. 0 otherwise.
+    // 1: first frame of motion. 2: second frame, in which the previous velocity of the surface is unknown. Otherwise 0.
     begins: u32,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
 // Six words per vertex; the first two bytes of the last word are bareness and wetness.
 @group(0) @binding(1) var<storage, read> attributes: array<u32>;
-// Three vectors per vertex: offset of the tip from its groomed position, velocity of that offset, and surface position
+// Three vectors per vertex: offset of the tip from its groomed position, velocity of that offset, surface position
 // relative to the model origin. Their w components hold the surface velocity.
 @group(0) @binding(2) var<storage, read_write> tips: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> leaned: array<GeometryVertex>;
-// Storage buffer instead of uniform: Mesa's lavapipe recompiles a shader for each value of a uniform that it branches
-// on.
+// A storage buffer, because Mesa's lavapipe recompiles a shader for each value of a uniform that it branches on.
 @group(0) @binding(4) var<storage, read> motion: FurMotion;
 
 // Stiffness s of long hair, m/s² (formulas 2.7).
@@ -40,19 +39,20 @@ const STIFFNESS: f32 = 60.0;
 const SHORT_M: f32 = 0.01;
 // Drag rate c, 1/s (formulas 2.7).
 const DRAG_PER_S: f32 = 4.0;
-// Damping zeta, as a share of critical damping (formulas 2.7).
+// Damping ratio zeta: 1 for critical damping (formulas 2.7).
 const DAMPING: f32 = 0.35;
 // Upper bound of the lean angle, radians (formulas 2.7).
 const MOST_LEAN_RAD: f32 = 0.7;
-// Largest distance of a tip from its groomed position, hair lengths.
+// Maximum distance of a tip from its groomed position, in hair lengths.
 const FARTHEST: f32 = 2.0;
 // Length below which hair does not move, metres.
 const SHORTEST_M: f32 = 1e-5;
-// Shares of its motion that hair loses where it lies flat, and where it is wet (formulas 2.7).
+// Share of its motion that hair loses where it lies flat (formulas 2.7). The next constant is the share that it loses
+// where it is wet.
 const HELD_BY_LEAN: f32 = 0.5;
 const HELD_BY_WATER: f32 = 0.6;
 
-// Limits the length of a vector.
+// Limits the length of a vector to `most`.
 fn limit_length(v: vec3<f32>, most: f32) -> vec3<f32> {
     return v * min(most / max(length(v), 1e-20), 1.0);
 }
@@ -78,7 +78,7 @@ fn lean_fur(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         if wanted > 1e-4 {
             let angle = wanted / sqrt(1.0 + (wanted / MOST_LEAN_RAD) * (wanted / MOST_LEAN_RAD));
             let axis = normal * cos(angle) + along * (sin(angle) / far);
-            // World to model space; normals transform by the transpose.
+            // The axis is transformed from world to model space; normals transform by the transpose.
             out.normal = normalize_or(transpose(motion.world_from_model) * axis, v.normal);
             out.tangent = vec4(orthonormal_tangent(v.tangent.xyz, out.normal), v.tangent.w);
         }

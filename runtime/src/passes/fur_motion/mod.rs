@@ -1,4 +1,4 @@
-//! `fur_motion`: leans fur in wind and stride, once per instance and frame.
+//! `fur_motion`: leans fur in the wind and with the motion of the character, once per instance and frame.
 //!
 //! Reads the posed vertices and the state of the tip particles. Writes that state, and a copy of the posed vertices
 //! with leaned normals and tangents. All later passes draw the copy. Shells, fins, fur strands, ink strokes and shadow
@@ -25,7 +25,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: leans fur in wind and stride.
+    /// Compute pass: leans fur in the wind and with the motion of the character.
     pub const FUR_MOTION: Self = Self(&PASS);
 }
 
@@ -41,7 +41,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Constants of a model in a frame, in shader layout.
+/// Constants of a model for a frame, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct FurMotion {

@@ -1,10 +1,10 @@
 //! uses hair/triangle_frame, hair/wind, surface/geometry
-// Motion of hair on guides (formulas 2.6): each guide is a chain of particles whose root moves with the mesh surface.
-// Twin of formats/src/meaning/hair_motion/mod.rs, which explains the method.
+// Motion of guided hair (formulas 2.6): each guide is a chain of particles whose root moves with the mesh surface.
+// Counterpart of formats/src/meaning/hair_motion/mod.rs, which explains the method.
 
-// Constants of a group's guides in a frame.
+// Constants of a group's guides for a frame.
 struct HairMotion {
-    // Transform of directions.
+    // Transform of directions from model to world space.
     world_from_model: mat3x3<f32>,
     model_from_world: mat3x3<f32>,
     // Model origin in world space.
@@ -16,7 +16,7 @@ struct HairMotion {
     gravity: vec3<f32>,
     step_s: f32,
     wind: Wind,
-    // Step duration of the previous frame, s.
+    // Duration of a step in the previous frame, s.
     before_s: f32,
     held: f32,
     free: f32,
@@ -26,50 +26,52 @@ struct HairMotion {
     friction: f32,
     colliders: u32,
     guides: u32,
-    // 1 if hair starts from its groomed shape.
+    // 1 if the hair starts from its groomed shape; otherwise 0.
     fresh: u32,
     reserved: vec2<u32>,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
-// Per guide: corners of its triangle; root weights of the second and third corner, unorm.
+// Per guide: corners of its triangle, and root weights of the second and third corner, unorm.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
-// Per guide: points in the frame of its triangle. `ballast`: acceleration that holds them there at rest; w: freedom of
-// the guide.
+// Per guide: its points in the frame of its triangle. `ballast`: acceleration that keeps them there at rest; w holds
+// the freedom of the guide.
 @group(0) @binding(2) var<storage, read> groomed: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> ballast: array<vec4<f32>>;
-// Per guide: position and velocity of each particle, then previous frame (three vectors) and root.
+// Per guide: position and velocity of each particle, then the triangle frame (three vectors) and the root of the
+// previous frame.
 @group(0) @binding(4) var<storage, read_write> pearls: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> posed_guides: array<vec4<f32>>;
-// Per collider: both ends in the previous frame, then both ends now, relative to the current model origin. Each first
-// end has the radius in w.
+// Per collider: both ends in the previous frame, then both ends in this frame, relative to the current model origin.
+// The first end of each pair has the radius in w.
 @group(0) @binding(6) var<storage, read> colliders: array<vec4<f32>>;
-// Storage buffer instead of uniform: Mesa's lavapipe recompiles a shader for each value of a uniform that it branches
-// on.
+// A storage buffer, because Mesa's lavapipe recompiles a shader for each value of a uniform that it branches on.
 @group(0) @binding(7) var<storage, read> motion: HairMotion;
 
-// Largest number of points of a guide.
+// Maximum number of points of a guide.
 const MOST_POINTS: u32 = 65u;
-// Smallest number of steps per second (formulas 2.6).
+// Minimum number of steps per second (formulas 2.6).
 const STEPS_PER_S: f32 = 120.0;
-// Largest number of solver iterations for the tensions, and relative length error at which they end (formulas 2.6).
+// Maximum number of solver iterations for the tensions (formulas 2.6). The next constant is the relative length error
+// at which they stop.
 const SOLVED: u32 = 16u;
 const WITHIN: f32 = 1e-4;
-// Number of times that a particle is pushed out of the colliders.
+// Number of passes in which a particle is pushed out of the colliders.
 const PUSHED: u32 = 3u;
-// Cosine of the rotation beyond which a segment's current direction replaces its direction at the start of the step.
+// Cosine of the rotation within a step beyond which a segment's current direction replaces its direction at the start
+// of the step.
 const LEAST_TURN: f32 = 0.995;
-// Damping zeta of the springs to the groomed shape, as a share of critical damping (formulas 2.6).
+// Damping ratio zeta of the springs that restore the groomed shape: 1 for critical damping (formulas 2.6).
 const DAMPED: f32 = 0.3;
-// Largest speed of a particle relative to its root, guide lengths per second.
+// Maximum speed of a particle relative to its root, in guide lengths per second.
 const FASTEST: f32 = 25.0;
-// Standard gravity, m/s², at which the ballast is stored.
+// Standard gravity, m/s²; the ballast is stored for this value.
 const GRAVITY: f32 = 9.81;
 const TAU: f32 = 6.2831853;
-// Factor on the reach of a guide in the search for colliders, against rounding.
+// Factor on the reach of a guide in the search for colliders, which compensates for rounding.
 const NEAR_MARGIN: f32 = 1.001;
 
-// Working state of the thread of a guide.
+// Working state of the guide that a thread simulates.
 var<private> first_pearl: u32;
 var<private> first_point: u32;
 var<private> left: array<f32, MOST_POINTS>;
@@ -78,8 +80,8 @@ var<private> lengths: array<f32, MOST_POINTS>;
 // Bit mask of the colliders that the guide may reach in this frame.
 var<private> near: array<u32, 4>;
 
-// Finds the colliders near a guide. Skips those farther away than the sum of their radius, the guide's length, and the
-// motion of both.
+// Finds the colliders near a guide. It skips those farther away than the sum of their radius, the guide's length, and
+// the motion of both.
 fn find_near(root: vec3<f32>, old_root: vec3<f32>) {
     var reach = distance(root, old_root);
     for (var k = 1u; k < motion.points; k++) {
@@ -115,7 +117,7 @@ fn set_velocity(k: u32, value: vec3<f32>) {
     pearls[first_pearl + 2u * k + 1u] = vec4(value, 0.0);
 }
 
-// Returns the position of a particle at the start of the step. Within a step, it occupies the slot that holds the
+// Returns the position of a particle at the start of the step. During a step, it is stored in the slot that holds the
 // velocity between steps.
 fn start_position(k: u32) -> vec3<f32> {
     return velocity(k);
@@ -178,7 +180,7 @@ fn constraint_direction(k: u32) -> vec3<f32> {
     return select(then, now, dot(now, then) < LEAST_TURN);
 }
 
-// Returns the largest relative length error of a segment.
+// Returns the greatest relative length error of the guide's segments.
 fn length_error(held: u32) -> f32 {
     var off = 0.0;
     for (var k = held + 1u; k < motion.points; k++) {
@@ -188,7 +190,7 @@ fn length_error(held: u32) -> f32 {
     return off;
 }
 
-// Performs one step of Newton's method for the tensions that restore the lengths of all segments (formulas 2.6).
+// Performs one iteration of Newton's method for the tensions that restore the lengths of all segments (formulas 2.6).
 fn solve_lengths(held: u32) {
     var before = vec3(0.0);
     left[held] = 0.0;
@@ -218,8 +220,8 @@ fn solve_lengths(held: u32) {
     }
 }
 
-// Returns the position nearest to `at` that is `size` from `parent` and `radius` from `center` (formulas 2.6). If there
-// is none, returns the point straight away from `center`.
+// Returns the position nearest to `at` with distance `size` from `parent` and `radius` from `center` (formulas 2.6). If
+// there is none, returns the point at distance `size` straight away from `center`.
 fn pushed_out(parent: vec3<f32>, size: f32, at: vec3<f32>, center: vec3<f32>, radius: f32) -> vec3<f32> {
     let to_center = center - parent;
     let apart = length(to_center);
@@ -305,7 +307,7 @@ fn advance(
     resolve_lengths_and_collisions(frame, root, share, held);
 }
 
-// Resolves remaining length errors and collisions, from root to tip.
+// Resolves the remaining length errors and collisions, from root to tip.
 fn resolve_lengths_and_collisions(frame: mat3x3<f32>, root: vec3<f32>, share: f32, held: u32) {
     let h = motion.step_s;
     for (var k = 0u; k < motion.points; k++) {
@@ -373,7 +375,7 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
         }
     } else {
         let old_frame = mat3x3(pearls[last].xyz, pearls[last + 1u].xyz, pearls[last + 2u].xyz);
-        // Relative to the current model origin.
+        // Make the root relative to the current model origin.
         let old_root = pearls[last + 3u].xyz - motion.went;
         lengths[0] = 0.0;
         for (var k = 1u; k < points; k++) {

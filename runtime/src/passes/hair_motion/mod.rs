@@ -1,7 +1,7 @@
-//! `hair_motion`: simulates hair on guides, once per instance and frame.
+//! `hair_motion`: simulates guided hair, once per instance and frame.
 //!
 //! Reads the posed vertices, the groomed guides and the previous state of the particles. Writes the particles and the
-//! posed guides; `hair_pose` writes the latter for guides that do not move.
+//! posed guides. For guides that do not move, `hair_pose` writes the posed guides.
 
 use super::{Outcome, Pass, PassId, PassStage, columns};
 use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, storage_in, storage_out};
@@ -25,7 +25,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: simulates hair on guides.
+    /// Compute pass: simulates guided hair.
     pub const HAIR_MOTION: Self = Self(&PASS);
 }
 
@@ -41,7 +41,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Constants of a group's guides in a frame, in shader layout.
+/// Constants of a group's guides for a frame, in shader layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct HairMotion {
@@ -69,7 +69,7 @@ pub(crate) struct HairMotion {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let nothing = Outcome::Skipped("no hair on guides moves, or all of it is at rest");
-    // A device that cannot draw single hairs cannot create this layout.
+    // Skip early: a device that cannot draw single hairs cannot create the layout below.
     if !frame.instances.iter().any(|seen| seen.look.strands && seen.moved.swing.is_some()) {
         return nothing;
     }
@@ -124,7 +124,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         };
         let mut colliders: Vec<[f32; 4]> = swing.colliders.iter().flatten().flat_map(end).collect();
         if colliders.is_empty() {
-            // Bindings must not be empty.
+            // A binding must not be empty.
             colliders.push([0.0; 4]);
         }
         let size = size_of_val(&colliders[..]) as u64;

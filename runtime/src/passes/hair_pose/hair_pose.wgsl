@@ -1,28 +1,28 @@
 //! uses hair/constants, hair/triangle_frame, shared/skinning, shared/tile_frame, surface/geometry
-// Pose of hair on guides: rotates guides with the triangles of their roots, then places the points of a part's hairs.
-// Twin of `pelage_formats::meaning::hair_groups`.
+// Pose of guided hair: rotates the guides with the triangles at their roots, then places the points of a part's hairs.
+// Counterpart of `pelage_formats::meaning::hair_groups`.
 
-// 48 bytes.
+// Size: 48 bytes.
 struct HairRoot {
     a: u32,
     b: u32,
     c: u32,
-    // Weights of b and c, unorm.
+    // Barycentric weights of the corners b and c, unorm.
     weights: u32,
     // Guide indices, 16 bits each.
     guides_01: u32,
     guides_23: u32,
     // Weights of the guides, unorm.
     shares: u32,
-    // Length relative to the guides', above 0 and at most 1.
+    // Length relative to that of the guides, above 0 and at most 1.
     length: f32,
-    // Offset in the frame of the hair's triangle.
+    // Offset of the tip in the frame of the hair's triangle.
     aside: vec3<f32>,
     reserved: u32,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
-// Corners of each guide's triangle.
+// Triangle corners of each guide.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
 // Points of each guide, in the frame of its triangle.
 @group(0) @binding(2) var<storage, read> guides: array<vec4<f32>>;
@@ -31,7 +31,7 @@ struct HairRoot {
 @group(0) @binding(5) var<storage, read_write> posed: array<vec4<f32>>;
 @group(0) @binding(6) var<uniform> constants: StrandConstants;
 
-// One thread per guide point.
+// Uses one thread per guide point.
 @compute @workgroup_size(64)
 fn pose_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let index = id.y * groups.x * 64u + id.x;
@@ -43,13 +43,13 @@ fn pose_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     posed_guides[index] = vec4(frame * guides[index].xyz, 0.0);
 }
 
-// Returns a position between two points of a guide, relative to its root.
+// Returns a position between two points of a guide, relative to the guide's root.
 fn guide_at(guide: u32, low: u32, high: u32, share: f32) -> vec3<f32> {
     let first = guide * constants.points;
     return mix(posed_guides[first + low].xyz, posed_guides[first + high].xyz, share);
 }
 
-// One thread per hair point.
+// Uses one thread per hair point.
 @compute @workgroup_size(64)
 fn pose_hairs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let points = constants.points;

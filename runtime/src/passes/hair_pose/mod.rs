@@ -1,4 +1,4 @@
-//! `hair_pose`: places hair on guides at its roots on the posed mesh, once per changed pose.
+//! `hair_pose`: places guided hair at its roots on the posed mesh, once per changed pose.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, in_compute, storage_in, storage_out, uniform};
@@ -21,7 +21,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: places hair on guides on the posed mesh.
+    /// Compute pass: places guided hair on the posed mesh.
     pub const HAIR_POSE: Self = Self(&PASS);
 }
 
@@ -39,7 +39,7 @@ pub(crate) const PASS: Pass = Pass {
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let nothing = Outcome::Skipped("no hair on guides is drawn, or no pose changed");
-    // A device that cannot draw single hairs cannot create this layout.
+    // Skip early: a device that cannot draw single hairs cannot create the layout below.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
         return nothing;
     }
@@ -80,9 +80,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
                 let spec = ComputeSpec { shader: SHADER, entry, groups, constants: Vec::new() };
                 Dispatch { pipeline: frame.compute_pipeline(spec), groups: vec![DrawBindGroup::of(&group)], threads }
             };
-            // `hair_motion` writes the guides that move.
+            // `hair_motion` poses the guides that move.
             if number == 0 && !set.posed.is_moved(&seen.moved, guided) {
-                // All guides in one dispatch, regardless of their part.
+                // One dispatch poses all guides, whatever their part.
                 guides.push(dispatch("pose_guides", set.strands.points * guided.guide_count));
             }
             hairs.push(dispatch("pose_hairs", set.strands.points * of_part.len() as u32));
@@ -92,7 +92,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if hairs.is_empty() {
         return nothing;
     }
-    // Hairs read the posed guides, so they come after them.
+    // Hairs read the posed guides, so their dispatches come last.
     guides.append(&mut hairs);
     record_dispatches(frame.encoder, SHADER.name, &guides);
     Outcome::recorded(format!("{count} hairs"))

@@ -1,5 +1,5 @@
 //! uses ink/line_forms, ink/screen, shared/srgb
-// Composition of paper, wash and lines into the application's picture (formulas 5.9), with the depth of the painted
+// Composition of paper, wash and lines over the application's picture (formulas 5.9), with the depth of the painted
 // surface.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
@@ -18,19 +18,20 @@ struct Painted {
     @builtin(frag_depth) depth: f32,
 }
 
-// Bleed of ink into the paper, pixels: wash, then lines, which bleed less.
+// Distance that ink bleeds into the paper, pixels, along x and y: for the wash. The next constant is for lines, which
+// bleed less.
 const WASH_RUNS: vec2<f32> = vec2(1.1, 0.6);
 const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
-// Depth of a line outside the body: share of the distance from its feature to the background.
+// Depth offset of a line outside the body, as a share of the distance from its feature to the background.
 const LINE_BEHIND: f32 = 0.05;
-// Weights of the paper's absorption and relief in the density of the wash.
+// Weight of the paper's absorption in the density of the wash. The next constant is the weight of its relief.
 const ABSORPTION_IN_WASH: f32 = 0.25;
 const RELIEF_IN_WASH: f32 = 0.15;
-// Weights of the paper's relief and tone in its brightness.
+// Weight of the paper's relief in its brightness. The next constant is the weight of its tone.
 const RELIEF_IN_PAPER: f32 = 0.035;
 const TONE_IN_PAPER: f32 = 0.3;
 
-// Samples a bleeding texture: the mean of two reads, each of which filters four texels.
+// Samples a texture blurred by bleeding: the mean of two reads, each of which filters four texels.
 fn sample_bleed(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f32> {
     let px = runs / ink.size;
     let one = textureSampleLevel(map, clamped, uv + px, 0.0).rg;
@@ -39,18 +40,18 @@ fn sample_bleed(map: texture_2d<f32>, uv: vec2<f32>, runs: vec2<f32>) -> vec2<f3
 }
 
 // Returns the depth of a pixel. Outside the body, a line is slightly behind its feature at `q`, so that hair in front
-// of it covers it. A faint edge of a line keeps the depth of its own pixel and so hides nothing.
+// of it covers it. A faint edge of a line keeps the depth of its own pixel and therefore occludes nothing.
 fn depth_at(p: vec2<i32>, q: vec2<i32>, on_body: bool, opacity: f32) -> f32 {
     let beside = mix(textureLoad(depths, q, 0), ink.far_depth, LINE_BEHIND);
     return select(beside, textureLoad(depths, p, 0), on_body || opacity <= 0.5);
 }
 
-// Returns the position of the feature whose line reaches a pixel.
+// Returns the pixel position of the feature whose line reaches the pixel `p`.
 fn feature_of(p: vec2<i32>, stroke: vec4<f32>) -> vec2<i32> {
     return clamp_to_target(p + vec2<i32>(round(stroke.zw * 255.0)) - 128);
 }
 
-// Returns opacity and ink of the line.
+// Returns the opacity and ink of the line.
 fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
     if SOFT {
         return sample_bleed(strokes, uv, LINES_RUN);
@@ -58,8 +59,8 @@ fn line_at(uv: vec2<f32>, stroke: vec4<f32>) -> vec2<f32> {
     return stroke.xy;
 }
 
-// Returns the grey of the wash, which gathers between the paper's fibres. Where the ink suffices for all of the paper,
-// raised fibres take ink too; otherwise they would show as white scratches.
+// Returns the grey of the wash, which gathers between the paper's fibres. Where there is enough ink for the whole
+// paper, raised fibres also take ink; otherwise they would show as white scratches.
 fn wash_at(uv: vec2<f32>, sheet: vec4<f32>) -> f32 {
     let dens = 1.0 - sample_bleed(surfaces, uv, WASH_RUNS).r;
     let thirst = min(2.0 * (1.0 - dens), 1.0);
@@ -92,7 +93,7 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     if !PICTURE {
         return Painted(vec4(color, 1.0), depth);
     }
-    // Outside the body there are only its lines and the wash that bled out.
+    // Outside the body, only its lines and the bleeding of its wash are painted.
     let opacity = select(max(line.x, 1.0 - wash), 1.0, here.w > 0.0);
     if opacity <= 0.0 {
         discard;

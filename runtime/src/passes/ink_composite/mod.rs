@@ -1,4 +1,4 @@
-//! `ink_composite`: paper, wash and lines into the application's pass, with the depth of the painted surface.
+//! `ink_composite`: draws paper, wash and lines into the application's pass, with the depth of the painted surface.
 
 use super::{Outcome, Pass, PassId, PassStage, ink_normals, ink_stroke, ink_trace};
 use crate::gpu::{Draw, Shader, flag};

@@ -1,5 +1,5 @@
-//! `ink_dilate`: the row half of the dilation; `ink_stroke` does the columns. Together they are one dilation by a disc
-//! of each feature's own size, instead of three dilations by 3 x 3 pixels.
+//! `ink_dilate`: the row search of the dilation; `ink_stroke` searches the columns. Together they are one dilation by a
+//! disc of each feature's own size, which replaces three dilations by 3 x 3 pixels.
 
 use super::{Outcome, Pass, PassId, PassStage, ink_trace};
 use crate::gpu::{Shader, Target};
@@ -14,7 +14,7 @@ pub(crate) const SHADER: Shader =
 pub(crate) const ROWS: Target = Target { label: "pelage ink rows", format: wgpu::TextureFormat::Rgba8Unorm };
 
 impl PassId {
-    /// Ink: reach of lines along rows.
+    /// Ink: reach of lines along pixel rows.
     pub const INK_DILATE: Self = Self(&PASS);
 }
 

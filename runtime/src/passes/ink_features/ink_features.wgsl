@@ -1,22 +1,23 @@
 //! uses ink/line_forms, ink/screen, shared/ink
-// Detection of line features: pixels where the normal turns (Fang 2006, §2) or depth steps (formulas 5.2).
+// Detection of line features: pixels where the normal changes (Fang 2006, §2) or the depth is discontinuous (formulas
+// 5.2).
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
 
-// Range, in multiples of `ink.depth_step`, over which a depth step grows from the strength of a fold to that of an
-// outline (formulas 5.2).
+// Range, in multiples of `ink.depth_step`, over which the strength of a depth step grows from that of a fold to that of
+// an outline (formulas 5.2).
 const DEEP: f32 = 2.0;
-// Factor on line width at a stored value of 1; ink_normals stores a quarter of the factor.
+// Factor on line width for a stored value of 1: ink_normals stores a quarter of the factor.
 const WIDTH_SCALE: f32 = 4.0;
 
-// Returns: half of the widest line through the pixel over WIDEST_HALF, 0 for no feature; strength; strength as an
-// outline against the background.
+// Returns: half the width of the widest line through the pixel, divided by WIDEST_HALF, 0 for no feature; strength;
+// strength as an outline against the background.
 @fragment
 fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);
     let here = textureLoad(normals, p, 0);
-    // Background.
+    // The pixel is background.
     if here.w <= 0.0 {
         return vec4(0.0);
     }
@@ -28,15 +29,15 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
     let dots = vec4(dot(here.xyz, a.xyz), dot(here.xyz, b.xyz), dot(here.xyz, c.xyz), dot(here.xyz, d.xyz));
     var strength = ink_feature_strength(min(min(dots.x, dots.y), min(dots.z, dots.w)), ink.t1, ink.t2);
     var outline = strength;
-    // Folds are drawn lighter than outlines.
+    // All neighbours are on the body, so this is a fold, which is drawn lighter than an outline.
     if min(min(a.w, b.w), min(c.w, d.w)) > 0.0 {
         strength *= FOLD;
         outline = 0.0;
     }
     if ink.depth_step > 0.0 {
-        // Second differences are zero on a plane, however slanted. The nearer side of a step carries the line.
+        // Second differences are zero on a plane of any slope. The line is drawn on the nearer side of a step.
         let bend = max(2.0 * here.w - a.w - c.w, 2.0 * here.w - b.w - d.w) / here.w;
-        // Folds seen nearly edge on bend as much as small steps do, and get the same light strength.
+        // Folds seen nearly edge-on have the same second difference as small steps, and get the same low strength.
         let steps = bend / ink.depth_step - 1.0;
         let strength_of_step = clamp(steps, 0.0, FOLD) + clamp((steps - 1.0) / DEEP, 0.0, 1.0) * (1.0 - FOLD);
         strength = max(strength, strength_of_step);
@@ -48,6 +49,6 @@ fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32>
     if strength <= 0.0 || half_width <= 0.0 {
         return vec4(0.0);
     }
-    // Keeps weak features nonzero at eight bits.
+    // The minimum keeps weak features above zero at eight bits.
     return vec4(max(half_width / WIDEST_HALF, 1.0 / 255.0), max(strength, 1.0 / 255.0), outline, 1.0);
 }

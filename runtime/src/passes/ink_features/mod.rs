@@ -1,5 +1,5 @@
-//! `ink_features`: the pixels that lines run through, with half width and strength of the line, from neighbouring
-//! normals at two thresholds (Fang 2006, §2).
+//! `ink_features`: finds the pixels through which lines run, with the half width and strength of each line.
+//! Neighbouring normals are compared at two thresholds (Fang 2006, §2).
 
 use super::{Outcome, Pass, PassId, PassStage, ink_normals};
 use crate::gpu::{Shader, Target};
@@ -14,7 +14,7 @@ pub(crate) const SHADER: Shader =
 pub(crate) const FEATURES: Target = Target { label: "pelage ink features", format: wgpu::TextureFormat::Rgba8Unorm };
 
 impl PassId {
-    /// Ink: pixels that lines run through.
+    /// Ink: pixels through which lines run.
     pub const INK_FEATURES: Self = Self(&PASS);
 }
 

@@ -1,15 +1,15 @@
 //! uses hair/fin_corner, ink/model, shared/frame, shared/ink, shared/skinning, shared/srgb, surface/place
-// Fur strokes in ink: fins along the outline and the outer shells as dry brush strokes, drawn over the result of
+// Fur strokes in ink: fins along the outline and outer shells as dry brush strokes, drawn over the result of
 // `ink_composite`.
 
 struct StrokeVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Coordinates along and up the slab, or tile coordinates.
+    // Coordinates along and up the slab for fins; tile coordinates for shells.
     @location(0) uv: vec2<f32>,
     @location(1) tint: vec4<f32>,
     @location(2) base_uv: vec2<f32>,
-    // Weight of the strokes; height: 0 on the mesh surface, 1 at the outermost layer; fur height, metres; position
-    // along the fin's edge, 0 to 1.
+    // Weight of the strokes; height, 0 on the mesh surface, 1 at the outermost layer; fur height, metres; position
+    // along the fin's edge, 0..1.
     @location(3) share_height: vec4<f32>,
     @location(4) position_ws: vec3<f32>,
     @location(5) normal_ws: vec3<f32>,
@@ -18,51 +18,56 @@ struct StrokeVarying {
 // Normals target of the ink_normals pass.
 @group(2) @binding(7) var bodies: texture_2d<f32>;
 
-// Number of shells with strokes, from the outermost inwards.
+// Number of shells with strokes, counted from the outermost.
 const STROKE_SHELLS: u32 = 2u;
-// Largest height of shell strokes above the mesh surface, in stroke widths; higher strokes would appear detached.
+// Maximum height of shell strokes above the mesh surface, in stroke widths; higher strokes would appear detached.
 const LIFT: f32 = 3.0;
 // Lean of fin strokes towards the comb direction, in fur heights, as in the default coat.
 const STROKE_LEAN: f32 = 0.4;
-// Extent of a fin's root onto the body, pixels along each axis.
+// Distance that a fin's root extends onto the body, pixels along each axis.
 const ROOT: i32 = 2;
-// Smallest turn of the surface away from the eye at which fins are drawn, and turn at which they are drawn in full.
+// Least turn of the surface away from the eye, 1 - |N.E|, at which fins are drawn. The next constant is the turn at
+// which they reach full opacity.
 const TURNED: f32 = 0.6;
 const FULLY_TURNED: f32 = 0.9;
-// Factor from the opacity of a fin to that of its strokes.
+// Factor from the opacity of a fin to the opacity of its strokes.
 const FIN_STROKES: f32 = 1.5;
-// Turns of the surface between which shells rise from below the mesh surface, and their height there.
+// Range of the surface's turn in which shells rise from below the mesh surface. The next constant is their height at
+// its lower end.
 const SHELLS_RISE: vec2<f32> = vec2(0.25, 0.45);
 const SUNKEN: f32 = -0.1;
-// Turns of the surface between which the strokes of shells appear.
+// Range of the surface's turn in which the strokes of shells appear.
 const SHELLS_APPEAR: vec2<f32> = vec2(0.45, 0.95);
-// Dry brush, as formulas 5.6 with constants of its own: half width of the edge, weight of the paper's threshold.
+// Dry brush, as in formulas 5.6 but with separate constants: half width of the edge. The next constant is the weight of
+// the paper's threshold.
 const DRY_EDGE: f32 = 0.15;
 const DRY_PAPER: f32 = 0.85;
-// Gaps behind a fin, in fur heights, between which it counts as separate from the body.
+// Range of the gap behind a fin, in fur heights, over which the fin becomes separate from the body.
 const SEPARATE: vec2<f32> = vec2(1.0, 2.0);
-// Shape of a tuft: distance from its middle at which it begins to end, and at which it ends; narrowing with height.
+// Shape of a tuft: distances from its middle at which it begins and ceases to fade. The next constant is its narrowing
+// with height.
 const TUFT_END: vec2<f32> = vec2(0.9, 1.3);
 const TUFT_POINTED: f32 = 0.75;
-// Rows of the slab that fins show: from above the seam between roots and tips to below it.
+// Range of slab rows that fins show. It avoids the seam between roots and tips.
 const FIN_ROWS: vec2<f32> = vec2(0.1, 0.96);
-// Density of fin strokes: without fur weight, and gain with it.
+// Density of fin strokes without fur weight, and its gain with fur weight.
 const FIN_DENSITY: vec2<f32> = vec2(0.15, 0.35);
-// Ink of a fin's stroke texture at which strokes begin, and at which they are full.
+// Range of ink in a fin's stroke texture over which strokes go from none to full.
 const FIN_INK: vec2<f32> = vec2(0.2, 0.6);
-// Opacity at the root of a fin, and its loss at the tip; dryness at the tip.
+// Opacity at the root of a fin, and its loss at the tip. The next constant is the dryness at the tip.
 const FIN_OPACITY: vec2<f32> = vec2(0.85, 0.3);
 const FIN_DRY: f32 = 0.4;
 // Density of strokes on shells.
 const SHELL_DENSITY: f32 = 0.5;
-// Ink of a shell's stroke texture at which strokes begin, and at which they are full: at height 0, and gain at full
-// height.
+// Range of ink in a shell's stroke texture over which strokes go from none to full: here the lower end, at height 0 and
+// its gain at full height. The next constant is the upper end.
 const SHELL_BEGINS: vec2<f32> = vec2(0.25, 0.5);
 const SHELL_FULL: vec2<f32> = vec2(0.6, 0.4);
-// Opacity of shells at height 0, and its loss at full height; dryness at height 0, and its gain at full height.
+// Opacity of shells at height 0, and its loss at full height. The next constant is the dryness at height 0, and its
+// gain at full height.
 const SHELL_OPACITY: vec2<f32> = vec2(0.75, 0.3);
 const SHELL_DRY: vec2<f32> = vec2(0.3, 0.3);
-// Smallest visible opacity.
+// Minimum visible opacity.
 const LEAST_INK: f32 = 1.0 / 255.0;
 
 @vertex
@@ -73,13 +78,14 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
     let position = hair_position(v, corner.tile, corner.height)
         + corner.tile.bitangent_ws * (STROKE_LEAN * corner.height * reach);
     var out: StrokeVarying;
-    // Fin opacity reflects the width of the surface strip that the fin represents; strokes need the full opacity.
+    // The opacity of a fin accounts for the width of the surface strip that it represents; strokes need full opacity
+    // instead.
     let eye = direction_to(frame.eye_ws, position_ws(v));
-    // Only on the outline: inside it, fins of coarse meshes look like flags.
+    // Fins are drawn only along the outline: inside it, fins of coarse meshes look like flags.
     let turned = smoothstep(TURNED, FULLY_TURNED, 1.0 - abs(dot(corner.tile.normal_ws, eye)));
     let share = min(corner.opacity * FIN_STROKES, 1.0) * turned * (1.0 - v.groom.x);
     out.position = frame.clip_from_world * vec4(position, 1.0);
-    // The condition is equal at all corners; otherwise the fin would stretch to the centre of the picture.
+    // The condition is the same at all corners; otherwise the fin would stretch to the centre of the picture.
     if corner.opacity < LEAST_INK || corner.turned < TURNED {
         out.position = vec4(0.0, 0.0, 0.0, 1.0);
     }
@@ -96,7 +102,8 @@ fn vs_ink_fins(@builtin(vertex_index) index: u32) -> StrokeVarying {
 fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVarying {
     let height = f32(shell + 1u) / f32(STROKE_SHELLS);
     let tile = tile_frame_of(v, normal_ws(v));
-    // Where the fur faces the eye nothing is drawn: shells sink below the mesh surface there and fail the depth test.
+    // Shells must not show where the fur faces the eye: there, they sink below the mesh surface and fail the depth
+    // test.
     let turned = 1.0 - abs(dot(tile.normal_ws, direction_to(frame.eye_ws, position_ws(v))));
     let reach = v.fur_height * instance.scale;
     let skin_w = (frame.clip_from_world * vec4(position_ws(v), 1.0)).w;
@@ -115,7 +122,7 @@ fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVaryin
     return out;
 }
 
-// Returns ink on paper: raised fibres take ink, less with a drier brush (formulas 5.6).
+// Returns the ink on the paper: raised fibres take ink, less from a drier brush (formulas 5.6).
 fn ink_on_paper(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
     let sheet = textureSampleLevel(paper_tile, tile_sampler, position / model.paper_period, 0.0);
     let opacity = amount * smoothstep(-DRY_EDGE, DRY_EDGE, 1.0 - dry - DRY_PAPER * sheet.a);
@@ -125,16 +132,16 @@ fn ink_on_paper(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
     return vec4(linear_of(model.ink) * opacity, opacity);
 }
 
-// Returns the separation of a fin from the body visible at a pixel. 1 over paper, and over surfaces farther behind than
-// the hair is long.
+// Returns how far a fin is separate from the body at the pixel `p`, 0..1: 1 over paper, and over surfaces farther
+// behind than the hair is long.
 fn separation_at(p: vec2<i32>, nearness: f32, reach: f32) -> f32 {
     let skin = textureLoad(bodies, p, 0).w;
     let gap = 1.0 / max(skin, 1e-9) - 1.0 / nearness;
     return select(smoothstep(SEPARATE.x, SEPARATE.y, gap / max(reach, 1e-9)), 1.0, skin <= 0.0);
 }
 
-// Returns the separation of a fin from the body: 0 directly before the surface, where the fin would look like a blot.
-// The root extends onto the outline; otherwise paper would show between them.
+// Returns how far a fin is separate from the body: 0 directly in front of the surface, where the fin would look like a
+// blot. The root extends onto the outline; otherwise paper would show between the two.
 fn separation_from_body(position: vec4<f32>, reach: f32) -> f32 {
     let p = vec2<i32>(position.xy);
     let near = vec4(
@@ -146,15 +153,15 @@ fn separation_from_body(position: vec4<f32>, reach: f32) -> f32 {
     return max(separation_at(p, position.w, reach), min(dot(near, vec4(0.5)), 1.0));
 }
 
-// Returns the shape of a fin as a tuft: as wide as its edge at the mesh surface, pointed at the tips. Straight sides
-// would cut strokes off.
+// Returns the shape of a fin as a tuft: as wide as its edge at the mesh surface, pointed at the tip. Straight sides
+// would cut off strokes.
 fn tuft(across: f32, height: f32) -> f32 {
     return 1.0 - smoothstep(TUFT_END.x, TUFT_END.y, abs(2.0 * across - 1.0) + TUFT_POINTED * height);
 }
 
 @fragment
 fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
-    // The tile also repeats vertically; the range avoids the seam where roots would fade into tips.
+    // The tile also repeats vertically; this range avoids the seam, where roots would fade into tips.
     let row = mix(FIN_ROWS.x, FIN_ROWS.y, in.uv.y);
     let strokes = fur_strokes_at(vec2(in.uv.x, row), vec2(1.0, 0.0), 1u);
     let base = base_color(in.tint, in.base_uv);
@@ -164,7 +171,7 @@ fn fs_ink_fins(in: StrokeVarying) -> @location(0) vec4<f32> {
     let density = (FIN_DENSITY.x + FIN_DENSITY.y * model.fur) * in.share_height.x;
     let ink = ink_nested(strokes, density) * model.fur;
     let whole = tuft(in.share_height.w, in.share_height.y) * separation_from_body(in.position, in.share_height.z);
-    // The brush lifts towards the tip.
+    // Strokes get drier and fainter with height, because the brush lifts towards the tip.
     let height = in.share_height.y;
     let amount = whole * smoothstep(FIN_INK.x, FIN_INK.y, ink) * min(2.0 * in.share_height.x, 1.0)
         * (FIN_OPACITY.x - FIN_OPACITY.y * height);
@@ -179,11 +186,11 @@ fn fs_ink_shells(in: StrokeVarying) -> @location(0) vec4<f32> {
         discard;
     }
     let eye = direction_to(frame.eye_ws, in.position_ws);
-    // Seen from above, the shells of a stroke would cover each other; they are only for surfaces that turn away.
+    // Seen from above, the shells of a stroke would cover each other, so only surfaces that turn away have them.
     let turned = 1.0 - abs(dot(normalize_or(in.normal_ws, eye), eye));
     let amount = in.share_height.x * model.fur * smoothstep(SHELLS_APPEAR.x, SHELLS_APPEAR.y, turned);
     let ink = ink_nested(strokes, amount * SHELL_DENSITY);
-    // Strokes taper with the height of the shell, down to their middle.
+    // Strokes taper towards their middle line with the height of the shell.
     let height = in.share_height.y;
     let begins = SHELL_BEGINS.x + SHELL_BEGINS.y * height;
     let tapered = smoothstep(begins, SHELL_FULL.x + SHELL_FULL.y * height, ink);

@@ -1,5 +1,5 @@
-//! `ink_fur`: fins and outer shells as dry brush strokes, blended over the sheet in the application's pass, with depth
-//! test and without depth write.
+//! `ink_fur`: draws fins and outer shells as dry brush strokes, blended over the painting in the application's pass,
+//! with depth test and without depth write.
 
 use super::{Outcome, Pass, PassId, PassStage, ink_normals};
 use crate::gpu::{Draw, RenderSpec, Shader, flag, primitive_state};

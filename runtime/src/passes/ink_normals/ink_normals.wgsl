@@ -1,19 +1,19 @@
 //! uses ink/model, ink/surface_forms, shared/frame, shared/ink, shared/skinning, surface/place
-// Input textures of the other ink passes: normals in the frame perpendicular to the view, and wash and line parameters
-// of the surface.
+// Drawing of the input textures for the other ink passes: normals in the frame perpendicular to the view, and wash and
+// line parameters of the surface.
 
 // Vertex attributes that only this pass reads.
 struct InkVertex {
-    // Stored position, before any pose; surface textures are attached to it.
+    // Stored position, independent of the pose; surface textures are attached to it.
     @location(9) rest_position: vec3<f32>,
     @location(10) rest_normal: vec3<f32>,
-    // Halved product and normalised product of the wash.
+    // Half the product of the wash, and its normalised product.
     @location(11) wash: vec2<f32>,
-    // Amounts of wash, full ink and lines.
+    // Amounts of wash, of full ink and of lines.
     @location(12) load: vec4<f32>,
 }
 
-// Few interpolants: software rasterisers pay for each at every triangle.
+// Software rasterisers pay for each interpolant at every triangle, so there are few.
 struct InkVarying {
     @invariant @builtin(position) position: vec4<f32>,
     // World-space position; product of the wash.
@@ -31,7 +31,7 @@ struct InkVarying {
 }
 
 struct Surface {
-    // Face normal, and 1 / clip w, which is linear on planes; 0 for the background.
+    // Face normal. The w component holds 1 / clip w, which is linear on planes; 0 for the background.
     @location(0) normal: vec4<f32>,
     // Grey of the wash, grey of the sphere map's stroke, a quarter of the factor on line width, dryness of lines.
     @location(1) surface: vec4<f32>,
@@ -40,40 +40,44 @@ struct Surface {
 // The part has fur, and the package has strokes for it.
 override FUR_STROKES: bool = false;
 
-// Weight of a read of the tile at a normal equally near to all three axes: 1 / sqrt(3) (formulas 5.4).
+// Weight of a tile sample at a normal with equal components along all three axes: 1 / sqrt(3) (formulas 5.4).
 const EQUALLY_NEAR: f32 = 0.5773;
-// Offsets of the tile for the projections along y and z, so that projections do not mirror each other.
+// Offset of the tile for the projection along y; the next constant is for the one along z. Without them, the
+// projections would mirror each other.
 const OFFSET_Y: f32 = 0.37;
 const OFFSET_Z: f32 = 0.71;
-// Displacement of the edge of the wash by blotches of the tile; variation of its density by grain.
+// Displacement of the wash's edge by blotches of the tile. The next constant is the variation of its density by the
+// grain.
 const BLOTCH_SHIFT: f32 = 0.5;
 const GRAIN_DENSITY: f32 = 0.7;
-// Densities of the wash at which its edge begins, is strongest and ends; pigment that gathers there.
+// Densities of the wash at which its edge begins, peaks and ends. The next constant is the density added by pigment
+// that gathers at the edge.
 const EDGE_DENSITY: vec3<f32> = vec3(0.0, 0.07, 0.3);
 const EDGE_PIGMENT: f32 = 0.07;
-// Luminance weights of linear sRGB (ITU-R BT.709), and exponent from luminance to brightness as displayed.
+// Luminance weights of linear sRGB (ITU-R BT.709). The next constant is the exponent from luminance to display
+// brightness.
 const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
 const DISPLAY_EXPONENT: f32 = 1.0 / 2.2;
-// Brightness up to which a surface takes all the ink of dark ones, and from which it takes none; amount of that ink,
-// and its variation.
+// Range of brightness over which the ink for dark surfaces goes from all to none. The next constants are the amount of
+// that ink, and its variation.
 const DARK_SURFACE: vec2<f32> = vec2(0.06, 0.42);
 const DARK_INK: vec2<f32> = vec2(0.75, 0.4);
 // Density of full ink, and its variation.
 const FULL_INK: vec2<f32> = vec2(0.88, 0.3);
-// Density of inner fur strokes: by the square of the turn away from the eye, by the square of the wash.
+// Density of inner fur strokes: factor on the square of the turn away from the eye, and on the square of the wash.
 const FUR_DENSITY: vec2<f32> = vec2(0.45, 0.5);
-// Opacity of inner fur strokes facing the eye, and gain where the fur turns away.
+// Opacity of inner fur strokes that face the eye, and its gain where the fur turns away.
 const FUR_OPACITY: vec2<f32> = vec2(0.25, 0.4);
-// Loss of line width beside short and long fur, and heights of such fur, pixels.
+// Loss of line width beside short and beside long fur. The next constant is the height of such fur, pixels.
 const LINE_BY_FUR: vec2<f32> = vec2(0.3, 0.75);
 const FUR_PX: vec2<f32> = vec2(5.0, 20.0);
-// Pressure in the tile at which the brush is lightest, and at which it is at full pressure; loss of line width at the
-// lightest.
+// Range of the tile's pressure channel over which the brush goes from lightest to full pressure. The next constant is
+// the loss of line width at the lightest pressure.
 const PRESSURE_RANGE: vec2<f32> = vec2(0.25, 0.75);
 const PRESSURE_LOSS: f32 = 0.6;
-// Blotches of the tile at which the brush is wet, and at which it is dry.
+// Range of the tile's blotches over which the brush goes from wet to dry.
 const DRY_BLOTCHES: vec2<f32> = vec2(0.4, 0.8);
-// Stored value of a factor 1 on line width, as ink_features reads it.
+// Stored value for a line width factor of 1, as ink_features expects it.
 const STORED_WIDTH: f32 = 0.25;
 
 @vertex
@@ -91,9 +95,9 @@ fn vs_ink(v: Vertex, ink: InkVertex) -> InkVarying {
     return out;
 }
 
-// Samples the grain of the surface (formulas 5.4): two reads of one tile, along the two stored model axes nearest to
-// the normal. The weight of a read falls to zero where the third axis takes over, so that no seam shows (Quilez's
-// biplanar mapping).
+// Samples the grain of the surface (formulas 5.4). Reads one tile twice, along the two model axes of the stored mesh
+// that are nearest to the normal. The weight of a sample falls to zero where the third axis replaces its axis, so that
+// no seam shows (Quilez's biplanar mapping).
 fn grain_at(p: vec3<f32>, n: vec3<f32>) -> vec4<f32> {
     let m = abs(n);
     let dx = dpdx(p);
@@ -114,7 +118,7 @@ fn grain_at(p: vec3<f32>, n: vec3<f32>) -> vec4<f32> {
     return (a * w.x + b * w.y) / (w.x + w.y);
 }
 
-// Returns the frame perpendicular to the view of a point (formulas 5.1).
+// Returns the frame perpendicular to the view direction at a point (formulas 5.1).
 fn eye_frame(eye: vec3<f32>) -> mat3x3<f32> {
     let right = model.right_ws - eye * dot(eye, model.right_ws);
     let x = normalize_or(right, vec3(1.0, 0.0, 0.0));
@@ -133,13 +137,12 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
     let eye = direction_to(frame.eye_ws, in.position_product.xyz);
     let axes = eye_frame(eye);
     let facing = normalize_or(in.normal_amount.xyz, eye) * select(-1.0, 1.0, front);
-    // A visible surface faces the eye, whatever the vertex normals say.
+    // A visible surface faces the eye, even if the interpolated vertex normal does not.
     var normal = facing * axes;
     normal = normalize_or(vec3(normal.xy, max(normal.z, 0.0)), vec3(0.0, 0.0, 1.0));
     let sphere_uv = form_of_sphere_uv(ink_sphere_uv(normal, model.swell), facing, eye);
     let stroke = textureSample(stroke_map, clamp_sampler, sphere_uv);
-    // Lines follow face normals: the bake smooths the vertex normals of furred surfaces, which would remove the
-    // creases.
+    // Lines use face normals: the bake smooths the vertex normals of furred surfaces, which would remove the creases.
     let across = cross(dpdx(in.position_product.xyz), dpdy(in.position_product.xyz));
     let face = normalize_or(across * sign(dot(across, eye)), facing) * axes;
     if is_cut(base.a) {
@@ -154,12 +157,12 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
         * (1.0 - smoothstep(EDGE_DENSITY.y, EDGE_DENSITY.z, density));
     density = density * (1.0 + model.grain * GRAIN_DENSITY * (grain.r - 0.5)) + edge * EDGE_PIGMENT * model.grain;
     density = clamp(density, 0.0, 1.0) * share;
-    // Dark surfaces take more ink; darkness of the base colour is measured as displayed.
+    // Dark surfaces take more ink; the darkness of the base colour is measured in display brightness.
     let light = pow(clamp(dot(base.rgb, LUMINANCE), 0.0, 1.0), DISPLAY_EXPONENT);
     let dark = model.tone * share * (1.0 - smoothstep(DARK_SURFACE.x, DARK_SURFACE.y, light))
         * (DARK_INK.x + DARK_INK.y * (grain.r - 0.5));
     density = 1.0 - (1.0 - density) * (1.0 - dark);
-    // Full ink is not uniformly black either.
+    // Full ink also varies, so that it is not uniformly black.
     density = max(density, in.rest_position_solid.w * (FULL_INK.x + FULL_INK.y * model.grain * (grain.r - 0.5)));
 
     var width = model.line * in.rest_normal_line.w;
@@ -170,7 +173,7 @@ fn fs_ink(in: InkVarying, @builtin(front_facing) front: bool) -> Surface {
         let dense = FUR_DENSITY.x * turned * turned + FUR_DENSITY.y * density * density;
         let ink = ink_nested(strokes, fur * dense) * fur;
         density = 1.0 - (1.0 - density) * (1.0 - ink * (FUR_OPACITY.x + FUR_OPACITY.y * turned));
-        // Where hair strokes are long enough to be visible, they form the outline, and lines get thinner.
+        // Where hair strokes are long enough to be visible, they form the outline, so lines get thinner.
         let fur_px = in.fur.y * model.px_per_unit * in.position.w;
         width *= 1.0 - fur * mix(LINE_BY_FUR.x, LINE_BY_FUR.y, smoothstep(FUR_PX.x, FUR_PX.y, fur_px));
     }

@@ -1,6 +1,6 @@
-//! `ink_normals`: draws the model's surface into three textures of the picture's size. They hold: normals in the frame
-//! perpendicular to the view, with 1 / clip w; wash and line parameters; depth. The ink style takes all geometry from
-//! them, so that later passes cost the same for any mesh.
+//! `ink_normals`: draws the model's surface into three textures of the picture's size. They hold normals in the frame
+//! perpendicular to the view, with 1 / clip w; wash and line parameters; and depth. The ink style reads all geometry
+//! from them, so that the cost of later passes does not depend on the mesh.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{Draw, RenderSpec, Shader, Target, VertexLayout, attribute, depth_state, flag, record};
@@ -17,26 +17,26 @@ pub(crate) const SHADER: Shader = Shader {
     parts: ink_surface_wgsl!(crate::study::form_wgsl!("ink/surface_forms.wgsl"), include_str!("ink_normals.wgsl")),
 };
 
-/// Normals and 1 / clip w. Eight bits are too few, because dot products of normals are compared with thresholds up to
-/// 1.
+/// Normals and 1 / clip w. Eight bits are too few, because dot products of normals are compared with thresholds close
+/// to 1.
 pub(crate) const NORMALS: Target = Target { label: "pelage ink normals", format: wgpu::TextureFormat::Rgba16Float };
 /// Wash, stroke, line width, dryness.
 pub(crate) const SURFACES: Target = Target { label: "pelage ink surfaces", format: wgpu::TextureFormat::Rgba8Unorm };
 pub(crate) const DEPTH: Target = Target { label: "pelage ink depth", format: wgpu::TextureFormat::Depth32Float };
 
-/// Third vertex stream: the stored [`GeometryVertex`].
+/// Attributes of the third vertex stream: the stored [`GeometryVertex`].
 pub(crate) const REST_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
     attribute(9, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, position)),
     attribute(10, wgpu::VertexFormat::Float32x3, offset_of!(GeometryVertex, normal)),
 ];
-/// Fourth vertex stream: [`InkVertex`].
+/// Attributes of the fourth vertex stream: [`InkVertex`].
 pub(crate) const INK_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
     attribute(11, wgpu::VertexFormat::Snorm16x2, offset_of!(InkVertex, wash)),
     attribute(12, wgpu::VertexFormat::Unorm8x4, offset_of!(InkVertex, amount)),
 ];
 
 impl PassId {
-    /// Ink: normals, wash and stroke of surfaces.
+    /// Ink: normals, wash and sphere-map stroke of surfaces.
     pub const INK_NORMALS: Self = Self(&PASS);
 }
 
@@ -54,7 +54,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Clear value: white, without stroke and lines.
+/// Clear value: white, without strokes or lines.
 const NOTHING: wgpu::Color = wgpu::Color { r: 1.0, g: 1.0, b: 0.0, a: 0.0 };
 
 fn spec(

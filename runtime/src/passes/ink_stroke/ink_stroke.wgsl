@@ -1,5 +1,5 @@
 //! uses ink/line_forms, ink/screen, shared/ink
-// Ink lines: the feature whose line reaches a pixel, and how brush and sphere map fill that line (Fang 2006, §2;
+// Ink lines: finds the feature whose line reaches a pixel, and fills that line by brush and sphere map (Fang 2006, §2;
 // formulas 5.2).
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
@@ -9,25 +9,27 @@
 @group(0) @binding(5) var paper: texture_2d<f32>;
 @group(0) @binding(6) var paper_sampler: sampler;
 
-// Thresholds of the feature count near a feature, weighted by nearness: 2/3 to 1 along a line, half of that at its end.
-// Below SPECK, the feature is a speck (formulas 5.2).
+// Thresholds of the feature count near a feature, weighted by nearness (formulas 5.2). The count is 2/3 to 1 along a
+// line and half of that at its end. Below SPECK, the feature is a speck; from the next constant on, it is a line.
 const SPECK: f32 = 0.22;
 const LINE: f32 = 0.45;
-// Share of a line's half width that the brush fills: of a weak line, and of a strong one; least half width, pixels.
+// Share of a line's half width that the brush fills, for a weak and for a strong line. The next constant is the minimum
+// half width, pixels.
 const BRUSH: vec2<f32> = vec2(0.2, 0.55);
 const LEAST_BRUSH_PX: f32 = 0.6;
-// Strength below which lines fade.
+// Feature strength below which lines fade.
 const FADES: f32 = 0.35;
-// Strengths between which lines begin to swell with the sphere map.
+// Range of feature strengths over which the swelling of lines with the sphere map sets in.
 const SWELLS: vec2<f32> = vec2(0.5, 0.75);
-// Dry brush (formulas 5.6): half width of its edge, weight of the paper's threshold; loss of dryness under pressure.
+// Dry brush (formulas 5.6): half width of its edge. The next constants are the weight of the paper's threshold, and the
+// loss of dryness under pressure.
 const DRY_EDGE: f32 = 0.12;
 const DRY_PAPER: f32 = 0.88;
 const DRY_PRESS: f32 = 0.7;
-// Gain of grey at the lowest pressure.
+// Increase of grey at the lowest pressure.
 const LIGHT_PRESS: f32 = 0.3;
 
-// Returns: opacity of the line, opacity times darkness of its ink, and (offset to the feature + 128) / 255.
+// Returns: opacity of the line; opacity times the darkness of its ink; offset to the feature as (x + 128) / 255.
 @fragment
 fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);
@@ -73,9 +75,9 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let thin = max(half_width * mix(BRUSH.x, BRUSH.y, strength), LEAST_BRUSH_PX);
     var core = select(0.0, clamp(thin - distance + 0.5 + moved, 0.0, 1.0), in_reach);
     var band = select(0.0, clamp(half_width * sqrt(strength) - distance + 0.5 + moved, 0.0, 1.0), in_reach);
-    // Lines fade before they end, where the pen lifts.
+    // Lines fade towards their ends, where the brush lifts.
     core *= smoothstep(0.0, FADES, strength);
-    // Removes specks: features that do not continue as a line.
+    // Remove specks: features that do not continue as a line.
     core *= smoothstep(SPECK, LINE, features_near / (nearness(far.x) * nearness(far.y)));
     // Outlines swell with the sphere map; folds do not.
     let dark = select(0.0, 1.0 - stroke, here.w > 0.0) * smoothstep(SWELLS.x, SWELLS.y, strength);
@@ -87,7 +89,7 @@ fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let dry = surface.a * ink.dryness * (1.0 - DRY_PRESS * press);
     opacity *= smoothstep(-DRY_EDGE, DRY_EDGE, 1.0 - dry - DRY_PAPER * sheet.a);
     let even = ink_line_grey(select(here.z, source.z, in_reach), ink.tone, ink.lightness, strength);
-    // Low pressure leaves less ink.
+    // Low pressure leaves less ink on the paper.
     let brushed = vec2(opacity, mix(even, 1.0, LIGHT_PRESS * (1.0 - press)));
     let line = form_of_line(brushed, even, in_reach, distance, half_width, here.w > 0.0, stroke);
     opacity = line.x;

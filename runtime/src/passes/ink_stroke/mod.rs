@@ -1,5 +1,5 @@
-//! `ink_stroke`: opacity and grey of lines: the dilated features, filled by brush and sphere map (Fang 2006, §2),
-//! roughened by the paper.
+//! `ink_stroke`: opacity and grey of lines. The dilated features are filled by brush and sphere map (Fang 2006, §2),
+//! and roughened by the paper.
 
 use super::{Outcome, Pass, PassId, PassStage, ink_dilate, ink_normals, ink_trace};
 use crate::gpu::{Shader, Target};
@@ -10,7 +10,7 @@ use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink stroke", parts: ink_screen_wgsl!(include_str!("ink_stroke.wgsl")) };
 
-/// Opacity and darkness of the lines, and offset to their features.
+/// Opacity and darkness of the lines, and offsets to their features.
 pub(crate) const STROKES: Target = Target { label: "pelage ink strokes", format: wgpu::TextureFormat::Rgba8Unorm };
 
 impl PassId {

@@ -1,31 +1,33 @@
 //! uses ink/line_forms, ink/screen
-// Selection of the features that form lines (formulas 5.2). Each feature is followed to both sides. A line that ends
-// soon, or features without order around it, are specks caused by the faces of a dense mesh. Strength and width are
-// averaged along the line, which would look like a row of beads otherwise. Outlines are never specks.
+// Selection of the features that form lines (formulas 5.2). Each feature is followed to both sides. A feature is a
+// speck, caused by the faces of a dense mesh, if its line ends soon or its surroundings have no order. Strength and
+// width are averaged along the line; otherwise lines would look like rows of beads. Outlines are never specks.
 
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var features: texture_2d<f32>;
 
-// Samples along the line to each side (formulas 5.2); together they span more than two and a half widths of the widest
-// line.
+// Number of samples along the line to each side (formulas 5.2). Together they span more than two and a half widths of
+// the widest line.
 const LOOKS: i32 = 12;
-// Consecutive samples without a feature that a line may skip (formulas 5.2).
+// Number of consecutive samples without a feature that a line may skip (formulas 5.2).
 const HOLE: i32 = 2;
 // Strength at or below which tracing ignores a feature.
 const FAINT: f32 = 0.02;
-// Shares of the samples that find the line: below the first it is a speck, above the second a line (formulas 5.2).
+// Thresholds of the share of samples that find the line: below the first, the feature is a speck, above the second a
+// line (formulas 5.2).
 const ENDS: vec2<f32> = vec2(0.2, 0.55);
-// Thresholds of two more speck tests (formulas 5.2). ORDER: elongation of the features around the pixel, low for
-// specks. CROWD: share of samples that find other features beside the line, high for specks.
+// Thresholds of two more tests for specks (formulas 5.2). ORDER: elongation of the features around the pixel, low for
+// specks. CROWD: share of samples that also find features beside the line, high for specks.
 const ORDER: vec2<f32> = vec2(0.1, 0.3);
 const CROWD: vec2<f32> = vec2(0.25, 0.5);
-// Turn of the line towards a neighbouring sample, as a fraction of the angle to it.
+// Rotation of the line towards a neighbouring sample, as a fraction of the angle to it.
 const TURN: f32 = 0.35;
-// Half the side of the square from which a line's direction is estimated, pixels (formulas 5.2).
+// Half the side of the square in which the direction of a line is estimated, pixels (formulas 5.2).
 const ABOUT: i32 = 3;
-// Distance between samples, over half the width of the widest line (formulas 5.2).
+// Distance between samples, relative to half the width of the widest line (formulas 5.2).
 const STRIDE: f32 = 0.25;
-// Distance of samples beside the line, over half the width of the widest line; least distance, pixels (formulas 5.2).
+// Distance of samples beside the line, relative to half the width of the widest line (formulas 5.2). The next constant
+// is its minimum, pixels.
 const BESIDE: f32 = 0.5;
 const LEAST_BESIDE_PX: f32 = 3.0;
 
@@ -37,8 +39,8 @@ fn feature_at(p: vec2<f32>) -> vec2<f32> {
     return textureLoad(features, clamp_to_target(vec2<i32>(round(p))), 0).rg;
 }
 
-// Returns the direction of the line through p, and the elongation of the features around it. The direction is their
-// major axis; the elongation is 0 for equal axes, 1 for a single axis.
+// Returns the direction of the line through `p`, and the elongation of the features around it. The direction is their
+// major axis. The elongation is 0 for equal axes, 1 if the minor axis vanishes.
 fn direction_at(p: vec2<i32>) -> vec3<f32> {
     var moments = vec3(0.0);
     for (var y = -ABOUT; y <= ABOUT; y++) {
@@ -52,8 +54,8 @@ fn direction_at(p: vec2<i32>) -> vec3<f32> {
     return select(vec3(cos(turn), sin(turn), along), vec3(1.0, 0.0, 0.0), along <= 0.0);
 }
 
-// Follows the line from p in a direction. Returns the number of samples that find it, the sums of their strengths and
-// half widths, and the number that also find a feature beside it.
+// Follows the line from `p` in a direction. Returns the number of samples that find it, the sums of their strengths and
+// half widths, and the number of samples that also find a feature beside it.
 fn follow(p: vec2<i32>, towards: vec2<f32>, stride: f32, beside: f32) -> vec4<f32> {
     var at = vec2<f32>(p);
     var way = towards;
@@ -62,8 +64,8 @@ fn follow(p: vec2<i32>, towards: vec2<f32>, stride: f32, beside: f32) -> vec4<f3
     for (var i = 0; i < LOOKS && holes <= HOLE; i++) {
         let side = vec2(-way.y, way.x);
         at += way * stride;
-        // Lines bend: of three adjacent samples, the one with the strongest feature is followed, the middle one if they
-        // are equal.
+        // Lines bend, so of three adjacent samples, the one with the strongest feature is followed; the middle one if
+        // they are equal.
         let ahead = feature_at(at);
         let left = feature_at(at + side);
         let right = feature_at(at - side);
@@ -104,7 +106,7 @@ fn fs_trace(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4(half_width, feature.gba);
     }
     let goes_on = smoothstep(ENDS.x, ENDS.y, found.x / f32(2 * LOOKS)) * smoothstep(ORDER.x, ORDER.y, towards.z);
-    // Depth steps are lines by themselves, whatever folds surround them.
+    // A depth step is a line by itself, whatever folds surround it.
     let crowded = smoothstep(CROWD.x, CROWD.y, found.w / max(found.x, 1.0));
     let alone = 1.0 - crowded * clamp((1.0 - feature.g) / (1.0 - FOLD), 0.0, 1.0);
     // Where a fold ends at an outline, it must not gain the outline's strength.

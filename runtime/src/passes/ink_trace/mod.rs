@@ -1,6 +1,6 @@
-//! `ink_trace`: the features that form lines, followed to both sides. Features are detected per pixel, and the normals
-//! of a dense mesh turn at every face. Whether a line continues decides whether it exists, and how strong and wide it
-//! is.
+//! `ink_trace`: selects the features that form lines, by following them to both sides. Features are detected per pixel,
+//! and the normals of a dense mesh change at every face. The continuation of a line decides whether it is drawn, with
+//! which strength and width.
 
 use super::{Outcome, Pass, PassId, PassStage, ink_features, ink_normals};
 use crate::gpu::{Shader, Target};

@@ -1,5 +1,5 @@
 //! uses shared/deep_opacity
-// Map of the key light's transmittance through all hair on guides in front of the mesh surface (formulas 4.10).
+// Map of the key light's transmittance through all guided hair in front of the mesh surface (formulas 4.10).
 
 @group(0) @binding(0) var<storage, read> deep: array<u32>;
 @group(0) @binding(1) var<uniform> deep_opacity: DeepOpacity;

@@ -1,16 +1,16 @@
 //! uses hair/hair, light/forms, shared/frame, shared/layer_shadow, shared/opacity, surface/place
-// Transmittance of one hair layer, seen from the key light (Yang 2006, sec. 3.1). Blending multiplies it with the
-// transmittance of the layers above; a light ray is one texel.
+// Transmittance of one hair layer, seen from the key light (Yang 2006, sec. 3.1). Blending multiplies it by the
+// transmittance of the layers above; each texel is one light ray.
 
-// As in shells/varying.wgsl: no more interpolants than the fur needs.
+// As in shells/varying.wgsl, there are no more interpolants than the fur needs.
 struct LayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Tile coordinates; N.L; length of the hair relative to the tile's.
+    // Tile coordinates; N.L; hair length relative to the tile's.
     @location(0) uv_light: vec4<f32>,
     @location(1) @interpolate(flat, either) layer: u32,
 }
 
-// LayerVarying with the inputs of material textures and maps.
+// LayerVarying with additional inputs for material textures and maps.
 struct MappedLayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_light: vec4<f32>,
@@ -48,11 +48,12 @@ fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLaye
     return out;
 }
 
-// Returns the transmittance (formulas 4.2). kept: share of the layer's hair that grows; wetness: of that hair.
+// Returns the transmittance of the layer (formulas 4.2). `kept`: share of the hair that grows; `wetness`: wetness of
+// that hair.
 fn transmitted_light(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     let uv = in.uv_light.xy;
-    // One mip level for all: levels by slant and triangle would cost twice the reads and blur detail that the maps can
-    // hold.
+    // All triangles use one mip level: a level by slant and triangle would double the cost of reads and blur detail
+    // that the maps can hold.
     var alpha = textureSampleLevel(shell_colors, shell_sampler, uv, in.layer, instance.map_level).a;
     if WET {
         alpha = mix(alpha, textureSampleLevel(wet_colors, shell_sampler, uv, in.layer, instance.map_level).a, wetness);

@@ -1,13 +1,13 @@
 //! `layer_shadow`: transmittance of the hair above each layer, seen from the key light, in an array texture (Yang 2006,
 //! §3.1).
 //!
-//! Layers are drawn from the outermost inwards. Each map is made from the one above, directly in its slice, in format
-//! R16Float. [`crate::ShadowParams`] describes when the pass runs, and the number of maps.
+//! Layers are drawn from the outermost inwards. Each map is made from the one above, directly in its array layer, in
+//! format R16Float. [`crate::ShadowParams`] describes when the pass runs, and the number of maps.
 //!
 //! The paper clears each map to white, draws the nearest surface of a layer and reads the map above. Here, a map starts
 //! as a copy of the one above. Each surface of the layer in front of the nearest opaque surface is multiplied into it.
-//! The fringe of fur beside a body therefore shades objects behind it, and no layer needs a depth buffer of its own.
-//! Such buffers took a fifth of the time on a software rasteriser.
+//! The fringe of fur beside a body therefore shades objects behind it, and no layer needs a depth buffer of its own. On
+//! a software rasteriser, such buffers took a fifth of the time.
 
 use super::{Outcome, Pass, PassId, PassStage, any_reduced};
 use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, depth_state, flag, record, storage, uniform};
@@ -23,7 +23,7 @@ use glam::Vec3;
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage layer shadow", parts: hair_wgsl!(include_str!("layer_shadow.wgsl")) };
 
-/// Shader for the transmittance of hair on guides.
+/// Shader for the transmittance of guided hair.
 pub(crate) const GUIDED: Shader = Shader {
     name: "pelage hair light",
     parts: &[include_str!("../../shared/deep_opacity.wgsl"), include_str!("guided.wgsl")],
@@ -87,7 +87,7 @@ fn draws(frame: &mut Recording<'_>) -> Vec<Draw> {
     draws
 }
 
-/// Records the transmittance of hair on guides, from the deep opacity map; full light if there is none.
+/// Records the transmittance of guided hair, from the deep opacity map; 1 without guided hair.
 fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::TextureView) {
     let Some(deep) = maps.deep.as_ref().filter(|_| maps.key.guided()) else {
         drop(begin_maps(frame.encoder, SHADER.name, MapTarget::Light(target)));
@@ -106,7 +106,7 @@ fn record_guided(frame: &mut Recording<'_>, maps: &ShadowMaps, target: &wgpu::Te
     record(&mut begin_maps(frame.encoder, GUIDED.name, MapTarget::Light(target)), [&draw]);
 }
 
-/// Records all maps over the nearest opaque surface.
+/// Records all layer-wise maps in front of the nearest opaque surface.
 fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     let Some(layers) = &maps.layers else { return };
     let mut draws = draws(frame);
@@ -117,7 +117,7 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     };
     let texels = wgpu::Extent3d { depth_or_array_layers: 1, ..texture.size() };
     let Some((outermost, below)) = layers.slices.split_last() else { return };
-    // Only hair on guides can be above the outermost layer, at any height.
+    // Only guided hair can be above the outermost layer, at any height.
     record_guided(frame, maps, outermost);
     if maps.key.hair == HairMapKind::Total {
         let all = below.first().unwrap_or(outermost);
@@ -130,8 +130,8 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
         return;
     }
     for (layer, target) in (1..below.len() as u32 + 1).zip(below).rev() {
-        // Starts from the layers above, also where this layer is absent, because adjacent texels may be visible through
-        // the gap.
+        // The map starts as a copy of the one above, also where this layer is absent, because adjacent texels may be
+        // visible through the gap.
         frame.encoder.copy_texture_to_texture(place(layer), place(layer - 1), texels);
         let target = MapTarget::LightBefore { light: target, nearest: &maps.nearest.view };
         draws.iter_mut().for_each(|draw| draw.instances = layer..layer + 1);
@@ -142,7 +142,7 @@ fn record_layers(frame: &mut Recording<'_>, maps: &ShadowMaps) {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     if let Some(maps) = maps.as_deref().filter(|maps| frame.redraws_maps() && maps.key.hair != HairMapKind::None) {
-        // With single strands, this map was recorded earlier.
+        // With single strands, the depth map has already been recorded.
         if maps.deep.is_none() {
             record_depth(frame, maps, CasterPass::Nearest);
         }

@@ -35,7 +35,7 @@ pub(crate) const MORPHED: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: poses the vertices.
+    /// Compute pass: poses the vertices.
     pub const POSE: Self = Self(&PASS);
 }
 
@@ -81,7 +81,7 @@ impl Layouts {
     }
 }
 
-/// Uploads per-frame values of an instance; returns their bind group and offset.
+/// Uploads the per-frame values of an instance; returns their bind group and offset.
 fn upload_values<T: Pod>(
     frame: &mut Recording<'_>,
     label: &'static str,

@@ -1,8 +1,8 @@
 //! uses shared/skinning, surface/geometry
-// Application of morph targets: adds each target's deltas to a vertex, scaled by the offset of its weight from rest.
-// Twin of `morphed` in formats/src/meaning/skinning.rs.
+// Application of morph targets: adds each target's deltas to a vertex, scaled by the difference of its weight from the
+// rest weight. Counterpart of `morphed` in formats/src/meaning/skinning.rs.
 
-// Ten words without padding.
+// Size: ten words, without padding.
 struct MorphDelta {
     morph: u32,
     position_x: f32,

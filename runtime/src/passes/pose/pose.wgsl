@@ -1,7 +1,7 @@
 //! uses passes/pose/morphed or passes/pose/still, shared/skinning, shared/tile_frame, surface/geometry
 // Skinning of the base mesh (formulas 2.2, 2.3), once per frame; every later pass reads the posed vertices.
 
-// Four u16 joint indices in two words, low half first.
+// Four u16 joint indices in two words, the low half first.
 struct SkinVertex {
     joints_xy: u32,
     joints_zw: u32,

@@ -1,4 +1,5 @@
-//! `probe`: pass that exists only in tests. Shows what adding a pass requires: this folder, and its line in `frame.rs`.
+//! `probe`: pass that exists only in tests. It shows what adding a pass requires: this folder, and one line in
+//! `frame.rs`.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, uniform};

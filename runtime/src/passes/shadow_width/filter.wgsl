@@ -1,14 +1,15 @@
-// Filter from depth maps to the shadow-width map (Yang 2006, sec. 4; formulas 4.4). Occlusion is shrunk and stretched,
-// so that its grey measures the distance to a shadow edge. Texel layout as in shared/soft_shadow.wgsl.
+// Filter from depth maps to the shadow-width map (Yang 2006, sec. 4; formulas 4.4). The occlusion is downsampled and
+// upsampled, so that its grey measures the distance to a shadow edge. Texel layout as in shared/soft_shadow.wgsl.
 
 struct Filter {
-    // Clip distances of the light's projection; near is 0 for a distant light, whose depth is linear.
+    // Distance of the near clip plane of the light's projection; 0 for a distant light, whose depth is linear. The next
+    // field is the far one.
     near: f32,
     far: f32,
-    // Width and height of the block that becomes one texel, texels.
+    // Width and height of the block of texels that is reduced to one, texels.
     shrink: i32,
-    // Smallest depth difference, 0..=1, of two surfaces in one texel (least_gap), and of a texel and its surroundings
-    // (clear_gap).
+    // Minimum depth difference, 0..=1, between two surfaces in one texel. The next field, clear_gap, is the minimum
+    // between a texel and its surroundings.
     least_gap: f32,
     clear_gap: f32,
     reserved0: f32,
@@ -19,7 +20,7 @@ struct Filter {
 @group(0) @binding(0) var<uniform> params: Filter;
 @group(0) @binding(1) var nearest: texture_depth_2d;
 @group(0) @binding(2) var farthest: texture_depth_2d;
-// Transmittance of all hair.
+// Transmittance of all hair together.
 @group(0) @binding(3) var hair: texture_2d<f32>;
 @group(0) @binding(4) var shrunk: texture_2d<f32>;
 @group(0) @binding(5) var linear_sampler: sampler;
@@ -31,7 +32,7 @@ fn vs_filter(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
-// Returns depth 0..=1, linear in distance.
+// Returns the depth 0..=1, linear in distance.
 fn even_depth(z: f32) -> f32 {
     if params.near == 0.0 {
         return z;
@@ -40,8 +41,8 @@ fn even_depth(z: f32) -> f32 {
     return (distance - params.near) / (params.far - params.near);
 }
 
-// Returns for each block the depth of its farthest light-facing surface, 0 if there is none, and that of its deepest
-// first surface.
+// Returns two depths for each block: the farthest of its light-facing surfaces, 0 if there is none, and the deepest of
+// its first surfaces.
 @fragment
 fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(farthest)) - 1;
@@ -53,24 +54,24 @@ fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
             let at = min(corner + vec2(x, y), last);
             deepest = max(deepest, textureLoad(farthest, at, 0));
             let z = textureLoad(nearest, at, 0);
-            // An empty texel hides nothing.
+            // An empty texel casts no shadow.
             first = max(first, select(0.0, z, z < 1.0));
         }
     }
     return vec4(even_depth(deepest), even_depth(first), 0.0, 0.0);
 }
 
-// Blocks to each side that are searched for surfaces in the shadow of a texel.
+// Number of blocks on each side that are searched for surfaces in the shadow of a texel.
 const REACH: i32 = 1;
 
-// Slope and offset of the ramp over depth steps, in units of clear_gap, within which hair over the texel itself
-// replaces the blurred hair: from a half to three quarters.
+// Slope of the ramp over depth steps, in units of clear_gap, along which hair over the texel itself replaces the
+// blurred hair: from 1/2 to 3/4. The next constant is its offset.
 const STEP_SLOPE: f32 = 4.0;
 const STEP_OFFSET: f32 = 2.0;
 
-// Returns blurred occlusion. A texel casts a shadow if the farthest light-facing surface is not the nearest one. It
-// also does if such a surface nearby is clearly deeper than a slanted one would be. The reason: an occluder extends
-// beyond the outline of what it shades.
+// Returns the blurred occlusion. A texel casts a shadow if its farthest light-facing surface is not its nearest one. It
+// also does if a light-facing surface nearby is deeper than any slanted one would be, because an occluder extends
+// beyond the outline of the surface it shades.
 @fragment
 fn fs_shrink(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(nearest)) - 1;
@@ -107,7 +108,7 @@ fn fs_stretch(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
     let first = even_depth(textureLoad(nearest, at, 0));
     // Hair beside the texel that covers deeper surfaces may be behind this one. There, only hair over the texel itself
     // is certain to be above it. A slanted surface is not a step: clear_gap is the depth that the steepest one gains
-    // over two blocks. The four gathered blocks span one and a half.
+    // over two blocks, and the four gathered blocks span one and a half.
     let firsts = textureGather(1, blocks, linear_sampler, uv);
     let deeper = max(max(firsts.x, firsts.y), max(firsts.z, firsts.w)) - first;
     let own = textureLoad(hair, min(at, vec2<i32>(textureDimensions(hair)) - 1), 0).r;

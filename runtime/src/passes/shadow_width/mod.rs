@@ -1,17 +1,17 @@
-//! `shadow_width`: two depth maps from the key light, and a filter that makes the shadow-width map of them (Yang 2006,
-//! §4; Kirsch and Döllner 2003). The filter shrinks and stretches the occlusion between them, so that its grey measures
-//! the distance to a shadow edge.
+//! `shadow_width`: two depth maps from the key light, and a filter that converts them to the shadow-width map (Yang
+//! 2006, §4; Kirsch and Döllner 2003). The filter downsamples and upsamples the occlusion between them, so that its
+//! grey measures the distance to a shadow edge.
 //!
-//! The paper draws the model a second time to compare it with the depth map. Here, the second drawing is also depth
-//! only: the farthest light-facing surface. Where that is behind the nearest surface, something is in shadow. The
-//! comparison is then one pass over texels, and the application can add geometry without a shader from pelage.
+//! The paper draws the model a second time to compare it with the depth map. Here, the second draw is also depth-only:
+//! the farthest light-facing surface. Where that is behind the nearest surface, it is in shadow. The comparison is then
+//! one pass over texels, and the application can add geometry without a shader from pelage.
 //!
 //! With that comparison alone, a shadow that reaches the outline of its receiver would end there and fade towards it.
-//! Therefore a texel also counts if the shadowed surface is beside it, and empty texels have no weight. That halves the
-//! error (`pelage chart soft-shadow`: RMSE on the hare 0.147 without, 0.092 with).
+//! Therefore, a texel also counts if the shadowed surface is beside it, and empty texels have no weight. This reduces
+//! the error (`pelage chart soft-shadow`: RMSE on the hare 0.092, otherwise 0.147).
 //!
 //! The fourth channel, the hair above the first surface, is for the application's own geometry and is blurred likewise.
-//! It is not blurred across a step to a deeper surface. Hair there may be behind the nearer object, which would lose
+//! It is not blurred across a step to a deeper surface: hair there may be behind the nearer object, which would lose
 //! light at its edges.
 
 use super::{Outcome, Pass, PassId, PassStage};
@@ -56,10 +56,11 @@ pub(crate) struct Filter {
     pub(crate) reserved2: f32,
 }
 
-/// Steepest slope, relative to the plane across the light, that is treated as one surface and not a step.
+/// Maximum slope, relative to the plane perpendicular to the light, that counts as one surface. Steeper ones count as a
+/// step.
 const STEEPEST: f32 = 2.5;
 
-/// Step of the filter: fragment entry point, inputs besides the constants, and target.
+/// Step of the filter: fragment entry point, inputs in addition to the constants, and target.
 struct Step<'a> {
     fragment: &'static str,
     layout: &'static str,
@@ -87,7 +88,7 @@ fn record_step(frame: &mut Recording<'_>, step: &Step<'_>, constants: &BindingRe
     record(&mut begin_maps(frame.encoder, FILTER.name, MapTarget::Light(step.target)), [&draw]);
 }
 
-/// Records the shadow-width map from the recorded depth maps and layer-wise maps.
+/// Records the shadow-width map from the depth maps and layer-wise maps, which are already recorded.
 fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
     let Some(textures) = &maps.width else { return };
     let light = maps.view();
@@ -96,9 +97,9 @@ fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
         near,
         far: near + light.range_m,
         shrink: maps.key.params.shrink as i32,
-        // Tolerates rounding between surfaces that touch.
+        // Tolerate rounding between surfaces that touch.
         least_gap: 1e-3,
-        // Distance from a texel to the far side of the next block.
+        // The length is the distance from a texel to the far side of the next block.
         clear_gap: STEEPEST * 2.0 * maps.key.params.shrink as f32 * maps.texel_m() / light.range_m,
         reserved0: 0.0,
         reserved1: 0.0,
@@ -143,7 +144,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     match maps.as_deref().filter(|maps| maps.key.soft_shadow) {
         Some(maps) if frame.redraws_maps() => {
-            // If hair shadows hair, this map was recorded earlier.
+            // If hair casts shadows on hair, the depth map has already been recorded.
             if maps.key.hair == HairMapKind::None && maps.deep.is_none() {
                 record_depth(frame, maps, CasterPass::Nearest);
             }

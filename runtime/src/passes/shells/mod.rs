@@ -1,5 +1,5 @@
-//! `shells`: layers 1.. of the hair, inside to outside, blended into the application's colour target, with depth test
-//! and depth write (Lengyel 2001; Yang 2006, §2).
+//! `shells`: draws the hair layers above the skin, from the inside out, into the application's colour target. Blended,
+//! with depth test and depth write (Lengyel 2001; Yang 2006, §2).
 
 use super::{Outcome, Pass, PassId, PassStage, any_reduced};
 use crate::gpu::{Draw, RenderSpec, Shader, flag};
@@ -20,7 +20,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Hair layers, inside to outside.
+    /// Hair layers, from the inside out.
     pub const SHELLS: Self = Self(&PASS);
 }
 
@@ -41,7 +41,7 @@ fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part) -> RenderSpe
     let varies = model.varies();
     let of_material = part.has_texture || part.cutout || part.has_groom_texture;
     let of_coat = varies.lean || varies.groom || model.manifest().fur.wet.is_some();
-    // Uses the variant with the fewest interpolants.
+    // Use the variant with the fewest interpolants.
     let entries = if look.fill_lights || look.environment.is_some() {
         ["vs_shells_filled", "fs_shells_filled"]
     } else if of_material || of_coat || look.resampled || look.maps_between {
@@ -76,11 +76,11 @@ fn draws(frame: &mut Recording<'_>, seen: &VisibleInstance) -> Vec<Draw> {
     let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part);
     let draws = frame.part_draws(seen, |part| part.furred, groups, layers.clone(), spec);
     if draws.len() < 2 {
-        // Instances of one draw are rasterised in order: one draw for all layers.
+        // Instances of one draw are rasterised in order, so one draw per part covers all layers.
         return draws;
     }
-    // Adjacent parts may overlap: draws layer by layer, so that an outer layer of one part never hides an inner layer
-    // of another.
+    // Adjacent parts may overlap, so their layers alternate: an outer layer of one part must not hide an inner layer of
+    // another.
     let layer = |k: u32| draws.iter().map(move |draw| Draw { instances: k..k + 1, ..draw.clone() });
     layers.flat_map(layer).collect()
 }

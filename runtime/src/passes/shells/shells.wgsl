@@ -1,12 +1,13 @@
 //! uses debug/false_color, hair/hair, hair/vertex, light/baked, light/forms, light/point, light/visibility,
 //! passes/shells/varying, shared/detail, shared/kajiya_kay, shared/layer_shadow, shared/opacity, shared/tile_frame,
 //! surface/place
-// Shells: layers 1.. of the hair volume, inside to outside, one per instance index.
+// Shells: layers 1 and up of the hair volume, from the inside out, one per instance index.
 
-// The layer-wise maps have other layers than are drawn.
+// The layers of the layer-wise maps differ from those drawn.
 override MAPS_BETWEEN: bool = false;
 
-// Height of a layer over that of the hair below it, whose mean colour multiply scattered light takes (formulas 4.13).
+// Ratio of the height of a layer to that of the hair below whose mean colour tints multiply scattered light (formulas
+// 4.13).
 const LAYERS_TO_DEEPER: u32 = 4u;
 
 fn shell_of(v: Vertex, index: u32) -> Shell {
@@ -62,7 +63,8 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     var texel = hair.color;
     var root = in.base_uv;
     if AT_ROOT {
-        // The vertex shader already subtracted the offset that all hair of this layer shares.
+        // Only the rest of the offset is left: the vertex shader has subtracted the offset common to all hair of this
+        // layer.
         root -= root_aside(vec3(0.0, 0.0, in.along), hair.direction);
         groom = groom_at_root(in.groom, in.base_uv, root);
     }
@@ -81,7 +83,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
             let eye = eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e);
             times *= view_depth_factor(tangent, length(hair.direction), eye, in.n_dot_e);
         }
-        // Premultiplied colour scales with its opacity.
+        // The premultiplied colour scales with the opacity.
         texel *= resampled_opacity(texel.a, times) / texel.a;
     }
     texel *= groom.x * select(1.0, instance.layer_share, DETAIL);
@@ -90,8 +92,8 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     arriving.visible = visible_through_hair(receiver);
     arriving.past = visible_past_things(receiver);
     if SELF_SHADOW && LIGHT_SLANTED {
-        // Shadow within the layer (formulas 4.2): it stands for the hair up to the next layer, half of which is above
-        // its hair on average.
+        // Shadow within the layer (formulas 4.2): the layer represents the hair up to the next one, half of which is
+        // above its hair on average.
         let path = path_through(slanted_path(n_dot_l), in.length);
         arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
     }

@@ -1,20 +1,20 @@
 //! uses hair/vertex, light/key, light/point, shared/kajiya_kay, surface/place
-// Packed interpolants between vertex and fragment shaders of shells. There are three variants, each with no more slots
-// than its fur needs. Software rasterisers pay for a slot at every vertex, triangle and block of pixels, and for each
-// uniform value at every block. Therefore light times base colour is computed at vertices, and uniforms are passed as
-// flat values.
+// Packed interpolants between the vertex and fragment shaders of shells. There are three variants, each with no more
+// slots than its fur needs. Software rasterisers pay for a slot at every vertex, triangle and block of pixels, and for
+// each uniform value at every block. Therefore, light times base colour is computed per vertex, and uniforms are passed
+// as flat values.
 
 // Values computed per vertex.
 struct Shell {
     tile_uv: vec2<f32>,
-    // Ambient light that arrives, and diffuse light, both times the base colour.
+    // Arriving ambient light times the base colour. The next field is the diffuse light times the base colour.
     ambient: vec3<f32>,
     diffuse: vec3<f32>,
     // Length of the hair relative to the tile's.
     length: f32,
-    // Layer in the layer-wise maps.
+    // Layer of the shell in the layer-wise maps.
     map_layer: f32,
-    // Slope that the vertex lean adds to hair at this height.
+    // Slope that the vertex lean adds to the hair at this height.
     slope: f32,
     // Index of the baked layer.
     layer: u32,
@@ -23,21 +23,21 @@ struct Shell {
     at: HairVertex,
 }
 
-// Variant for fur coloured at vertices.
+// Variant for fur whose colour comes from vertices only.
 struct PlainVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Tile coordinates, n_dot_e, length.
+    // Tile coordinates, n_dot_e, hair length.
     @location(0) uv_cosine_length: vec4<f32>,
-    // Directions, then ambient light; w: red, green and blue of the diffuse colour.
+    // Three vectors: directions, then ambient light. Their w components hold red, green and blue of the diffuse colour.
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,
     @location(4) place: vec4<f32>,
-    // Highlight and baked layer, as the bits of three f32 and one u32.
+    // Highlight and baked layer: bits of three f32 and one u32.
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
 }
 
-// Variant with material textures and maps, or with a different number of layers.
+// Variant for material textures and maps, or for a layer count that differs from the baked one.
 struct MappedVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_cosine_length: vec4<f32>,
@@ -47,11 +47,11 @@ struct MappedVarying {
     @location(4) place: vec4<f32>,
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
     @location(6) base_uv_groom: vec4<f32>,
-    // Slope, opacity of the base colour, layer of the maps, `along`.
+    // Slope, opacity of the base colour, layer in the maps, `along`.
     @location(7) slope_alpha_map: vec4<f32>,
 }
 
-// Variant with the inputs of lights that are evaluated per fragment.
+// Variant with the inputs for lights that are evaluated per fragment.
 struct FilledVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_cosine_length: vec4<f32>,
@@ -127,16 +127,16 @@ struct ShellFragment {
     base_alpha: f32,
     place: vec4<f32>,
     map_layer: f32,
-    // Additional sideways offset of hair from its root, per unit of its sideways direction.
+    // Offset of hair from its root in addition to `aside`, per unit of the hair's sideways direction.
     along: f32,
-    // Tint for lights evaluated per fragment.
+    // Tint for lights that are evaluated per fragment.
     tint: vec3<f32>,
     spot: Spot,
-    // Light that arrives, without the visibility of the key light.
+    // Arriving light, without the visibility of the key light.
     arriving: Arriving,
 }
 
-// Inputs that this variant does not have are zero; other variants set them.
+// Inputs that this variant lacks are zero here; other variants set them.
 fn plain_fragment(in: PlainVarying) -> ShellFragment {
     let layer = in.specular_layer.w;
     var out: ShellFragment;
@@ -146,7 +146,7 @@ fn plain_fragment(in: PlainVarying) -> ShellFragment {
     out.length = in.uv_cosine_length.w;
     out.base_alpha = 1.0;
     out.place = in.place;
-    // In this variant, drawn, baked and map layers are equal; other variants override the map layer.
+    // In this variant, drawn, baked and map layers are the same; other variants override the map layer.
     out.map_layer = f32(layer);
     out.arriving.ambient = in.ambient_blue.rgb;
     out.arriving.diffuse = vec3(in.light_red.w, in.half_green.w, in.ambient_blue.w);

@@ -1,4 +1,4 @@
-//! `skin`: the opaque base mesh, bare parts included, into the application's colour target, with depth write.
+//! `skin`: draws the opaque base mesh, including bare parts, into the application's colour target, with depth write.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{RenderSpec, Shader, flag};
@@ -12,7 +12,7 @@ pub(crate) const SHADER: Shader =
     Shader { name: "pelage skin", parts: hair_wgsl!(include_str!("../../hair/coat.wgsl"), include_str!("skin.wgsl")) };
 
 impl PassId {
-    /// Opaque base mesh and bare parts.
+    /// Opaque base mesh, including bare parts.
     pub const SKIN: Self = Self(&PASS);
 }
 
@@ -36,13 +36,13 @@ fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part, furred: bool
     if !furred {
         constants.push(flag("ROLL_OFF", frame.params.style.kind() == StyleKind::Bare));
         let mut spec = frame.picture_spec(SHADER, ["vs_bare", "fs_bare"], constants, sides, false);
-        // Bare parts bind no hair textures.
+        // Bare parts need no hair textures.
         spec.groups.truncate(2);
         return spec;
     }
     constants.extend(groom_constants(model, part));
     constants.extend([
-        // The surface has no lean unless it is raised to the far fur layer.
+        // The mesh surface needs the lean only if it is raised to the far fur layer.
         flag("LEAN", model.varies().lean && look.coat),
         flag("PLANAR_DIRECTIONS", model.planar_directions()),
         flag("COAT", look.coat),

@@ -1,6 +1,6 @@
 //! uses debug/false_color, hair/coat, hair/hair, hair/vertex, light/baked, light/environment, light/fills, light/forms,
 //! light/key, light/point, light/visibility, shared/kajiya_kay, shared/tile_frame, surface/place
-// Opaque base mesh. Furred parts carry the innermost hair layer; bare parts (eyes, hooves) have plain diffuse light.
+// Opaque base mesh. Furred parts show the innermost hair layer; bare parts (eyes, hooves) are diffuse.
 
 // Bare style: compresses light, so that no channel exceeds white.
 override ROLL_OFF: bool = false;
@@ -12,10 +12,10 @@ struct SkinVarying {
     @location(2) tile_uv: vec2<f32>,
     // Direction towards the light, in the tile frame.
     @location(3) light_ts: vec3<f32>,
-    // H in the tile frame, or the factors of half_or_factors.
+    // Half vector H in the tile frame, or the factors of half_or_factors.
     @location(4) half_ts: vec3<f32>,
-    // 1 where fur grows, 0 where its height is 0; length of the hair relative to the tile's; slope that the vertex lean
-    // adds to the far fur layer.
+    // 1 where fur grows, 0 where its height is 0; hair length relative to the tile's; slope that the vertex lean adds
+    // to the far fur layer.
     @location(5) grows_length_slope: vec3<f32>,
     @location(6) groom: vec2<f32>,
     @location(7) place: vec4<f32>,
@@ -25,7 +25,8 @@ struct SkinVarying {
     @location(11) open: vec3<f32>,
 }
 
-// height: share of the fur's height.
+// Returns the inputs of the fragment shader. `height`: height of the vertex above the surface, relative to the fur
+// height.
 fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     let tile = tile_frame_of(v, normal_ws(v));
     var position = position_ws(v);
@@ -54,7 +55,7 @@ fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     return out;
 }
 
-// Bare parts read no hair textures.
+// Does not read hair textures, which bare parts lack.
 @vertex
 fn vs_bare(v: Vertex) -> SkinVarying {
     return skin_varying(v, 0.0);
@@ -62,7 +63,7 @@ fn vs_bare(v: Vertex) -> SkinVarying {
 
 @vertex
 fn vs_furred(v: Vertex) -> SkinVarying {
-    // The far fur layer rises to its height while the layers above it fade.
+    // The far fur layer rises to its final height while the layers above it fade.
     let height = instance.detail_next * instance.coat_height;
     var out = skin_varying(v, height);
     let layer = select(0u, instance.baked_layers, COAT);
@@ -72,7 +73,7 @@ fn vs_furred(v: Vertex) -> SkinVarying {
     return out;
 }
 
-// Returns -1 for back faces, else 1: the back of a double-sided part is lit by light on its back.
+// Returns -1 for back faces, otherwise 1: the back of a double-sided part is lit from its own side.
 fn side_of(front: bool) -> f32 {
     return select(-1.0, 1.0, front);
 }
@@ -99,7 +100,7 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     return false_color(vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0), 0u, 0.0);
 }
 
-// Returns the brightest possible light on a bare surface: all lights along its normal. F of formulas 4.1.
+// Returns the maximum light on a bare surface, with all lights along its normal: F of formulas 4.1.
 fn brightest_light() -> vec3<f32> {
     var full = instance.ambient + instance.diffuse;
     if FILL_LIGHTS {
@@ -111,8 +112,8 @@ fn brightest_light() -> vec3<f32> {
     return full;
 }
 
-// Compresses light in 0..=full so that its strongest channel is at most 1 (formulas 4.1). The result is
-// L / (1 + L (F - 1) / F), with L and F of that channel, if F is above 1. Dim light and hue are kept, and full light
+// Compresses light in the range 0..=full so that its strongest channel is at most 1 (formulas 4.1). If F is above 1,
+// the result is L / (1 + L (F - 1) / F), with L and F of that channel. Dim light and hue are preserved, and full light
 // becomes 1.
 fn rolled_off(light: vec3<f32>, full: vec3<f32>) -> vec3<f32> {
     let most = max(full.r, max(full.g, full.b));
@@ -138,7 +139,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     let past = visible_past_things(receiver);
     var through = visible_through_hair(receiver);
     if COAT && !BAKED_SHADOW {
-        // The far fur layer is in no shadow map.
+        // The shadow maps do not include the far fur layer.
         let below = visible_below_coat(far, groom.x, light.z, in.grows_length_slope.y);
         through = mix(through, below, instance.detail_next);
     }
@@ -158,8 +159,8 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     point.arriving = arriving_at(0.0, light, in.half_ts, through, past);
     point.baked = baked;
     let bare = bare_color(base.rgb, light.z, visible * visible_past_strands(baked, light), spot, side);
-    // The bake writes an opaque innermost layer. Where a package's layer is not opaque, the bare surface shows between
-    // the hairs.
+    // The bake writes an opaque innermost layer. If a package's layer is not opaque, the bare surface shows between the
+    // hairs.
     let ambient = ambient_attenuation(0.0, instance.ambient_floor);
     let undercoat = light_undercoat(point) + (1.0 - color.a) * ambient * bare;
     let skin = mix(bare, undercoat, in.grows_length_slope.x * groom.x);

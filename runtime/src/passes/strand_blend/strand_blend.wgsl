@@ -1,10 +1,10 @@
 //! uses debug/false_color, hair/nearest, hair/packed_light
-// Blending of the gathered hair segments over the picture (formulas 4.11): layer by layer of each tile, the farthest
+// Blending of the gathered hair segments over the picture (formulas 4.11), layer by layer in each tile, the farthest
 // first.
 
 @group(0) @binding(0) var<storage, read> keys: array<u32>;
 @group(0) @binding(1) var<storage, read> lights: array<u32>;
-// Indirect draw arguments, then tile and layer of each instance.
+// Indirect draw arguments, then the tile and layer of each instance.
 @group(0) @binding(2) var<storage, read> layers: array<u32>;
 @group(0) @binding(3) var<uniform> nearest: NearestHair;
 
@@ -12,7 +12,7 @@ const DRAW_ARGUMENTS: u32 = 4u;
 
 struct TileVarying {
     @builtin(position) position: vec4<f32>,
-    // Pixels from the corner of the area.
+    // Offset from the corner of the area, pixels.
     @location(0) @interpolate(linear) at: vec2<f32>,
     @location(1) @interpolate(flat) layer: u32,
 }
@@ -22,7 +22,7 @@ fn tile_corner(vertex: u32, instance: u32, first_alone: bool) -> TileVarying {
     let tile = tile_and_layer / NEAREST;
     let layer = tile_and_layer % NEAREST;
     let across = nearest.area.z / TILE;
-    // Two triangles: corners 0 1 2, 2 1 3.
+    // Corners of the two triangles: 0 1 2, 2 1 3.
     let corner = select(5u - vertex, vertex, vertex < 3u);
     let turned = select(corner, 3u, vertex == 5u);
     var at = vec2<f32>(TILE * (vec2(tile % across, tile / across) + vec2(turned & 1u, turned >> 1u)));
@@ -52,7 +52,7 @@ fn fs_blend(in: TileVarying) -> Blended {
     }
     var through = 1.0 - covered_by(key);
     if in.layer == NEAREST - 1u {
-        // The last layer also stands for all segments behind it.
+        // The last layer also represents all segments behind it.
         through *= exp(-f32(keys[OF_A_PIXEL * pixel + NEAREST]) / OPTICAL_DEPTH);
     }
     let covered = 1.0 - through;
@@ -70,7 +70,7 @@ struct Depth {
     @builtin(frag_depth) depth: f32,
 }
 
-// Returns the depth of the segment at which hair covers more than half of the pixel.
+// Writes the depth of the segment at which hair covers more than half of the pixel.
 @fragment
 fn fs_depth(in: TileVarying) -> Depth {
     let place = OF_A_PIXEL * pixel_number(vec2<u32>(in.at));

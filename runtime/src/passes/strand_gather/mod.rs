@@ -1,4 +1,4 @@
-//! `strand_gather`: finds the nearest hair segments in each pixel by a compute rasteriser, once per frame.
+//! `strand_gather`: finds the nearest hair segments in each pixel with a compute rasteriser, once per frame.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{
@@ -18,7 +18,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: nearest hair segments in each pixel.
+    /// Compute pass: nearest hair segments in each pixel.
     pub const STRAND_GATHER: Self = Self(&PASS);
 }
 
@@ -55,7 +55,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let Some(ribbons) = set.ribbons else { continue };
         let pieces = set.strands.segments(set.drawn.step);
         let lists = &nearest.lists;
-        // Both rounds use one pipeline: the second must reproduce the keys of the first bit by bit.
+        // Both rounds must use one pipeline, because the second must reproduce the keys of the first bit by bit.
         let mut dispatch = |entry, round, threads| {
             let block = frame.uniforms.put(frame.gpu, &[NearestHairBlock { pieces, round, ..nearest.block }]);
             let buffers = [&ribbons.counts, &ribbons.corners, &lists.keys, &lists.lights, &lists.layers];
@@ -79,7 +79,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         count += of_all;
     }
     nearest.clear(frame.encoder);
-    // Each dispatch sees the writes of those before it.
+    // Order matters: each dispatch sees the writes of those before it.
     gather.append(&mut leave);
     gather.append(&mut list);
     record_dispatches(frame.encoder, SHADER.name, &gather);

@@ -1,13 +1,14 @@
 //! uses hair/nearest, hair/packed_light
 // Gathering of the nearest hair segments in each pixel (formulas 4.11), in two rounds over all segments. The first
-// sorts keys, the second stores the light of the nearest segments. The result does not depend on the order of threads.
+// round sorts keys; the second stores the light of the nearest segments. The result does not depend on the order of
+// threads.
 
 struct Frame {
     clip_from_world: mat4x4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-// Indirect draw arguments. `ribbons`: corners, with world-space position and light.
+// Indirect draw arguments. `ribbons`: corners with world-space position and light.
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
 @group(1) @binding(1) var<storage, read> ribbons: array<vec4<u32>>;
 @group(1) @binding(2) var<storage, read_write> keys: array<atomic<u32>>;
@@ -18,17 +19,17 @@ struct Frame {
 
 // Screen-space end of a segment.
 struct End {
-    // Position, pixels; depth.
+    // Position on screen, pixels. The next field is the depth.
     at: vec2<f32>,
     depth: f32,
-    // Half of the width, pixels.
+    // Half width, pixels.
     half: f32,
-    // Unit vector along the strand, perpendicular to the line on which this segment ends and the next begins.
+    // Unit vector along the strand, perpendicular to the line that separates this segment from the next.
     along: vec2<f32>,
     light: vec3<f32>,
 }
 
-// Clip-space corners of an end, and its light.
+// Both clip-space corners of a segment's end, and its light.
 struct Corners {
     left: vec4<f32>,
     right: vec4<f32>,
@@ -42,7 +43,7 @@ fn corners_at(first: u32) -> Corners {
     return Corners(a, b, unpacked_light(left.w));
 }
 
-// Returns the distance behind the near plane, in clip space.
+// Returns the distance behind the near plane, in clip space; negative in front of it.
 fn behind_near(corners: Corners) -> f32 {
     let middle = 0.5 * (corners.left + corners.right);
     return select(middle.z, middle.w - middle.z, REVERSED_DEPTH);
@@ -75,7 +76,7 @@ fn cross_2(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
 
-// Inserts a key into the sorted list of a pixel; nearer keys move others back. A key that no longer fits adds to the
+// Inserts a key into the sorted list of a pixel; nearer keys shift others back. A key that no longer fits adds to the
 // optical depth behind the list.
 fn insert(pixel: u32, found: u32) {
     let first = OF_A_PIXEL * pixel;
@@ -90,8 +91,8 @@ fn insert(pixel: u32, found: u32) {
     atomicAdd(&keys[first + NEAREST], u32(-OPTICAL_DEPTH * log(max(1.0 - covered_by(key), 1e-3)) + 0.5));
 }
 
-// Stores the light of a key. Two segments with equal keys keep the larger value, so that the order of threads has no
-// effect.
+// Stores the light of a key. If two segments have equal keys, the larger value is kept, so that the order of threads
+// has no effect.
 fn store_light(pixel: u32, key: u32, light: u32) {
     for (var k = 0u; k < NEAREST; k++) {
         let there = atomicLoad(&keys[OF_A_PIXEL * pixel + k]);
@@ -103,21 +104,21 @@ fn store_light(pixel: u32, key: u32, light: u32) {
     }
 }
 
-// Largest size of a segment on screen, pixels; larger ones fill the picture or are NaN.
+// Maximum size of a segment on screen, pixels. Larger ones fill the picture or are NaN.
 const MOST_PX: f32 = 1e6;
 
-// One thread per segment.
+// Uses one thread per segment.
 @compute @workgroup_size(64)
 fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let piece = id.y * groups.x * 64u + id.x;
-    // Six indices per segment.
+    // A segment has six indices.
     if piece >= counts[0] / 6u {
         return;
     }
     let first = 2u * (piece + piece / nearest.pieces);
     var root = corners_at(first);
     var tip = corners_at(first + 2u);
-    // Clips to the near plane; only what is behind it is visible.
+    // Clip to the near plane; only the part behind it is visible.
     let root_behind = behind_near(root);
     let tip_behind = behind_near(tip);
     if root_behind <= 0.0 && tip_behind <= 0.0 {
@@ -132,18 +133,18 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     var b = end(tip);
     let way = b.at - a.at;
     let long = length(way);
-    // Rejects sizes that are too large or NaN.
+    // Reject sizes that are too large or NaN.
     if !(long + a.half + b.half < MOST_PX) {
         return;
     }
     let axis = way / max(long, 1e-6);
-    // Tips have no width from which to derive a direction.
+    // A tip has no width from which to derive a direction.
     a.along = select(axis, a.along, a.half > 1e-4);
     b.along = select(axis, b.along, b.half > 1e-4);
     a.along *= select(1.0, -1.0, dot(a.along, axis) < 0.0);
     b.along *= select(1.0, -1.0, dot(b.along, axis) < 0.0);
 
-    // Iterates over rows along the longer axis; each row covers the width plus half a pixel on either side.
+    // Iterate over rows along the longer axis; each row covers the width plus half a pixel on either side.
     let by_columns = abs(way.x) > abs(way.y);
     let from_1 = select(a.at.y, a.at.x, by_columns);
     let to_1 = select(b.at.y, b.at.x, by_columns);
@@ -166,7 +167,7 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
         let end_2 = min(middle + reach_2, high_2);
         for (var column = begin_2 + 0.5; column < end_2; column += 1.0) {
             let pixel = select(vec2(column, row), vec2(row, column), by_columns);
-            // Assigns every pixel to exactly one of the segments that meet at a point.
+            // Assign every pixel to exactly one of the segments that meet at a point.
             let since = dot(pixel - a.at, a.along);
             let until = dot(b.at - pixel, b.along);
             if since < 0.0 || until <= 0.0 {
@@ -195,7 +196,7 @@ const DRAW_ARGUMENTS: u32 = 4u;
 
 var<workgroup> most: atomic<u32>;
 
-// One workgroup per tile: lists as many layers as its fullest pixel has segments, the farthest first.
+// Lists the layers of a tile, the farthest first: as many as its fullest pixel has segments. One workgroup per tile.
 @compute @workgroup_size(64)
 fn list_layers(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -217,7 +218,7 @@ fn list_layers(
     workgroupBarrier();
     if tile < tiles && local == 0u {
         let count = atomicLoad(&most);
-        // Six vertices for two triangles; one instance per layer of a tile.
+        // Each layer of a tile is one instance with six vertices, two triangles.
         atomicMax(&layers[0], 6u);
         let next = DRAW_ARGUMENTS + atomicAdd(&layers[1], count);
         for (var k = 0u; k < count; k++) {

@@ -1,4 +1,5 @@
-//! `strand_light`: builds lit ribbons of the visible strands, once per frame. Later passes read only their vertices.
+//! `strand_light`: builds ribbons of the visible strands and lights them, once per frame. Later passes read only their
+//! vertices.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{
@@ -26,7 +27,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: lit ribbons of the visible strands.
+    /// Compute pass: lit ribbons of the visible strands.
     pub const STRAND_LIGHT: Self = Self(&PASS);
 }
 
@@ -46,7 +47,7 @@ pub(crate) const PASS: Pass = Pass {
 fn constants(seen: &VisibleInstance, set: &StrandsToDraw<'_>, part: &Part) -> Vec<(&'static str, u32)> {
     let mut constants = seen.look.lit_strand_constants();
     constants.push(flag("DEEP_SHADOW", seen.look.deep_shadow));
-    // Mesh surface and groom do not apply to hair on guides.
+    // The mesh surface and its groom do not apply to guided hair.
     if let Some(guided) = set.strands.guided() {
         constants.push(flag("HANGS", true));
         constants.push(("FIBRE", guided.fibre));
@@ -59,7 +60,7 @@ fn constants(seen: &VisibleInstance, set: &StrandsToDraw<'_>, part: &Part) -> Ve
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    // A device that cannot draw single hairs cannot create these layouts.
+    // Skip early: a device that cannot draw single hairs cannot create the layouts below.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
         return Outcome::Skipped("no single hairs are visible");
     }
@@ -83,7 +84,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     for (seen, set) in strand_sets(&instances) {
         let (strands, Some(ribbons)) = (set.strands, set.ribbons) else { continue };
         for (number, (part, of_part)) in set.parts(seen.model.parts(), set.drawn.share).enumerate() {
-            // Without a map, the placeholder buffer is never read.
+            // Without a map, this placeholder buffer is bound and never read.
             let deep = maps.and_then(|maps| maps.deep.as_ref()).unwrap_or(&strands.tile);
             let mut entries = frame.posed_strands(&set, &of_part, set.drawn).to_vec();
             let buffers = [&ribbons.seen, &ribbons.counts, &ribbons.corners, deep];
@@ -103,7 +104,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let threads = of_part.len() as u32;
             select.push(dispatch("select_strands", threads));
             if number == 0 {
-                // One workgroup for all parts.
+                // One workgroup scans all parts.
                 scan.push(dispatch("scan_strands", WORKGROUP));
             }
             light.push(dispatch("light_strands", threads));
@@ -116,7 +117,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     for ribbons in instances.iter().flat_map(VisibleInstance::strands).filter_map(|set| set.ribbons) {
         frame.encoder.clear_buffer(&ribbons.seen, 0, None);
     }
-    // Each dispatch sees the writes of those before it.
+    // Order matters: each dispatch sees the writes of those before it.
     select.append(&mut scan);
     select.append(&mut light);
     record_dispatches(frame.encoder, SHADER.name, &select);

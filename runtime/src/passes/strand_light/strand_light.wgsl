@@ -1,26 +1,26 @@
 //! uses hair/constants, hair/hair, hair/packed_light, hair/posed, hair/strand, light/baked, light/deep_forms,
 //! light/key, light/point, light/scatter, light/visibility, shared/deep_opacity, shared/environment, shared/frame,
 //! shared/skinning, shared/tile_frame, surface/place
-// Construction of ribbons (formulas 4.10): selects visible strands, assigns each its place among the vertices, and
-// writes its lit corners. Strands keep their order, so that pictures are reproducible.
+// Construction of ribbons (formulas 4.10): selects visible strands, assigns vertex positions to them, and writes their
+// lit corners. Strands keep their order, so that pictures are reproducible.
 
 // Visibility mask: one bit per strand, 32 per word.
 @group(2) @binding(4) var<storage, read_write> seen: array<atomic<u32>>;
 // Indirect draw arguments; then, per 32 strands, the number of visible strands before them.
 @group(2) @binding(5) var<storage, read_write> counts: array<u32>;
-// Corners: world-space position, and light.
+// Corners of the ribbons: world-space position and light.
 @group(2) @binding(6) var<storage, read_write> ribbons: array<vec4<u32>>;
 @group(2) @binding(7) var<storage, read> deep: array<u32>;
 @group(2) @binding(8) var<uniform> deep_opacity: DeepOpacity;
 
 const DRAW_ARGUMENTS: u32 = 5u;
-// Smallest cosine between surface normal and eye direction at a root; below it, the surface hides the fur.
+// Minimum cosine between the surface normal and the eye direction at a root; below it, the surface hides the fur.
 const FARTHEST_TURNED: f32 = -0.5;
-// Extent of the frustum test of a strand's first, middle and last point, relative to the picture.
+// Size of the frustum, relative to the picture, against which a strand's first, middle and last points are tested.
 const MARGIN: f32 = 1.1;
 
 fn strand_tint(strand: Strand) -> vec4<f32> {
-    // Hair on guides has a colour of its own.
+    // Guided hair has its own colour.
     if HANGS {
         return vec4(1.0);
     }
@@ -53,7 +53,7 @@ fn may_be_seen(number: u32) -> bool {
     return !(aside || all(w <= vec3(0.0)));
 }
 
-// One thread per strand of the part.
+// Selects the visible strands of a part, with one thread per strand.
 @compute @workgroup_size(64)
 fn select_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let number = number_of(id, groups);
@@ -75,7 +75,7 @@ fn corners() -> u32 {
     return 2u * (pieces() + 1u);
 }
 
-// Counts the visible strands before each 32, and writes the draw arguments. One workgroup.
+// Counts, for each group of 32 strands, the visible strands before it, and writes the draw arguments. One workgroup.
 @compute @workgroup_size(256)
 fn scan_strands(@builtin(local_invocation_index) local: u32) {
     let of_all = constants.count / 32u;
@@ -97,7 +97,7 @@ fn scan_strands(@builtin(local_invocation_index) local: u32) {
         before += countOneBits(atomicLoad(&seen[i]));
     }
     if local == SCANNERS - 1u {
-        // Index count: two triangles per segment. One instance; first index, base vertex and first instance are 0.
+        // Index count, two triangles per segment; one instance. First index, base vertex and first instance are 0.
         counts[0] = before * pieces() * 6u;
         counts[1] = 1u;
         counts[2] = 0u;
@@ -106,7 +106,8 @@ fn scan_strands(@builtin(local_invocation_index) local: u32) {
     }
 }
 
-// Returns the share of the key light that passes through the hair in front of a position in the maps (formulas 4.10).
+// Returns the share of the key light that reaches a position through the hair in front of it (formulas 4.10). `place`:
+// position in the maps.
 fn visible_through_strands(place: vec4<f32>) -> f32 {
     if !DEEP_SHADOW {
         return 1.0;
@@ -133,17 +134,17 @@ fn deep_texel(at: vec2<i32>, depth: f32) -> f32 {
     return exp(-deep_opacity.density * OPACITY_STEP * sum * shadowing(behind, deep_opacity.slabs));
 }
 
-// Weight of the surface normal at the root in the direction out of hanging hair (formulas 4.15).
+// Weight of the surface normal at the root in the outward direction of hanging hair (formulas 4.15).
 const OUTWARD_NORMAL: f32 = 0.5;
 
-// Returns the direction out of hanging hair, perpendicular to the hair (formulas 4.15): towards the offset from its
-// root, and the surface normal at the root. That side is open; the body is on the other.
+// Returns the outward direction of hanging hair, perpendicular to the hair (formulas 4.15). It is the sum of the offset
+// from its root and the surface normal at the root. That side is open; the body is on the other side.
 fn outwards(from_root: vec3<f32>, normal: vec3<f32>, tangent: vec3<f32>) -> vec3<f32> {
     let out = from_root + normal * (OUTWARD_NORMAL * length(from_root) + 1e-6);
     return normalize_or(out - tangent * dot(out, tangent), normal);
 }
 
-// Returns the linear light of an sRGB-encoded colour, 0..=1 (formulas 1.2).
+// Converts an sRGB-encoded colour, 0..=1, to linear light (formulas 1.2).
 fn srgb_channels(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
 }

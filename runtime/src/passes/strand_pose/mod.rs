@@ -22,7 +22,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: places strands on the posed mesh.
+    /// Compute pass: places strands on the posed mesh.
     pub const STRAND_POSE: Self = Self(&PASS);
 }
 
@@ -40,7 +40,7 @@ pub(crate) const PASS: Pass = Pass {
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    // A device that cannot draw single hairs cannot create these layouts.
+    // Skip early: a device that cannot draw single hairs cannot create the layouts below.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
         return Outcome::Skipped("no strands of a coat are drawn, or no pose changed");
     }

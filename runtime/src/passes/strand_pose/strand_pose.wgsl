@@ -5,26 +5,26 @@ struct Stand {
     a: u32,
     b: u32,
     c: u32,
-    // Weights of b and c, snorm, a quarter of their value.
+    // Barycentric weights of the corners b and c: a quarter of the value, snorm.
     weights: u32,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
 @group(0) @binding(1) var<storage, read> stands: array<Stand>;
 @group(0) @binding(2) var<storage, read> strands: array<Strand>;
-// Height and radius of a point are in .y, 16 bits each.
+// Points of the tile's strands. The height and radius of a point are in .y, 16 bits each.
 @group(0) @binding(3) var<storage, read> tile: array<vec4<u32>>;
 @group(0) @binding(4) var<uniform> constants: StrandConstants;
 @group(0) @binding(5) var<storage, read_write> posed: array<vec4<f32>>;
 @group(1) @binding(2) var base_color_sampler: sampler;
 @group(1) @binding(3) var groom_texture: texture_2d<f32>;
 
-// Overrides as in hair.wgsl.
+// Same override constants as in hair.wgsl.
 override GROOM_VERTICES: bool = false;
 override GROOM_TEXTURE: bool = false;
 override WET: bool = false;
 
-// One thread per point.
+// Places the strand points of a part, with one thread per point.
 @compute @workgroup_size(64)
 fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let points = constants.points;
@@ -39,7 +39,7 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     var at = planted_position(stands[index], height_of_point(of_tile));
     let wetness = strand_groom(strand).y;
     if WET {
-        // Wet hair is stored after all dry hair.
+        // Wet hair is stored after all dry hair of the tile.
         let height = height_of_point(constants.dry_points + of_tile);
         let wet = planted_position(stands[constants.count * points + index], height);
         at = mix(at, wet, wetness);
@@ -62,7 +62,7 @@ fn height_of_point(index: u32) -> f32 {
     return f32(tile[index].y & 0xffffu) / 65535.0;
 }
 
-// Factor on stored weights.
+// Factor from stored to actual weights.
 const WEIGHT_SCALE: f32 = 4.0;
 
 fn weights_of(stand: Stand) -> vec3<f32> {
@@ -70,13 +70,13 @@ fn weights_of(stand: Stand) -> vec3<f32> {
     return vec3(1.0 - weights.x - weights.y, weights);
 }
 
-// Returns barycentric weights clamped to the triangle; hair beside the surface is oriented as at its edge.
+// Returns the barycentric weights clamped to the triangle. Hair beside the surface takes its orientation from the edge.
 fn clamped_weights(stand: Stand) -> vec3<f32> {
     let inside = clamp(weights_of(stand), vec3(0.0), vec3(1.0));
     return inside / (inside.x + inside.y + inside.z);
 }
 
-// Returns the model-space position of a point at a share of the fur height, and that share.
+// Returns the model-space position of a point at a relative height in the fur; w holds that height.
 fn planted_position(stand: Stand, share: f32) -> vec4<f32> {
     let a = vertices[stand.a];
     let b = vertices[stand.b];
@@ -88,7 +88,7 @@ fn planted_position(stand: Stand, share: f32) -> vec4<f32> {
     return vec4(place + offset, share);
 }
 
-// Returns the offset from the surface to the hair of a vertex, at a share of its height (formulas 2.5).
+// Returns the offset from the surface to the hair of a vertex, at a relative height (formulas 2.5).
 fn hair_offset_of(v: GeometryVertex, share: f32) -> vec3<f32> {
     let tile = tile_frame(normalize_or(v.normal, vec3(0.0, 1.0, 0.0)), v.tangent.xyz, v.tangent.w);
     return (tile.normal_ws * share + tile.bitangent_ws * lean_offset(v.lean, share)) * v.fur_height;

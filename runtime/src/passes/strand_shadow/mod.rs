@@ -28,7 +28,7 @@ pub(crate) const SHADER: Shader = Shader {
 };
 
 impl PassId {
-    /// Compute: deep opacity map of strands.
+    /// Compute pass: deep opacity map of strands.
     pub const STRAND_SHADOW: Self = Self(&PASS);
 }
 
@@ -47,8 +47,8 @@ pub(crate) const PASS: Pass = Pass {
 
 /// Minimum number of segments of a strand in the map.
 const FEWEST_PIECES: u32 = 4;
-/// Minimum number of segments of hair on guides, which bends around bodies. A segment that cuts a bend short would be
-/// inside the body and cast no shadow.
+/// Minimum number of segments of guided hair, which bends around bodies. A segment that cuts a corner would be inside
+/// the body and cast no shadow.
 const FEWEST_GUIDED: u32 = 16;
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
@@ -59,7 +59,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if !frame.redraws_maps() {
         return Outcome::Skipped("light, poses and models are unchanged");
     }
-    // Later passes need the same map.
+    // The depth map is recorded here, because later passes need the same map.
     record_depth(frame, maps, CasterPass::Nearest);
     let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
         let mut entries = posed_layout().to_vec();
@@ -78,7 +78,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let pieces = strands.points - 1;
         let fewest = if strands.guided().is_some() { FEWEST_GUIDED } else { FEWEST_PIECES };
         let step = strands.steps().rfind(|step| pieces / step >= fewest).unwrap_or(1);
-        // The share is fixed, so that the map does not depend on the distance of the eye when it was drawn.
+        // A fixed share makes the map independent of the distance of the eye.
         let share = strands.shadow_share();
         let thrown = StrandSetDrawing { share, widened: share.recip(), step, ..*set.drawn };
         for (part, of_part) in set.parts(seen.model.parts(), share) {
@@ -106,7 +106,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         }
     }
     frame.encoder.clear_buffer(deep, 0, None);
-    // All strands find the first depth before any adds opacity behind it.
+    // All strands must find the first depth before any strand adds opacity behind it.
     first.append(&mut opacity);
     record_dispatches(frame.encoder, SHADER.name, &first);
     let DeepOpacity { size, slabs, .. } = maps.deep_opacity();

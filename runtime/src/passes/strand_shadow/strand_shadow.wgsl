@@ -1,7 +1,7 @@
 //! uses hair/constants, hair/posed, hair/strand, light/deep_forms, shared/deep_opacity, shared/frame, surface/place
-// Rasterisation of a share of a part's strands, which represent all of them, into the deep opacity map (formulas 4.10).
-// The first round finds the nearest hair of each texel. The second adds the area that hair covers in each slab behind
-// it. Strands are walked in steps of at most one texel.
+// Rasterisation of a part's strands into the deep opacity map (formulas 4.10). A share of the strands represents all of
+// them. The first round finds the nearest hair of each texel. The second adds the area that hair covers in each slab
+// behind it. Strands are traversed in steps of at most one texel.
 
 @group(2) @binding(4) var<storage, read_write> deep: array<atomic<u32>>;
 @group(2) @binding(5) var nearest_skin: texture_depth_2d;
@@ -11,15 +11,15 @@
 override GROOM_VERTICES: bool = false;
 override GROOM_TEXTURE: bool = false;
 
-// The strands are hair on guides.
+// The strands are guided hair.
 override GUIDED: bool = false;
 
-// Maximum number of steps per segment; a segment that fills the map is drawn with gaps.
+// Maximum number of steps per segment. A segment that spans the whole map is drawn with gaps.
 const MOST_STEPS: f32 = 256.0;
-// Smallest cosine between surface normal and light direction at a root; below it, fur is unlit.
+// Minimum cosine between the surface normal and the light direction at a root; below it, fur is unlit.
 const FARTHEST_FROM_LIGHT: f32 = -0.5;
 
-// Rasterises a strand: its nearness, or with `deposits` the area that it covers (formulas 4.10).
+// Rasterises a strand: its nearness, or with `deposits`, the area that it covers (formulas 4.10).
 fn rasterise_strand(number: u32, deposits: bool) {
     let strand = strands[number];
     if strand.selection >= strand_groom(strand).x * constants.share {
@@ -28,7 +28,7 @@ fn rasterise_strand(number: u32, deposits: bool) {
     let points = constants.points;
     let first = number * (points + POSED_BEFORE);
     var a = world_place(first + POSED_BEFORE);
-    // Fur on surfaces that face away from the light is unlit; other hair extends beyond the surface.
+    // Fur on a surface that faces away from the light is unlit; other hair extends beyond the surface.
     if !GUIDED && dot(world_normal(first), direction_to(frame.light_ws, a)) < FARTHEST_FROM_LIGHT {
         return;
     }
@@ -77,13 +77,13 @@ fn rasterise_strand(number: u32, deposits: bool) {
     }
 }
 
-// Returns texel coordinates in the map, depth, and distance from a point light.
+// Returns texel coordinates in the map, depth, and distance from a point light; 1 for a distant one.
 fn map_texel(position: vec3<f32>, side: f32) -> vec4<f32> {
     let place = frame.map_from_world * vec4(position, 1.0);
     return vec4(place.xy / place.w * side, place.zw);
 }
 
-// Returns a number that increases with nearness; 0 means no hair.
+// Returns a number that increases with nearness to the light; 0 means no hair.
 fn nearness(depth: f32) -> u32 {
     return bitcast<u32>(clamp(1.0 - depth, 0.0, 1.0));
 }

@@ -1,5 +1,5 @@
-//! `strands`: hair as ribbons that face the eye, opaque and of true width, into the application's pass, with depth test
-//! and depth write.
+//! `strands`: draws hair as opaque ribbons of true width that face the eye, into the application's pass, with depth
+//! test and depth write.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{Draw, RenderSpec, Shader, VertexLayout, attribute};
@@ -34,7 +34,7 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Vertex stream of ribbon corners: world-space position, and light.
+/// Vertex layout of ribbon corners: world-space position and light.
 const CORNER: VertexLayout = VertexLayout {
     stride: CORNER_BYTES,
     attributes: &[attribute(0, wgpu::VertexFormat::Float32x3, 0), attribute(1, wgpu::VertexFormat::Uint32, 12)],

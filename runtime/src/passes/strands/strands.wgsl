@@ -1,5 +1,5 @@
 //! uses debug/false_color, hair/packed_light
-// Single strands: ribbons that face the eye, as wide as the hair, with the light of their points.
+// Single strands: ribbons that face the eye, as wide as the hair, with light interpolated between their points.
 
 struct Frame {
     clip_from_world: mat4x4<f32>,
@@ -9,9 +9,9 @@ struct Frame {
 
 struct StrandVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Linear: ribbons are too thin for visible perspective. Centroid: where a ribbon covers samples but not the pixel
-    // centre, light is evaluated inside it. Extrapolation beyond its edge would give negative values, or values too
-    // large for a floating-point target.
+    // Linear, because ribbons are too thin for visible perspective. Centroid, because a ribbon may cover samples but
+    // not the pixel centre: light is then evaluated inside it. Extrapolation beyond its edge would give negative
+    // values, or values too large for a floating-point target.
     @location(0) @interpolate(linear, centroid) light: vec3<f32>,
 }
 

@@ -1,24 +1,24 @@
 //! uses ink/screen
-// Line functions as pelage draws them and as Fang 2006 prints them (formulas 5.2), chosen by overrides; replaces
-// ink/line_forms.wgsl in studies.
+// Line functions in pelage's own form and in the published form of Fang 2006 (formulas 5.2), selected by override
+// constants. Replaces ink/line_forms.wgsl in studies.
 
-// All four dot products must be low, without a gradual transition.
+// All four dot products must be below the threshold, without a gradual transition.
 override ALL_BELOW: bool = false;
-// Squares instead of discs.
+// The dilation uses squares, not discs.
 override SQUARES: bool = false;
 // Pixels are either ink or not.
 override HARD: bool = false;
-// Without the template, the sphere map alone determines line width.
+// If false, the sphere map alone determines the line width.
 override TEMPLATE: bool = true;
-// Hard lines do not bleed into the paper.
+// If false, lines do not bleed into the paper.
 override SOFT: bool = true;
 
-// Every feature is a line.
+// If false, every feature is a line.
 override FOLLOWED: bool = true;
 
 // Grey of the sphere map below which a pixel is ink, for hard lines.
 const DARK: f32 = 0.5;
-// Strength of lines between the thresholds: just above that of no feature.
+// Strength of lines between the two thresholds: just above that of no feature.
 const WEAK: f32 = 0.004;
 
 fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {

@@ -1,10 +1,10 @@
 //! uses ink/model, shared/ink
-// Surface functions as pelage paints them and as Fang 2006 prints them (formulas 5.1), chosen by overrides; replaces
-// ink/surface_forms.wgsl in studies.
+// Surface functions in pelage's own form and in the published form of Fang 2006 (formulas 5.1), selected by override
+// constants. Replaces ink/surface_forms.wgsl in studies.
 
-// Sphere map lookup: 0 perpendicular to the view, 1 by reflection, 2 as printed.
+// Sphere map lookup. 0: perpendicular to the view; 1: by reflection; 2: as published.
 override SPHERE_MAP: u32 = 0u;
-// Attaches grain to the picture instead of the surface, to measure the drawbacks of doing so.
+// Attaches the grain to the picture, to measure how much worse that is than attaching it to the surface.
 override ON_SCREEN: bool = false;
 
 // Period of grain that is attached to the picture, pixels.
@@ -18,7 +18,7 @@ fn form_of_grain(on_surface: vec4<f32>, position: vec2<f32>) -> vec4<f32> {
 }
 
 fn form_of_sphere_uv(perpendicular: vec2<f32>, normal: vec3<f32>, eye: vec3<f32>) -> vec2<f32> {
-    // View space: the eye's frame at the centre of the picture.
+    // View space is the frame of the eye at the centre of the picture.
     let view = mat3x3(model.right_ws, model.up_ws, cross(model.right_ws, model.up_ws));
     if SPHERE_MAP == 1u {
         return ink_sphere_uv_reflected(normal * view, eye * view);

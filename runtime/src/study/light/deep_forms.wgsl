@@ -1,10 +1,10 @@
 // Slabs of a deep opacity map, or of the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering
-// in the Nalu Demo"; formulas 4.10). The latter divide the whole depth of the hair. Chosen by overrides; replaces
-// light/deep_forms.wgsl in studies.
+// in the Nalu Demo"; formulas 4.10), which divide the whole depth of the hair. Override constants select the form.
+// Replaces light/deep_forms.wgsl in studies.
 
 override WHOLE_DEPTH: bool = false;
-// Puts the last plane at the printed spacing, a sixteenth before the end. Hair behind it is in no plane, and no plane
-// shadows it.
+// Uses the published spacing, with the last plane a sixteenth before the end. Hair behind it is in no plane, and no
+// plane shadows it.
 override PRINTED_SPACING: bool = false;
 override ON_AXIS: bool = false;
 
@@ -17,7 +17,7 @@ fn is_kept(behind: f32, slabs: u32) -> bool {
 }
 
 fn shadowing(behind: f32, slabs: u32) -> f32 {
-    // The weights of the planes, max(0, 1 - |z - z_i| / dz), end one spacing behind the last.
+    // The weight of a plane, max(0, 1 - |z - z_i| / dz), falls to 0 one spacing behind the last plane.
     return select(1.0, clamp(f32(slabs) + 1.0 - behind, 0.0, 1.0), PRINTED_SPACING);
 }
 

@@ -1,15 +1,15 @@
 //! uses hair/hair, light/fibre, shared/tile_frame
-// Lighting functions as pelage draws with them and as the papers print them, chosen by overrides; replaces
+// Lighting functions in pelage's own form and in the papers' published forms, selected by override constants. Replaces
 // light/forms.wgsl in studies.
 
 override LOOK_SLANTED: bool = true;
 override LIGHT_SLANTED: bool = true;
 override CENTRED: bool = true;
-// Computes the key light's factors of eq. (1) at vertices.
+// Computes the key light's factors of eq. (1) per vertex.
 override VERTEX_LIGHTING: bool = false;
 
-// Returns H, or the factors themselves. At a vertex, only three properties of the hair are known: its length, its lean,
-// and the mean direction of its layer. The latter is the last level of the direction texture.
+// Returns H, or the factors themselves. Only three properties of the hair are known at a vertex: its length, its lean,
+// and the mean direction of its layer, which is the last mip level of the direction texture.
 fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
     if !VERTEX_LIGHTING {
         return half;
@@ -21,8 +21,8 @@ fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: v
         let wet = decode_direction(textureLoad(wet_directions, vec2(0), layer, last_wet), PLANAR_DIRECTIONS);
         direction = mix(direction, wet, wetness);
     }
-    // H is short between vertices with different view directions. Treating it as unit length would put the eye opposite
-    // the light.
+    // H gets short where it is interpolated between vertices with different directions. Treating it as a unit vector
+    // would place the eye opposite the light.
     let eye = 2.0 * dot(half, light) / max(dot(half, half), 1e-12) * half - light;
     return vec3(fibre(grown(direction, share, slope), light, half, wetness), atan2(eye.y, eye.x));
 }
@@ -34,7 +34,7 @@ fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>,
     return fibre(direction, light, half_or_factors, wetness);
 }
 
-// Returns the direction towards the eye. If the factors are computed at vertices, `half.z` is its angle about the
+// Returns the direction towards the eye. If the factors are computed per vertex, `half.z` is its azimuth around the
 // normal.
 fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
     if VERTEX_LIGHTING {

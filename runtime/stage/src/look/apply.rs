@@ -1,19 +1,20 @@
-//! Short forms applied to a look.
+//! Application of short forms to a look.
 
 use super::short::ShortForm;
 use super::tables::Look;
 use pelage_params::{Knob, ParamError, knobs};
 
 impl ShortForm {
-    /// Returns the knob that it sets; `None` for a printed form in a build without the feature `study`.
+    /// Returns the knob that this flag sets. `None` for a published form of a formula in a build without the feature
+    /// `study`.
     pub fn knob(&self) -> Option<&'static Knob> {
         knobs::<Look>().find(|knob| knob.name == self.key)
     }
 
-    /// Sets its knob in `look`, or appends to it if the flag repeats.
+    /// Sets the flag's knob in `look`, or appends to it if the flag is repeatable.
     ///
     /// # Errors
-    /// Found and expected values; the look is unchanged then.
+    /// The value found and the value expected; the look is then unchanged.
     pub fn apply(&self, look: &mut Look, word: &str) -> Result<(), ParamError> {
         if !self.repeats {
             return pelage_params::set_word(look, self.key, word);

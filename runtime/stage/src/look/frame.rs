@@ -30,9 +30,9 @@ impl Look {
     /// Returns the frame parameters of the look. The camera is a placeholder until a [`crate::Stage`] or the
     /// application sets it.
     ///
-    /// With an environment map, its sun is the key light, unless the look sets the key light's strength. Without a sun,
-    /// the key light is black, and its direction only measures the depth of hair. An environment file must be read
-    /// before ([`Look::read_environment`]).
+    /// With an environment map, its sun is the key light, unless the look sets the key light's strength. Without a sun
+    /// the key light is black, and its direction only serves to measure the depth of hair. If the map is a file, call
+    /// [`Look::read_environment`] first.
     pub fn frame_params(&self) -> FrameParams {
         let size = self.picture.size;
         let style = match self.picture.style {

@@ -1,4 +1,4 @@
-//! Types of the look's knobs: words, and values that have a short form as text.
+//! Types of the look's knobs: keywords, and values that can be written as short text.
 
 use glam::Vec3;
 use pelage_formats::meaning::environment::Environment;
@@ -19,7 +19,7 @@ words! {
 }
 
 words! {
-    /// Geometry of hair.
+    /// Geometry by which hair is drawn.
     LookHair {
         /// Single strands if the package has them and they are wide enough to be visible, otherwise layers.
         #[default]
@@ -32,7 +32,7 @@ words! {
 }
 
 words! {
-    /// Rendering of strand edges.
+    /// Rendering of the edges of strands.
     LookStrandEdges {
         /// Opaque ribbons, antialiased by the samples of the picture.
         #[default]
@@ -43,14 +43,14 @@ words! {
 }
 
 words! {
-    /// Form of hair self-shadow.
+    /// Method for the self-shadow of hair.
     LookSelfShadow {
-        /// Baked visibility if the package has it, otherwise layer-wise shadow maps.
+        /// Baked visibility if the package has it, otherwise shadow maps with a value per layer.
         #[default]
         Auto = "auto" was "on" or true,
-        /// Baked visibility, for all lights; none if the package has none.
+        /// Baked visibility, for all lights. No self-shadow if the package has none.
         Baked = "baked",
-        /// Layer-wise shadow maps of the key light (Yang 2006).
+        /// Shadow maps of the key light with a value per layer (Yang 2006).
         Maps = "maps",
         /// No self-shadow.
         Off = "off" or false,
@@ -71,35 +71,35 @@ words! {
 }
 
 words! {
-    /// Contents of a fur frame.
+    /// Output of a fur frame.
     LookFurShow {
         /// Lit picture.
         #[default]
         Picture = "picture",
-        /// Geometry kind: skin grey, far fur layer violet, shells green, fins yellow, single strands red.
+        /// Kind of geometry by colour: skin grey, far fur layer violet, shells green, fins yellow, single strands red.
         Geometry = "geometry",
-        /// Number of overlapping hair layers: brighter with each.
+        /// Number of overlapping hair layers; each adds brightness.
         Overdraw = "overdraw",
     }
 }
 
 words! {
-    /// Contents of an ink frame.
+    /// Output of an ink frame.
     LookShow {
         /// Finished painting.
         #[default]
         Painting = "painting",
         /// Lines, black on white.
         Lines = "lines",
-        /// Feature pixels that lines run through, black on white.
+        /// Feature pixels, through which lines run, black on white.
         Features = "features",
         /// Wash only.
         Wash = "wash",
     }
 }
 
-/// Implements a knob type whose values are text, or nearly so: `expected` as a description, `read` from TOML, `write`
-/// to TOML.
+/// Implements a knob type whose values have a text form. Arguments: `expected` describes the values, `read` reads from
+/// TOML, `write` writes to TOML.
 macro_rules! text_field {
     ($ty:ty, expected $expected:expr, control $control:expr, read $read:expr, write $write:expr) => {
         impl Field for $ty {
@@ -138,7 +138,7 @@ fn string(raw: &Raw) -> Option<&str> {
     }
 }
 
-/// Maximum width and height; every adapter with WebGPU's default limits supports it.
+/// Maximum width and height, pixels. Every adapter with WebGPU's default limits supports it.
 const MAX_SIZE: u32 = 8192;
 
 /// Width and height of a picture, pixels, 1..=8192 each. As text `834x424`.
@@ -218,15 +218,15 @@ text_field!(
 pub enum Background {
     /// Transparent background.
     Transparent,
-    /// Environment map, in pictures and videos written to files.
+    /// Environment map; only in pictures and videos that are written to files.
     Sky,
-    /// Colour in sRGB; with the style `ink`, the colour of the paper.
+    /// Colour in sRGB. With the style `ink`, it is the colour of the paper.
     Color(Rgb),
 }
 
 impl Background {
-    /// Returns the colour, sRGB-encoded; `None` for transparent, and for the environment map, which is not a single
-    /// colour.
+    /// Returns the colour, sRGB-encoded. `None` for transparent, and for the environment map, because that has no
+    /// single colour.
     pub fn color(self) -> Option<[u8; 3]> {
         match self {
             Self::Transparent | Self::Sky => None,
@@ -251,14 +251,14 @@ text_field!(
     }
 );
 
-/// Level of detail of small fur. As text `full`, `auto` or a level.
+/// Level of detail of fur that is small on the screen. As text `full`, `auto` or a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LookDetail {
     /// Full detail at any size.
     Full,
     /// Detail by size on screen.
     Auto,
-    /// Level, 0..=32; the fraction is the fade to the next.
+    /// Level, 0..=32. The fractional part is the fade to the next level.
     Level(f32),
 }
 
@@ -281,11 +281,11 @@ text_field!(
 /// Width of the widest ink line. As text `auto`, `7px` or `0.01m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LookWidth {
-    /// Nine pixels in a picture of 424 rows, in proportion for others.
+    /// Nine pixels in a picture of 424 rows; proportional to the number of rows.
     Auto,
     /// Width in pixels, above 0 and at most 32.
     Pixels(f32),
-    /// Width in metres, above 0: thinner with distance.
+    /// Width in metres, above 0. Lines become thinner with distance.
     Metres(f32),
 }
 
@@ -318,18 +318,18 @@ pub struct SkySource {
     pub kind: SkyKind,
     /// Rotation in degrees, from +x towards −z, in the direction that models turn.
     pub yaw_deg: f32,
-    /// Lights read from the file ([`crate::Look::read_environment`]); not part of the text.
+    /// Lights read from the file by [`crate::Look::read_environment`]; not part of the text.
     pub lights: Option<Arc<Environment>>,
 }
 
 /// Kinds of environment map sources.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SkyKind {
-    /// File: a panorama, `.hdr` or `.exr`, or lights, `.toml`.
+    /// File: a panorama (`.hdr`, `.exr`) or fitted lights (`.toml`).
     File(String),
     /// Uniform light from all directions, linear RGB, 0 or more.
     Even([f32; 3]),
-    /// Light from above and from below, linear RGB, 0 or more.
+    /// Light from above and light from below, linear RGB, 0 or more.
     Gradient([f32; 3], [f32; 3]),
 }
 
@@ -399,7 +399,7 @@ text_field!(
     write |Interval([from, to])| format!("[{from:?}, {to:?}]")
 );
 
-/// Direction of any length but 0: the validation of a knob that is a direction.
+/// Direction of any length except 0; validates knobs that are directions.
 #[derive(Clone, Copy)]
 pub(super) struct DirectionField(pub [f32; 3]);
 
@@ -415,7 +415,7 @@ impl Field for DirectionField {
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {
-        // A scene file's [view] and the short form of a fill light write it as text.
+        // The table [view] of a scene file, and the short form of a fill light, write a direction as text.
         match raw {
             Raw::String(text) => <[f32; 3]>::from_raw(&<[f32; 3]>::parse_word(text)),
             raw => <[f32; 3]>::from_raw(raw),
@@ -439,9 +439,9 @@ impl Field for DirectionField {
 /// Distant fill light, which casts no shadow. As text `x,y,z` or `x,y,z/strength`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillLight {
-    /// Direction towards the light, any length but 0.
+    /// Direction towards the light, of any length except 0.
     pub direction: [f32; 3],
-    /// Strength, 0..=1000; 1 is as strong as the key light.
+    /// Strength, 0..=1000. At 1 it is as strong as the key light.
     pub strength: f32,
 }
 

@@ -1,8 +1,8 @@
-//! Look of a picture: everything except the models, the camera and the time.
+//! Look of a picture: all parameters except the models, the camera and the time.
 //!
-//! Each knob is declared here once, with its meaning, default and range. Look files (`look.toml`), `--look key=value`,
-//! the flags of the command line ([`SHORT_FORMS`]), scene files, sliders and the reference page are derived from the
-//! declarations.
+//! Each knob is declared here once, with its meaning, default and range. The declarations define look files
+//! (`look.toml`), `--look key=value`, the command-line flags ([`SHORT_FORMS`]), scene files, sliders and the reference
+//! page.
 //!
 //! ```
 //! use pelage_stage::{Look, LookStyle};
@@ -13,7 +13,7 @@
 //! # Ok::<(), pelage_stage::ParamError>(())
 //! ```
 
-/// Converts to the runtime's value of the same name.
+/// Converts an enum value to the runtime's enum value of the same name.
 #[cfg(feature = "draw")]
 macro_rules! same {
     ($value:expr, $from:ident => $to:ident: $($name:ident),+) => {

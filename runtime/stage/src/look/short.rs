@@ -1,11 +1,11 @@
-//! Short forms of the look's knobs: flags of the command line, also usable in the table `[view]` of scene files.
+//! Short forms of the look's knobs: command-line flags that can also be used in the table `[view]` of scene files.
 
 /// Flag that sets a knob of the look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShortForm {
     /// Flag without its dashes: `shadow-map`.
     pub flag: &'static str,
-    /// Name of its value in the help text.
+    /// Name of the flag's value in the help text.
     pub value_name: &'static str,
     /// Key of the knob: `shadow.map_texels`.
     pub key: &'static str,
@@ -81,7 +81,8 @@ pub const SHORT_FORMS: &[ShortForm] = &[
 /// Additional flag of `render`.
 pub const SAMPLES: ShortForm = short("samples", "N", "picture.samples");
 
-/// Returns the reason why a key of the papers' printed forms, by its current or former name, is unknown to this build.
+/// Returns the reason why this build does not know a key for a published form. `name` is the key's current or former
+/// name.
 pub(super) fn laboratory_hint(name: &str) -> Option<String> {
     let (table, key) = name.split_once('.').unwrap_or((name, ""));
     let now = format!("study.{}{key}", if table == "ink" { "ink_" } else { "" });

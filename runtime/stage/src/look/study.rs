@@ -1,4 +1,4 @@
-//! Look keys of the laboratory: the papers' printed forms instead of those that pelage draws with.
+//! Look keys of the laboratory: published forms of the papers' formulas, instead of those that pelage uses.
 
 use pelage_params::{params, words};
 use pelage_runtime::{Anchoring, FeatureRule, LightingStage, PenumbraForm, SlantForm, SphereMapForm, Study};
@@ -6,7 +6,7 @@ use pelage_runtime::{Anchoring, FeatureRule, LightingStage, PenumbraForm, SlantF
 words! {
     /// Position of a soft shadow's penumbra.
     LookPenumbra {
-        /// Both sides of the hard edge.
+        /// On both sides of the hard edge.
         #[default]
         Centred = "centred",
         /// Inside the hard edge.
@@ -15,18 +15,18 @@ words! {
 }
 
 words! {
-    /// Effect of a ray's slant on the opacity of a layer.
+    /// Effect of the angle between ray and layer on the opacity of the layer.
     LookSlant {
-        /// The path through a layer grows with the slant.
+        /// The path through a layer lengthens with the slant.
         #[default]
         Corrected = "corrected",
-        /// The opacity of a layer is the same at every angle, as printed in Yang 2006.
+        /// The opacity of a layer is the same at every angle, as published in Yang 2006.
         Printed = "printed",
     }
 }
 
 words! {
-    /// Stage that lights hair.
+    /// Shader stage that computes the lighting of hair.
     LookLighting {
         /// Per pixel, with the direction texture.
         #[default]
@@ -37,25 +37,25 @@ words! {
 }
 
 words! {
-    /// Neighbours of a pixel that must differ for an ink line.
+    /// Condition on the neighbours of a pixel for an ink line.
     LookRule {
-        /// Any of the four neighbours.
+        /// Any of the four neighbours differs.
         #[default]
         AnyBelow = "any",
-        /// All four neighbours, as printed in Fang 2006.
+        /// All four neighbours differ, as published in Fang 2006.
         AllBelow = "all",
     }
 }
 
 words! {
-    /// Lookup of the sphere map.
+    /// Texture coordinates of the sphere map.
     LookSphereMap {
-        /// Normal in the frame perpendicular to the view.
+        /// Normal in the frame perpendicular to the view direction.
         #[default]
         Perpendicular = "perpendicular",
         /// Reflection of the view direction.
         Reflection = "reflection",
-        /// Form printed in Fang 2006: the same coordinates for all normals.
+        /// Published form of Fang 2006: the same coordinates for all normals.
         Printed = "printed",
     }
 }
@@ -72,7 +72,7 @@ words! {
 }
 
 params! {
-    /// `[study]`: forms as the papers print them, for charts and measurements. Only the laboratory's build,
+    /// `[study]`: published forms of the papers' formulas, for charts and measurements. Only the laboratory's build,
     /// `pelage-lab`, has these keys.
     LookStudy in study {
         /// Opacity of a layer for slanted light.
@@ -83,17 +83,17 @@ params! {
         penumbra_form: LookPenumbra = LookPenumbra::Centred, was "shadow.penumbra_form";
         /// Stage that lights hair.
         lighting: LookLighting = LookLighting::Pixel, was "fur.lighting";
-        /// Whether ambient light fades towards the surface, γ of Yang 2006, eq. (2).
+        /// Whether ambient light fades towards the surface: γ in Yang 2006, eq. (2).
         ambient_attenuation: bool = true, was "fur.ambient_attenuation";
-        /// Whether the key light ends behind the body, Attenu_Back of Yang 2006, eq. (3).
+        /// Whether the key light fades on the side of the body away from it: Attenu_Back in Yang 2006, eq. (3).
         back_attenuation: bool = true, was "fur.back_attenuation";
-        /// Neighbours of a pixel that must differ for an ink line.
+        /// Condition on the neighbours of a pixel for an ink line.
         ink_rule: LookRule = LookRule::AnyBelow, was "ink.rule";
-        /// Lookup of the ink style's sphere map.
+        /// Texture coordinates of the ink style's sphere map.
         ink_sphere_map: LookSphereMap = LookSphereMap::Perpendicular, was "ink.sphere_map";
         /// Whether ink lines keep their width; otherwise the sphere map alone determines it.
         ink_template: bool = true, was "ink.template";
-        /// Whether ink lines are drawn as by the printed algorithm, pixels that are inked or not.
+        /// Whether ink lines are drawn by the published algorithm, in which a pixel is either inked or not.
         ink_printed_lines: bool = false, was "ink.printed_lines";
         /// Reference frame of noise in ink: the surface or the screen.
         ink_anchoring: LookAnchoring = LookAnchoring::Surface, was "ink.anchoring";
@@ -101,7 +101,7 @@ params! {
 }
 
 impl LookStudy {
-    /// Returns the forms of a frame.
+    /// Returns the runtime's study parameters.
     pub(super) fn params(&self) -> Study {
         let slant = |slant| same!(slant, LookSlant => SlantForm: Corrected, Printed);
         Study::default().with(|study| {

@@ -22,10 +22,10 @@ params! {
         size: Size = Size { width: 834, height: 424 };
         /// Rendering style.
         style: LookStyle = LookStyle::Fur;
-        /// Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half as much.
+        /// Samples per pixel: 4 smooths edges and thin hair; 1 takes less than half the time.
         samples: Samples = Samples(1);
-        /// Background behind the models, sRGB. `auto` is transparent, or paper in ink. `sky` is the environment map, in
-        /// pictures and videos written to files.
+        /// Background behind the models, sRGB. `auto` is transparent, or paper with the style `ink`. `sky` is the
+        /// environment map, in pictures and videos written to files.
         background: Option<Background> = None, or "auto";
     }
 }
@@ -33,14 +33,14 @@ params! {
 params! {
     /// `[light]`: the lights. The key light casts shadows, fill lights do not.
     LookLight in light {
-        /// Direction towards a distant key light, x,y,z of any length; replaces `position_m`.
+        /// Direction towards a distant key light, x,y,z of any length. Replaces `position_m`.
         direction: [f32; 3] = TOWARDS_LIGHT.to_array(), in PLACE, as DirectionField, clears position_m;
-        /// Position of a nearby key light, x,y,z in metres; replaces `direction`.
+        /// Position of a nearby key light, x,y,z in metres. Replaces `direction`.
         position_m: Option<[f32; 3]> = None, in PLACE, or "none";
-        /// Strength of the key light. `auto` is 1, or 0 with an environment map, whose sun then is the key light, if it
-        /// has one.
+        /// Strength of the key light. `auto` is 1 without an environment map. With one, `auto` is 0, and the map's sun,
+        /// if any, is the key light.
         strength: Option<f32> = None, in 0.0..=1000.0, or "auto";
-        /// Fill lights, which cast no shadows, each with the direction towards it, x,y,z, and a strength of 0 to 1000
+        /// Fill lights, which cast no shadows. Each has the direction towards it, x,y,z, and a strength of 0 to 1000
         /// (default 1).
         fill: Vec<FillLight> = Vec::new();
     }
@@ -49,27 +49,27 @@ params! {
 params! {
     /// `[environment]`: environment map, such as a sky or a room. It replaces the ambient light.
     LookEnvironment in environment {
-        /// Source of the environment map: a panorama (.hdr, .exr: equirectangular, linear radiance), a TOML file of
-        /// lights fitted to one (.toml), a colour r,g,b, or two, above/below. A suffix `:` and degrees rotates it about
-        /// the vertical axis.
+        /// Source of the environment map. It is a panorama (.hdr, .exr: equirectangular, linear radiance), a file of
+        /// lights fitted to one (.toml), a colour r,g,b, or two colours above/below. A suffix `:` and degrees rotates
+        /// the map about the vertical axis.
         sky: Option<SkySource> = None, or "none";
-        /// Factor on its brightness.
+        /// Factor on the map's brightness.
         strength: f32 = 1.0, in 0.0..=1000.0;
-        /// Colour of a level ground, sRGB, which reflects the light from above and replaces all light from below.
+        /// Colour of a level ground, sRGB. The ground reflects the light from above and replaces all light from below.
         ground: Option<Rgb> = None, or "none";
-        /// Number of lobes to fit to a panorama; its sun and uniform light are added.
+        /// Number of lobes to fit to a panorama, in addition to its sun and uniform light.
         lobes: u32 = 16, in 1..=32;
     }
 }
 
 impl LookEnvironment {
-    /// Returns the share of light that the ground reflects, linear RGB; `None` without a ground.
+    /// Returns the albedo of the ground, linear RGB; `None` without a ground.
     pub fn ground_color(&self) -> Option<[f32; 3]> {
         self.ground.map(|color| color.0.map(srgb_to_linear))
     }
 
-    /// Returns the environment map given by colours, neither rotated nor scaled. A ground, if set, replaces the light
-    /// from below by reflected light. `None` for a file.
+    /// Returns the environment map if it is given by colours, neither rotated nor scaled. A ground, if set, replaces
+    /// the light from below by the light that it reflects. `None` for a file.
     pub fn from_colors(&self) -> Option<Environment> {
         let (above, lights) = match &self.sky.as_ref()?.kind {
             SkyKind::File(_) => return None,
@@ -85,20 +85,20 @@ impl LookEnvironment {
 params! {
     /// `[shadow]`: the shadows of the key light.
     LookShadow in shadow {
-        /// Form of hair self-shadow.
+        /// Method for the self-shadow of hair.
         self_shadow: LookSelfShadow = LookSelfShadow::Auto;
-        /// Whether objects cast soft shadows, by a shadow-width map.
+        /// Whether shadows of objects are soft, by means of a shadow-width map.
         soft_shadow: bool = true;
-        /// Width of a soft shadow's edge relative to the distance from its caster; 0 is a hard shadow.
+        /// Penumbra width divided by the distance between caster and receiver; 0 gives hard shadows.
         penumbra: f32 = 0.15, in 0.0..=2.0;
-        /// Factor by which the shadow-width map is shrunk before it is stretched again. Larger factors allow wider
-        /// edges, but lose thin objects.
+        /// Factor by which the shadow-width map is downscaled before it is upscaled again. Larger factors allow wider
+        /// penumbras, but lose thin objects.
         shrink: u32 = 4, in 2..=32;
         /// Width and height of the shadow maps, texels.
         map_texels: u32 = 512, in 16..=8192;
-        /// Number of layer-wise shadow maps, skin included; by default as many as are drawn.
+        /// Number of layers with a shadow map, skin included. By default it is the number of layers drawn.
         map_layers: Option<u32> = None, in 2..=256, or "drawn";
-        /// Factor on the layers' optical depth for the key light.
+        /// Factor on the layers' optical depth as seen by the key light.
         density: f32 = 1.0, in 0.0..=4.0;
     }
 }
@@ -106,39 +106,40 @@ params! {
 params! {
     /// `[fur]`: the rendering of fur.
     LookFur in fur {
-        /// Number of shell layers, by default that of the package. Fewer cost less, but their steps show at the
+        /// Number of shell layers, by default that of the package. Fewer take less time, but show as steps at the
         /// outline.
         layers: Option<u32> = None, in 1..=1024, or "all";
-        /// Level of detail: `full`, `auto` (the package's levels, by the fur's height on screen), or a level, from 0,
-        /// with a fraction for the cross-fade to the next. `layers` overrides it.
+        /// Level of detail: `full`, `auto`, or a level number. `auto` uses the package's levels by the fur's height on
+        /// the screen. The fractional part of a number is the cross-fade to the next level. `layers` overrides this
+        /// key.
         detail: LookDetail = LookDetail::Auto;
         /// Whether fins along the silhouette are drawn, if the package has them.
         fins: bool = true;
-        /// Geometry of hair.
+        /// Geometry by which hair is drawn.
         hair: LookHair = LookHair::Auto;
-        /// Rendering of strand edges.
+        /// Rendering of the edges of strands.
         strand_edges: LookStrandEdges = LookStrandEdges::Samples;
-        /// Scattering model of hair, for packages with fibre data; other hair is lit as with `off`.
+        /// Scattering model of hair, for packages with fibre data. Other hair is always lit as with `off`.
         scattering: LookScattering = LookScattering::Multiple;
-        /// Contents: the picture, or false colours for its geometry or overdraw.
+        /// Output: the picture, or false colours for its geometry or overdraw.
         show: LookFurShow = LookFurShow::Picture;
     }
 }
 
 params! {
-    /// `[motion]`: the motion of fur and guided hair as time passes, if the package enables it.
+    /// `[motion]`: motion of fur and guide hair over time, if the package enables it.
     LookMotion in motion {
-        /// Whether hair moves in sequences, and wherever else time passes.
+        /// Whether hair moves in sequences and wherever else time passes.
         hair: bool = true;
-        /// Strength of the fur's lean in wind and movement; 0 is off.
+        /// Strength of the fur's lean in wind and motion; 0 disables it.
         fur: f32 = 1.0, in 0.0..=4.0;
         /// Wind velocity, x,y,z in metres per second.
         wind: [f32; 3] = [0.0; 3], in -100.0..=100.0;
-        /// Relative strength of gusts.
+        /// Strength of gusts, relative to the wind.
         gust: f32 = 0.4, in 0.0..=10.0;
-        /// Seconds between gusts.
+        /// Time between gusts, seconds.
         gust_s: f32 = 3.0, in 0.01..=1000.0;
-        /// Relative difference of the wind between positions.
+        /// Relative variation of the wind with position.
         turbulence: f32 = 0.3, in 0.0..=10.0;
         /// Size of eddies, metres.
         eddy_m: f32 = 0.5, in 0.001..=1000.0;
@@ -150,35 +151,35 @@ params! {
 params! {
     /// `[ink]`: the style `ink`, after Fang 2006.
     LookInk in ink {
-        /// Threshold T1 of Fang 2006, §2: a line is drawn where the dot product of neighbouring normals is lower. The
-        /// default is the cosine of 50°.
+        /// Threshold T1 of Fang 2006, §2: a line is drawn where the dot product of neighbouring normals is below it.
+        /// The default is the cosine of 50°.
         threshold: f32 = 0.64, in 0.15..=1.0;
-        /// Difference T1 − T2: lines between the two thresholds are thinner and paler.
+        /// Difference T1 − T2. Lines between the two thresholds are thinner and paler.
         weak_difference: f32 = 0.15, in 0.0..=1.0;
-        /// Width of the widest line: `auto` is 9 px at 424 rows, pixels are the same at any distance, metres are
-        /// thinner with distance.
+        /// Width of the widest line. `auto` is 9 px at 424 rows. A width in pixels is the same at any distance; one in
+        /// metres becomes thinner with distance.
         width: LookWidth = LookWidth::Auto;
-        /// Relative depth step that also makes a line; 0 uses normals only.
+        /// Relative depth difference above which a line is also drawn; 0 disables the depth test.
         depth_step: f32 = 0.01, in 0.0..=1e6;
-        /// Factor k of the lines' tone k (0.5 cos + 0.5): lighter with k.
+        /// Factor k of the lines' tone, k (0.5 cos + 0.5). A larger k gives lighter lines.
         tone: f32 = 0.35, in 0.0..=1.0;
         /// Lightness added to weak lines.
         weak_lightness: f32 = 0.35, in 0.0..=1.0;
-        /// Strength by which the sphere map widens lines.
+        /// Strength with which the sphere map widens lines.
         swell: f32 = 1.5, in 0.0..=4.0;
         /// Variation of the brush pressure.
         pressure: f32 = 1.0, in 0.0..=1.0;
         /// Dryness of lines.
         dryness: f32 = 0.4, in 0.0..=1.0;
-        /// Displacement of line edges by the paper, pixels.
+        /// Displacement of the lines' edges by the paper, pixels.
         roughness_px: f32 = 1.2, in 0.0..=8.0;
         /// Colour of the ink, sRGB. `auto` is nearly black.
         color: Option<Rgb> = None, or "auto";
         /// Visibility of the paper's relief.
         paper_grain: f32 = 1.0, in 0.0..=1.0;
-        /// Distances in metres at which mist starts and at which only mist is visible.
+        /// Two distances in metres: where mist begins, and where only mist is visible.
         mist_m: Option<Interval> = None, or "none";
-        /// Contents: the painting, its lines or features black on white, or the wash.
+        /// Output: the painting, its lines or features in black on white, or the wash.
         show: LookShow = LookShow::Painting;
     }
 }
@@ -200,32 +201,32 @@ tables! {
         motion: LookMotion,
         /// Style `ink`.
         ink: LookInk,
-        /// Forms as the papers print them.
+        /// Published forms of the papers' formulas.
         #[cfg(feature = "study")]
         study: LookStudy,
     }
 }
 
-/// Lights read from a file, or an error message.
+/// Lights read from an environment map file, or an error message.
 pub type LightsRead = Result<Arc<Environment>, String>;
 
-/// Loads an environment map. Arguments: path, number of lobes to fit, and the light that a ground below it reflects
+/// Callback that loads an environment map. Arguments: path, number of lobes to fit, and albedo of a ground below it
 /// ([`LookEnvironment::ground_color`]).
 pub type ReadLights<'a> = dyn FnMut(&Path, u32, Option<[f32; 3]>) -> LightsRead + 'a;
 
 impl Look {
-    /// Returns the default look of a still picture: four samples per pixel, because it is viewed for longer than a
-    /// frame.
+    /// Returns the default look of a still picture. It has four samples per pixel, because a still picture is viewed
+    /// for longer than a frame.
     pub fn of_picture() -> Self {
         let mut look = Self::default();
         look.picture.samples = Samples(4);
         look
     }
 
-    /// Reads a look file over this look: keys that it leaves out are unchanged.
+    /// Reads a look file over this look. Keys that are missing in the file are unchanged.
     ///
     /// # Errors
-    /// Line and key of invalid TOML, an unknown table or key, a wrong type or a value out of range.
+    /// Line and key of invalid TOML, an unknown table or key, a wrong type, or a value out of range.
     pub fn read(&mut self, text: &str) -> Result<(), ParamError> {
         pelage_params::read(self, text)
     }
@@ -233,12 +234,12 @@ impl Look {
     /// Sets one key: `shadow.penumbra=0.3`. Strings need no quotes.
     ///
     /// # Errors
-    /// As [`Look::read`], without a line; the look is unchanged then.
+    /// As [`Look::read`], without a line. The look is then unchanged.
     pub fn set(&mut self, assignment: &str) -> Result<(), ParamError> {
         pelage_params::set(self, assignment)
     }
 
-    /// Returns the look as TOML with every key that has a value. Reading it gives an equal look.
+    /// Returns the look as TOML, with every key that has a value. Reading the text gives an equal look.
     pub fn to_toml(&self) -> String {
         pelage_params::to_toml(self)
     }
@@ -251,12 +252,12 @@ impl Look {
         pelage_params::validate(self)
     }
 
-    /// Returns the width of the picture over its height.
+    /// Returns the width of the picture divided by its height.
     pub fn aspect(&self) -> f32 {
         self.picture.size.width as f32 / self.picture.size.height as f32
     }
 
-    /// Returns the background colour, sRGB-encoded; `None` for transparent. The style `ink` draws its paper itself.
+    /// Returns the background colour, sRGB-encoded; `None` for transparent. The style `ink` draws the paper itself.
     pub fn background(&self) -> Option<[u8; 3]> {
         self.picture.background.and_then(Background::color)
     }
@@ -265,15 +266,15 @@ impl Look {
     pub fn key_light(&self) -> KeyLight {
         match self.light.position_m {
             Some(position) => KeyLight::Nearby(position.into()),
-            // Explicit directions have always been normalised here and again by the runtime, the default one by the
-            // runtime alone. Both are kept: normalising twice changes the last bits of some directions, and thus
+            // For compatibility, explicit directions are normalised here and again by the runtime, the default
+            // direction only by the runtime. Normalising twice changes the last bits of some directions, and thus
             // pictures.
             None if self.light.direction == LookLight::default().direction => KeyLight::Distant(TOWARDS_LIGHT),
             None => KeyLight::Distant(unit(self.light.direction)),
         }
     }
 
-    /// Returns the environment map, rotated and scaled; `None` without one, and for a file that has not been read.
+    /// Returns the environment map, rotated and scaled. `None` without a map, or for a file that has not been read.
     pub fn environment(&self) -> Option<Environment> {
         let source = self.environment.sky.as_ref()?;
         let lights = match &source.kind {
@@ -283,7 +284,7 @@ impl Look {
         Some(lights.turned(source.yaw_deg).scaled(self.environment.strength))
     }
 
-    /// Reads the environment file with `read`, if there is one that has not been read yet.
+    /// Reads the environment map file with `read`, unless it has been read already or there is none.
     ///
     /// # Errors
     /// The error of `read`.
@@ -295,19 +296,19 @@ impl Look {
         Ok(())
     }
 
-    /// Returns the strength of the key light; 0 with an environment map unless the look sets it.
+    /// Returns the strength of the key light. With an environment map it is 0 unless the look sets it.
     pub fn key_strength(&self) -> f32 {
         self.light.strength.unwrap_or(if self.environment.sky.is_some() { 0.0 } else { 1.0 })
     }
 
-    /// Resolves a relative path of the environment file against that folder.
+    /// Resolves a relative path of the environment map file against `folder`.
     pub fn resolve_files(&mut self, folder: &Path) {
         if let Some(SkySource { kind: SkyKind::File(path), .. }) = &mut self.environment.sky {
             *path = folder.join(&*path).display().to_string();
         }
     }
 
-    /// Reads a look file as [`Look::read`] does; relative paths in it are resolved against `folder`.
+    /// Reads a look file as [`Look::read`] does. Resolves relative paths in it against `folder`.
     ///
     /// # Errors
     /// As [`Look::read`].
@@ -321,8 +322,8 @@ impl Look {
         read
     }
 
-    /// Returns whether ambient light fades towards the surface, and whether the key light ends behind the body; false
-    /// only in printed forms.
+    /// Returns whether ambient light fades towards the surface, and whether the key light fades behind the body. Only
+    /// published forms can set them to false.
     pub fn attenuations(&self) -> [bool; 2] {
         #[cfg(feature = "study")]
         return [self.study.ambient_attenuation, self.study.back_attenuation];
@@ -335,19 +336,19 @@ impl Look {
         self.light.fill.iter().map(|fill| (unit(fill.direction), fill.strength))
     }
 
-    /// Makes the key light distant, in that direction.
+    /// Replaces the key light by a distant one in this direction.
     pub(crate) fn set_light_direction(&mut self, direction: Vec3) {
         self.light.direction = direction.to_array();
         self.light.position_m = None;
     }
 }
 
-/// Position of the key light.
+/// Placement of the key light: a direction or a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeyLight {
-    /// Distant light in this direction.
+    /// Distant light; direction towards it.
     Distant(Vec3),
-    /// Nearby light at this position, metres.
+    /// Nearby light; its position, metres.
     Nearby(Vec3),
 }
 

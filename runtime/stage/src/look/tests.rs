@@ -25,8 +25,8 @@ fn every_short_form_sets_a_knob_of_its_own() {
         assert!(short.knob().is_some() != elsewhere, "--{} sets {}, which is no key", short.flag, short.key);
         assert!(all[..i].iter().all(|other| other.flag != short.flag && other.key != short.key), "{short:?}");
     }
-    // A knob without a short form would be overlooked by users of flags. False colours are for debugging and are set by
-    // their key.
+    // Users of flags would overlook a knob without a short form. False colours are exempt: they are for debugging and
+    // are set by their key.
     for knob in knobs::<Look>().filter(|knob| knob.name != "fur.show") {
         assert!(all.iter().any(|short| short.key == knob.name), "{} has no short form", knob.name);
     }
@@ -118,7 +118,7 @@ fn looks_survive_a_round_trip() {
     for look in looks {
         look.validate().unwrap();
         let text = look.to_toml();
-        // Read over another look: the written file is complete.
+        // The written file must be complete: it is read over a different look.
         let mut again = set(&["light.position_m=9,9,9", "fur.layers=3", "ink.color=1,2,3", "light.fill=1,0,0"]);
         again.read(&text).unwrap();
         assert_eq!(again, look, "{text}");
@@ -149,8 +149,8 @@ fn look_errors_name_line_key_found_and_expected() {
     assert_eq!(wrong.validate().unwrap_err().name, "light.direction");
 }
 
-/// Checks printed forms by their flags, their keys, and the keys of earlier files; another build says where to find
-/// them.
+/// Checks the knobs of published forms by their flags, their keys, and the keys of earlier files. Another build must
+/// say where to find them.
 #[test]
 fn printed_forms_require_the_lab_build() {
     let mut look = Look::default();
@@ -184,7 +184,7 @@ fn printed_forms_require_the_lab_build() {
             assert!(error.starts_with(place) && error.contains("laboratory's build"), "{error}");
         }
     }
-    // A misspelt key is still an error.
+    // A misspelt key must still be an error.
     assert!(look.set("fur.lightning=vertex").unwrap_err().to_string().contains("unknown key"));
 }
 

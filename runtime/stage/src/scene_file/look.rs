@@ -1,4 +1,4 @@
-//! Look of a scene's picture: `[look]`, and `[view]`, which sets it by flags of the command line.
+//! Look of a scene's picture. The table `[look]` has look keys; `[view]` has command-line flags.
 
 use super::SceneFile;
 use super::text::SceneLook;
@@ -6,7 +6,7 @@ use crate::{Look, SAMPLES, SHORT_FORMS, ShortForm, StageError};
 use pelage_params::{ParamError, unknown_key};
 use std::path::Path;
 
-/// Keys that belong to another table than `[view]`, or to none.
+/// Keys that are invalid in `[view]`, with the table to which they belong, if any.
 const KEYS_OF_OTHER_TABLES: [(&str, &str); 9] = [
     ("camera", "in [camera]"),
     ("light", "in [light]"),
@@ -20,11 +20,11 @@ const KEYS_OF_OTHER_TABLES: [(&str, &str); 9] = [
 ];
 
 impl SceneFile {
-    /// Returns the look of the scene. `[view]` has the lowest precedence, then `look`, then `[light]`.
+    /// Returns the look of the scene. `[light]` overrides `look`, and `look` overrides `[view]`.
     ///
-    /// `file` is called with the path of a look file, relative to the scene file's folder. Relative file paths in the
-    /// returned look are relative to the same folder ([`Look::resolve_files`]). `file` returns the name for messages
-    /// and the text, or an error message.
+    /// `file` is called with the path of a look file, relative to the scene file's folder. It returns the file's name
+    /// for messages and its text, or an error message. Relative file paths in the returned look are relative to the
+    /// scene file's folder ([`Look::resolve_files`]).
     ///
     /// # Errors
     ///
@@ -81,7 +81,7 @@ impl SceneFile {
     }
 }
 
-/// Returns the flag of that name, with `_` for `-`.
+/// Returns the flag of that name. The name may have `_` instead of `-`.
 fn short_form(name: &str) -> Result<&'static ShortForm, String> {
     let all = || SHORT_FORMS.iter().chain([&SAMPLES]);
     all().find(|short| short.flag.replace('-', "_") == name).ok_or_else(|| {

@@ -1,39 +1,41 @@
-//! Scene files: several models, their paths and clips, a camera and a light, as TOML. `assets/scenes` has one with
-//! comments.
+//! Scene files: several models, their paths and clips, a camera and a light, as TOML. `assets/scenes` has an example
+//! with comments.
 //!
-//! Lengths are metres, times seconds, angles degrees; +y is up. A key that does not exist is an error.
+//! Lengths are in metres, times in seconds, angles in degrees; +y is up. An unknown key is an error.
 //!
 //! Keys, with defaults in parentheses:
 //!
-//! * `[look]` or `look` (the default look): look of the picture; tables of a [`crate::Look`] such as `[look.shadow]`,
-//!   or the path of a look file from the scene file's folder
-//! * `[view]`: look set by flags of the command line, with `_` for `-`: `ink_mist = "5,60"`, `size = "834x424"`, `style
-//!   = "ink"`; `look` overrides it
-//! * `camera.eye`, `.target`, `.fov_deg` (frames all models along their paths and over their clips; 30): position,
-//!   target, and vertical field of view
-//! * `camera.path`: replaces these; a list of `{ time_s, eye, target, fov_deg }`, see [`crate::Track`]
+//! * `[look]` or `look` (the default look): look of the picture. Tables of a [`crate::Look`] such as `[look.shadow]`,
+//!   or the path of a look file relative to the scene file's folder
+//! * `[view]`: look as command-line flags, with `_` instead of `-`: `ink_mist = "5,60"`, `size = "834x424"`, `style =
+//!   "ink"`. `look` overrides it
+//! * `camera.eye`, `.target`, `.fov_deg`: position, target, and vertical field of view (default 30). By default the
+//!   camera frames all models along their paths and over their clips
+//! * `camera.path`: replaces `.eye`, `.target` and `.fov_deg`; a list of `{ time_s, eye, target, fov_deg }`, see
+//!   [`crate::Track`]
 //! * `light.direction` or `.position` (the default light): direction towards a distant light, or position of a nearby
 //!   one
 //! * `sequence.frames`, `.fps` (none, 24): number of pictures of a numbered sequence or a video, and pictures per
 //!   second
-//! * `[[model]]`: once per model
+//! * `[[model]]`: one table for each model
 //!
 //! Keys of a model:
 //!
-//! * `name` (the package's, without `.pelage`): its name in results
-//! * `package` (required): path of its package from the scene file's folder; models may share one, which is loaded once
+//! * `name` (the package's, without `.pelage`): name of the model in results
+//! * `package` (required): path of the package relative to the scene file's folder. Models may share a package, which
+//!   is loaded once
 //! * `position`, `heading_deg` (the origin, 0): position and heading; 0 faces +z, 90 faces +x
-//! * `path`: replaces these; a list of `{ time_s, position, heading_deg }`; without any heading the model faces its
-//!   direction of movement
+//! * `path`: replaces `position` and `heading_deg`; a list of `{ time_s, position, heading_deg }`. Without any heading
+//!   the model faces its direction of movement
 //! * `scale` (1): scale relative to the baked size
 //! * `clip` (at rest): name of the clip to play
 //! * `speed`, `start_s` (1, 0): playback speed, and time within the clip at time 0
-//! * `loop` (true): whether the clip restarts at its end, or holds there
-//! * `root_motion` (false): whether the model continues from where its clip has carried it when the clip restarts;
-//!   without a camera the first cycle is framed
-//! * `morphs`: morph targets with their own weights, regardless of the clip: `morphs = { smile = 0.7 }`
+//! * `loop` (true): whether the clip restarts at its end; otherwise it holds its last pose
+//! * `root_motion` (false): whether the model continues from where its clip has carried it when the clip restarts.
+//!   Without a camera the first cycle is framed
+//! * `morphs`: weights of morph targets, which override those of the clip: `morphs = { smile = 0.7 }`
 //!
-//! [`SceneFile::parse`] reads one, [`SceneFile::load`] its packages; the scene can be changed in between.
+//! [`SceneFile::parse`] reads a scene file, [`SceneFile::load`] its packages. The scene can be changed in between.
 
 mod look;
 mod text;
@@ -52,31 +54,32 @@ pub use text::{
     SceneSequence, Whole,
 };
 
-/// Minimum displacement of a clip used with root motion, metres.
+/// Minimum displacement per cycle of a clip with root motion, metres.
 const MIN_DISPLACEMENT_M: f32 = 1e-4;
 
-/// Scene file: its contents, and the location of each item for messages.
+/// Scene file: its contents, and the position of each item in the text for messages.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// File name as given by the user.
     pub name: String,
     /// Text of the file.
     pub text: String,
-    /// Contents of the file. They may be changed before loading; messages about new items name only the key.
+    /// Contents of the file. They may be changed before loading; messages about added items give only the key.
     pub scene: Scene,
 }
 
-/// Source of a scene's packages: a folder, an archive, a server. A function from the path in the file to the package
-/// implements it.
+/// Source of a scene's packages, such as a folder, an archive or a server. Implemented for functions from the path in
+/// the file to the package.
 pub trait PackageSource {
-    /// Returns the package at that path, or an error message.
+    /// Returns the package at `path`, or an error message.
     ///
     /// # Errors
     ///
-    /// Reported by the source.
+    /// Defined by the source.
     fn read(&self, path: &str) -> Result<NamedPackage<'static>, String>;
 
-    /// Returns a value that is equal for all paths to the same package, so that it is read once.
+    /// Returns an identity of the package at `path`. Paths with equal identities refer to one package, which is read
+    /// once.
     fn identity(&self, path: &str) -> PathBuf {
         path.into()
     }
@@ -88,21 +91,21 @@ impl<F: Fn(&str) -> Result<NamedPackage<'static>, String>> PackageSource for F {
     }
 }
 
-/// Scene with its packages.
+/// Scene with its packages loaded.
 #[derive(Debug)]
 pub struct LoadedScene {
-    /// Packages, each once, in the order in which models name them.
+    /// Packages, each listed once, in the order in which models name them.
     pub packages: Vec<NamedPackage<'static>>,
-    /// Copies of their models.
+    /// Copies of the packages' models.
     pub actors: Vec<Actor>,
-    /// Names of [`Self::actors`], in order.
+    /// Names of [`Self::actors`], in the same order.
     pub names: Vec<String>,
-    /// Camera; `None` frames all models.
+    /// Camera; with `None` all models are framed.
     pub camera: Option<CameraTrack>,
 }
 
 impl SceneFile {
-    /// Parses the bytes of a scene file with that name.
+    /// Parses the bytes of a scene file. `name` is its name for messages.
     ///
     /// # Errors
     ///
@@ -146,8 +149,8 @@ impl SceneFile {
     ///
     /// # Errors
     ///
-    /// [`StageError::Input`] with line and key of the fault, also for a package that cannot be read and a clip that it
-    /// lacks; [`StageError::Package`] for a damaged package.
+    /// [`StageError::Input`] with line and key of the fault, also for a package that cannot be read or that lacks a
+    /// clip. [`StageError::Package`] for a damaged package.
     pub fn load(&self, packages: &dyn PackageSource) -> Result<LoadedScene, StageError> {
         let (source, scene) = (self.source(), &self.scene);
         if scene.models.is_empty() {
@@ -176,12 +179,14 @@ impl SceneFile {
 }
 
 impl LoadedScene {
-    /// Returns the cast of the scene. The camera is `camera`, else the one from `framing` if it is set, else the
-    /// scene's camera. Otherwise it frames all models at that aspect ratio, width over height ([`frame_actors`]).
+    /// Returns the cast of the scene. Its camera is `camera` if given, else the one from `framing` if that is set, else
+    /// the scene's own. Without any, the camera frames all models ([`frame_actors`]).
+    ///
+    /// * `aspect`: width of the picture divided by its height
     ///
     /// # Errors
     ///
-    /// [`StageError::Package`] for a damaged package, [`StageError::Asked`] if nothing has the name to look at.
+    /// [`StageError::Package`] for a damaged package, [`StageError::Request`] if nothing matches the name to look at.
     pub fn cast(&self, camera: Option<Viewpoint>, aspect: f32, framing: &Framing) -> Result<Cast<'_>, StageError> {
         let open = |file| Ok((file, Arc::new(NamedPackage::open(file)?)));
         let packages = self.packages.iter().map(open).collect::<Result<Vec<_>, StageError>>()?;
@@ -236,7 +241,7 @@ fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<CameraTrack, Stag
     })
 }
 
-/// Returns the names of the models in results.
+/// Returns the names of the models, for results.
 fn names(source: &TomlText<'_>, models: &[SceneModel]) -> Result<Vec<String>, StageError> {
     for (i, model) in models.iter().enumerate() {
         let same = |other: &SceneModel| other.name.is_some() && other.name == model.name;
@@ -294,7 +299,7 @@ fn place(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<Placemen
     Ok(Placement { position, heading_deg, scale })
 }
 
-/// Reads every package that the models name, once. Also returns the package index of each model.
+/// Reads every package that the models name once. Also returns the package index of each model.
 fn read_packages(
     source: &TomlText<'_>,
     packages: &dyn PackageSource,
@@ -335,7 +340,7 @@ fn playing(
     }))
 }
 
-/// Returns the displacement of a model per cycle of its clip, if it uses root motion.
+/// Returns the displacement of a model per cycle of its clip; zero without root motion.
 fn carried(
     source: &TomlText<'_>,
     i: usize,
@@ -355,7 +360,7 @@ fn carried(
     Ok(way)
 }
 
-/// Returns index and weight of the morph targets that a model sets.
+/// Returns index and weight of each morph target that a model sets.
 fn weights(
     source: &TomlText<'_>,
     i: usize,

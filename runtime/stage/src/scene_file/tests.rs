@@ -2,13 +2,13 @@
 use super::*;
 use crate::Look;
 
-/// Reads a scene file with that text; its packages do not exist.
+/// Reads a scene file that contains `text`. Its packages do not exist.
 fn read(text: &str) -> Result<LoadedScene, StageError> {
     let nothing = |path: &str| Err(format!("{path}: cannot read: it is not there"));
     SceneFile::parse("nowhere/a.toml", text.into())?.load(&nothing)
 }
 
-/// Returns a scene with `before` ahead of its single model, and `model` in it.
+/// Returns a scene file with `before` ahead of its single model, and with `model` in the model's table.
 fn scene(before: &str, model: &str) -> String {
     format!("{before}\n[[model]]\npackage = \"no.pelage\"\n{model}\n")
 }
@@ -102,12 +102,13 @@ fn positions_and_cameras_match_the_file() {
     let place = place(&source, 0, &words.models[0]).unwrap();
     let moved = place.transform(2.0);
     assert!(moved.transform_point3(Vec3::ZERO).distance(Vec3::X) < 1e-6);
-    // Its nose, baked along +z, leads.
+    // The nose, baked along +z, points in the direction of movement.
     assert!(moved.transform_vector3(Vec3::Z).distance(2.0 * Vec3::X) < 1e-6);
     assert_eq!(names(&source, &words.models).unwrap(), ["no"]);
 }
 
-/// Returns a package with one joint. Its clips move the joint by 2 m along +z in a second, or not at all.
+/// Returns a package with one joint and two clips. One moves the joint by 2 m along +z in a second; the other does not
+/// move it.
 fn sliding() -> Vec<u8> {
     let node = pelage_formats::Node {
         name: "root".into(),
@@ -145,7 +146,7 @@ fn root_motion_moves_the_model() {
     };
     let model = "heading_deg = 90\nscale = 2\nroot_motion = true\n";
     let actor = load(&format!("clip = \"Slide\"\n{model}")).unwrap().actors.remove(0);
-    // Position of its root, moved by the clip within a cycle and by the model between cycles.
+    // Position of the root: the clip moves it within a cycle, the model moves it between cycles.
     for time_s in [0.0, 0.25, 0.999, 1.5, 7.75, -0.5] {
         let within = 2.0 * actor.clip.unwrap().moment(time_s);
         let root = actor.transform(time_s).transform_point3(Vec3::Z * within);

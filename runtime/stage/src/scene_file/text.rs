@@ -4,20 +4,19 @@ use glam::Vec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Maximum coordinate, metres, and maximum time, seconds.
+/// Maximum absolute value of coordinates, metres, and of times, seconds.
 const MAX_VALUE: f64 = 1e6;
 
-/// Scene as written in its file: plain data that can be inspected and changed before loading.
+/// Scene as written in its file. Plain data that can be inspected and changed before loading.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Look of the picture.
     pub look: Option<SceneLook>,
-    /// Look of the picture, set by flags of the command line, with `_` for `-`: `self_shadow = "off"`. `look` overrides
-    /// it.
+    /// Look of the picture as command-line flags, with `_` instead of `-`: `self_shadow = "off"`. Overridden by `look`.
     #[serde(default)]
     pub view: toml::Table,
-    /// Camera; if omitted, all models are framed, along their paths and over their clips.
+    /// Camera. If omitted, all models are framed along their paths and over their clips.
     pub camera: Option<SceneCamera>,
     /// Key light; if omitted, the default one.
     pub light: Option<SceneLight>,
@@ -28,7 +27,7 @@ pub struct Scene {
     pub models: Vec<SceneModel>,
 }
 
-/// Tables of `[look]`, or the file that contains them.
+/// Tables of `[look]`, or the path of the file that contains them.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "toml::Value")]
 pub enum SceneLook {
@@ -53,17 +52,17 @@ impl TryFrom<toml::Value> for SceneLook {
     }
 }
 
-/// `[camera]`: eye and target, or a path of them.
+/// `[camera]`: eye and target, or a path with keys of both.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneCamera {
-    /// Position in metres; requires `target`, and vice versa.
+    /// Position in metres; requires `target`.
     pub eye: Option<Point>,
-    /// Target in metres; different from `eye`.
+    /// Target in metres, different from `eye`; requires `eye`.
     pub target: Option<Point>,
     /// Vertical field of view, degrees.
     pub fov_deg: Option<FieldOfView>,
-    /// Keys over time, replacing the fields above.
+    /// Keys over time; replace the fields above.
     pub path: Option<Vec<CameraKey>>,
 }
 
@@ -85,7 +84,7 @@ pub struct CameraKey {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneLight {
-    /// Direction towards a distant light, any length but 0.
+    /// Direction towards a distant light, of any length except 0.
     pub direction: Option<Point>,
     /// Position of a nearby light, metres.
     pub position: Option<Point>,
@@ -101,13 +100,13 @@ pub struct SceneSequence {
     pub fps: Option<Whole<1000>>,
 }
 
-/// `[[model]]`: one copy of a package's model.
+/// `[[model]]`: a copy of a package's model.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneModel {
-    /// Name in results; if omitted, that of the package.
+    /// Name in results; if omitted, the name of the package.
     pub name: Option<String>,
-    /// Path of its package, relative to the scene file's folder.
+    /// Path of the package, relative to the scene file's folder.
     pub package: String,
     /// Position in metres.
     pub position: Option<Point>,
@@ -115,22 +114,22 @@ pub struct SceneModel {
     pub heading_deg: Option<Number>,
     /// Scale relative to the baked size.
     pub scale: Option<Scale>,
-    /// Keys over time, replacing `position` and `heading_deg`.
+    /// Keys over time; replace `position` and `heading_deg`.
     pub path: Option<Vec<PlaceKey>>,
     /// Name of the clip to play; if omitted, the model is at rest.
     pub clip: Option<String>,
-    /// Playback speed: seconds of the clip per second.
+    /// Playback speed, seconds of the clip per second of the scene.
     pub speed: Option<Number>,
     /// Time within the clip at time 0, seconds.
     pub start_s: Option<Number>,
-    /// Whether the clip restarts at its end, or holds there.
+    /// Whether the clip restarts at its end; otherwise it holds its last pose.
     #[serde(rename = "loop")]
     pub looped: Option<bool>,
-    /// Whether the model continues from where the clip has carried it when the clip restarts; otherwise it restarts at
+    /// Whether the model continues from where the clip has carried it when the clip restarts. Otherwise it returns to
     /// the same position.
     #[serde(default)]
     pub root_motion: bool,
-    /// Morph targets by name, with their own weights, regardless of the clip.
+    /// Weights of morph targets by name; they override those of the clip.
     #[serde(default)]
     pub morphs: BTreeMap<String, Number>,
 }
@@ -143,11 +142,11 @@ pub struct PlaceKey {
     pub time_s: Number,
     /// Position in metres.
     pub position: Point,
-    /// Heading in degrees; in all keys of a path or in none.
+    /// Heading in degrees. Either all keys of a path have it or none.
     pub heading_deg: Option<Number>,
 }
 
-/// Finite number of limited magnitude.
+/// Finite number whose absolute value is limited.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "f64")]
 pub struct Number(pub f32);
@@ -160,7 +159,7 @@ impl TryFrom<f64> for Number {
     }
 }
 
-/// Three such numbers.
+/// Vector of three limited numbers.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "[f64; 3]")]
 pub struct Point(pub Vec3);
@@ -215,7 +214,7 @@ impl<const MOST: u32> TryFrom<i64> for Whole<MOST> {
 }
 
 fn within(x: f64, least: f64, most: f64) -> Result<f32, String> {
-    // NaN is in no range.
+    // The comparison also rejects NaN.
     let inside = (least..=most).contains(&x);
     if inside { Ok(x as f32) } else { Err(format!("found {x}, expected a number from {least} to {most}")) }
 }

@@ -1,4 +1,4 @@
-//! Fitting: a panorama as a small set of lights.
+//! Approximates a panorama by a small set of lights.
 
 use super::lobes::{Cells, LobeSelection};
 use super::panorama::Panorama;
@@ -11,7 +11,8 @@ use pelage_formats::meaning::environment::{Environment, LightLobe, brightness};
 pub struct FitParams {
     /// Maximum number of lobes, up to [`Environment::MOST_LOBES`] (default 16).
     pub lobes: usize,
-    /// Minimum share of all light at which a sun becomes a separate light (default 0.1); more than 1 for no sun.
+    /// Minimum fraction of all light from which a sun becomes a separate light (default 0.1). More than 1 disables the
+    /// sun.
     pub sun: f64,
 }
 
@@ -21,33 +22,34 @@ impl Default for FitParams {
     }
 }
 
-/// Lights fitted to a panorama, and their deviation.
+/// Lights fitted to a panorama, and the errors of the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitResult {
     /// Fitted lights.
     pub environment: Environment,
-    /// Share of all light that comes from the sun.
+    /// Fraction of all light that comes from the sun.
     pub sun_share: f64,
-    /// Relative difference in total light between the lobes with the uniform light and the sky without its sun; the
-    /// largest of the three colours.
+    /// Relative error of the fitted total light: lobes plus uniform light, compared with the sky without its sun.
+    /// Maximum of the three colour channels.
     pub energy: f64,
-    /// Root mean square of the difference between the fitted lights and the sky without its sun, relative to that of
-    /// this sky; both over its cells of 5.6 degrees.
+    /// Root mean square error of the fitted lights, compared with the sky without its sun. It is relative to the root
+    /// mean square of that sky. Both are over cells of 5.6 degrees.
     pub error: f64,
     /// Number of invalid panorama pixels that were repaired.
     pub repaired_pixels: u32,
 }
 
-/// Width and height of the picture that lights are fitted to: 5.6 degrees per cell, below the least width of a lobe.
+/// Width and height of the reduced picture to which lights are fitted. A cell of 5.6 degrees is smaller than the
+/// minimum width of a lobe.
 const CELLS: (u32, u32) = (64, 32);
-/// Optimisation passes over all lobes after each new one.
+/// Number of optimisation passes over all lobes after each new one.
 const MOVES_OF_EACH: usize = 4;
-/// Additional passes once all lobes exist.
+/// Number of additional optimisation passes once all lobes exist.
 const MOVES_OF_ALL: usize = 8;
 
 impl Panorama {
-    /// Fits lights to the panorama, by least squares of radiance over solid angle. The same picture gives the same
-    /// lights on every machine.
+    /// Fits lights to the panorama by least squares of radiance over solid angle. The result is the same on every
+    /// machine.
     pub fn fit(&self, params: FitParams) -> FitResult {
         let whole = self.total();
         let (sun, without) = sun::split(self, params.sun);
@@ -57,7 +59,7 @@ impl Panorama {
             if !chosen.add_best() {
                 break;
             }
-            // The residual of a misplaced lobe would attract the next ones.
+            // Moves the lobes now, because the residual of a misplaced lobe would attract the next ones.
             (0..MOVES_OF_EACH).for_each(|_| chosen.move_all());
         }
         (0..MOVES_OF_ALL).for_each(|_| chosen.move_all());
@@ -72,7 +74,7 @@ impl Panorama {
         let sun_light = sun.map_or(0.0, |sun| brightness(DVec3::from(sun.color.map(f64::from))) * std::f64::consts::PI);
         let mut environment = Environment { even: even.as_vec3().into(), sun: None, lobes };
         let rest = without.total();
-        // Least squares preserve the total light only if the uniform light has some of each colour.
+        // Least squares preserve the total light only if the uniform light is above zero in each colour channel.
         let scale = (rest / environment.total().max(DVec3::splat(1e-300))).as_vec3().to_array();
         let scaled = |color: [f32; 3]| std::array::from_fn(|i| color[i] * scale[i]);
         environment.even = scaled(environment.even);

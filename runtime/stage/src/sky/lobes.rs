@@ -1,4 +1,5 @@
-//! Selection of lobes that approximate a sky: chosen one by one, each with the greatest gain, and then moved.
+//! Selection of lobes that approximate a sky. Lobes are added one by one, each with the greatest gain, and moved
+//! afterwards.
 
 use super::panorama::Panorama;
 use super::squares::least_squares;
@@ -7,21 +8,21 @@ use pelage_formats::meaning::scattering::gaussian_light::GaussianLight;
 
 /// Number of candidate directions for lobes.
 const DIRECTIONS: usize = 256;
-/// Candidate standard deviations of lobes, degrees; narrower ones are not broad light.
+/// Candidate standard deviations of lobes, degrees. Light from narrower sources is not broad.
 const WIDTHS_DEG: [f64; 6] = [8.0, 12.0, 18.0, 27.0, 40.0, 60.0];
 const LEAST_DEG: f64 = 8.0;
 const MOST_DEG: f64 = 75.0;
-/// Minimum share of the total light that a lobe must explain to be added.
+/// Minimum fraction of the sum of squares that a lobe must explain to be added.
 const MIN_GAIN: f64 = 1e-7;
 
 /// Sky divided into cells.
 pub(super) struct Cells {
     towards: Vec<DVec3>,
-    /// Square roots of solid angles: the weights of the least squares.
+    /// Square roots of the cells' solid angles: the weights of the least squares.
     weights: Vec<f64>,
-    /// Radiance times weight, per colour.
+    /// Radiance of each cell times its weight, per colour.
     light: [Vec<f64>; 3],
-    /// Sum of squares of `light`, Σ light², over all colours.
+    /// Sum of squares of `light` over all colours.
     size: f64,
 }
 
@@ -66,13 +67,13 @@ pub(super) struct LobeSelection<'a> {
     cells: &'a Cells,
     candidates: Vec<(Shape, Vec<f64>)>,
     shapes: Vec<Shape>,
-    /// Step size of each shape's next move, relative to a third of its width.
+    /// Step size of each shape's next move, in thirds of its width.
     steps: Vec<f64>,
-    /// Light in the cells: first of the uniform light, then of each shape.
+    /// Weighted light in the cells for each shape; the first column is the uniform light.
     columns: Vec<Vec<f64>>,
-    /// Brightness of each column, per colour.
+    /// Radiance by which each column is scaled, per colour.
     amounts: [Vec<f64>; 3],
-    /// Light of the cells that no column explains, per colour.
+    /// Residual: light of the cells that no column explains, per colour.
     rest: [Vec<f64>; 3],
 }
 
@@ -99,7 +100,7 @@ impl<'a> LobeSelection<'a> {
         out
     }
 
-    /// Adds the candidate that explains most of the residual; returns false if none explains enough.
+    /// Adds the candidate that explains most of the residual. Returns false if none explains enough.
     pub(super) fn add_best(&mut self) -> bool {
         let worth = |column: &Vec<f64>| {
             let size = dot(column, column);
@@ -118,15 +119,15 @@ impl<'a> LobeSelection<'a> {
         true
     }
 
-    /// Moves each lobe to reduce the residual, then solves for all brightnesses. The step size of a lobe grows while
-    /// moves help, and halves when none does.
+    /// Moves each lobe to reduce the residual, then solves for the brightness of all. The step size of a lobe grows
+    /// while moves help, and halves when no move does.
     pub(super) fn move_all(&mut self) {
         for i in 0..self.shapes.len() {
             let amounts = [0, 1, 2].map(|c: usize| self.amounts[c][i + 1]);
             let alone: [Vec<f64>; 3] = std::array::from_fn(|c| {
                 self.rest[c].iter().zip(&self.columns[i + 1]).map(|(rest, lit)| rest + amounts[c] * lit).collect()
             });
-            // Part of the light explained by a shape of optimal brightness.
+            // Light explained by a shape of optimal brightness.
             let worth = |column: &Vec<f64>| {
                 let size = dot(column, column).max(1e-300);
                 alone.iter().map(|rest| dot(column, rest).max(0.0)).map(|met| met * met / size).sum::<f64>()
@@ -153,7 +154,7 @@ impl<'a> LobeSelection<'a> {
         self.solve();
     }
 
-    /// Returns the radiance of the uniform light, and direction, width in degrees and radiance of each lobe.
+    /// Returns the radiance of the uniform light. Also returns direction, width in degrees and radiance of each lobe.
     pub(super) fn lights(&self) -> (DVec3, impl Iterator<Item = ((DVec3, f32), DVec3)>) {
         let of = |i: usize| DVec3::from([0, 1, 2].map(|c: usize| self.amounts[c][i]));
         let lobes =
@@ -161,13 +162,13 @@ impl<'a> LobeSelection<'a> {
         (of(0), lobes)
     }
 
-    /// Returns the square root of the residual's sum of squares over that of the light.
+    /// Returns the root mean square of the residual, relative to that of the light.
     pub(super) fn error(&self) -> f64 {
         let left: f64 = self.rest.iter().flatten().map(|x| x * x).sum();
         (left / self.cells.size.max(1e-300)).sqrt()
     }
 
-    /// Solves for all brightnesses.
+    /// Solves for the brightness of all columns.
     fn solve(&mut self) {
         let count = self.columns.len();
         let mut products = vec![0.0; count * count];
@@ -194,8 +195,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Returns the shape moved sideways by a third of its width, and widened and narrowed by a quarter; all scaled by
-/// `step`.
+/// Returns variants of a shape: moved sideways by a third of its width, and widened and narrowed by a quarter. `step`
+/// scales these changes.
 fn neighbours(shape: &Shape, step: f64) -> impl Iterator<Item = Shape> {
     let Shape { towards, width_deg } = *shape;
     let (side, up) = towards.any_orthonormal_pair();

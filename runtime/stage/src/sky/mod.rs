@@ -1,7 +1,7 @@
-//! Environment maps: panoramas, the lights fitted to them ([`Environment`]), and those as TOML.
+//! Environment maps: panoramas, the lights fitted to them ([`Environment`]), and their TOML format.
 //!
 //! [`Panorama`] holds an equirectangular picture in linear radiance. [`Panorama::fit`] finds the uniform light, the
-//! spherical Gaussians and the sun that approximate it best. An application may ship only the fit:
+//! spherical Gaussians and the sun that approximate it best. An application need ship only the fit:
 //! [`environment_to_toml`] and [`environment_from_toml`].
 
 mod fit;

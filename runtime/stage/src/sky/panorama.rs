@@ -4,8 +4,8 @@ use crate::StageError;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Radiance from all directions: rows from straight up to straight down, columns once around. The centre of the picture
-/// is +x, and a quarter of its width to the right is +z, as in most programs.
+/// Radiance from all directions. Rows go from straight up to straight down, columns once around. The centre of the
+/// picture is +x; a quarter of the width to the right of it is +z, as in most programs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panorama {
     width: u32,
@@ -16,23 +16,22 @@ pub struct Panorama {
 }
 
 impl Default for Panorama {
-    /// Returns one black pixel.
+    /// Returns a panorama of one black pixel.
     fn default() -> Self {
         Self { width: 1, height: 1, pixels: vec![[0.0; 3]], mended: 0 }
     }
 }
 
 impl Panorama {
-    /// Maximum number of pixels: those of 16k × 8k.
+    /// Maximum number of pixels: 16k × 8k.
     pub const MOST_PIXELS: u64 = 1 << 27;
 
-    /// Creates a panorama of the given pixels, linear RGB. Invalid values are repaired: negative values and NaN become
-    /// 0; infinite values become the brightest finite one, at least 1.
+    /// Creates a panorama of the given pixels, linear RGB. Repairs invalid values: negative values and NaN become 0;
+    /// infinite values become the brightest finite one, at least 1.
     ///
     /// # Errors
     ///
-    /// [`StageError::Request`] for a picture without pixels, with too many, or with a number that does not match its
-    /// size.
+    /// [`StageError::Request`] if there are no pixels, too many, or a number that does not match width and height.
     pub fn new(width: u32, height: u32, mut pixels: Vec<[f32; 3]>) -> Result<Self, StageError> {
         let count = u64::from(width) * u64::from(height);
         if count == 0 || count > Self::MOST_PIXELS || count != pixels.len() as u64 {
@@ -64,7 +63,7 @@ impl Panorama {
     pub fn from_fn((width, height): (u32, u32), radiance: impl Fn(DVec3) -> DVec3) -> Result<Self, StageError> {
         let blank = Self { width, height, pixels: Vec::new(), mended: 0 };
         let count = u64::from(width) * u64::from(height);
-        // Rejects too large a picture before painting it.
+        // A picture that is too large must be rejected before it is painted.
         let rows = if count <= Self::MOST_PIXELS { height } else { 0 };
         let places = (0..rows).flat_map(|y| (0..width).map(move |x| (x, y)));
         let pixels = places.map(|(x, y)| radiance(blank.towards(x, y)).as_vec3().into()).collect();
@@ -98,8 +97,8 @@ impl Panorama {
         self.around(f64::from(column) + 0.5, up)
     }
 
-    /// Returns the unit vector towards a point within a pixel, by coordinates 0..=1. Equal areas in these coordinates
-    /// are equal solid angles.
+    /// Returns the unit vector towards a point within a pixel, given by coordinates 0..=1. Equal areas in these
+    /// coordinates are equal solid angles.
     pub fn towards_within(&self, column: u32, row: u32, [across, down]: [f64; 2]) -> DVec3 {
         let [above, below] = [row, row + 1].map(|row| libm::cos(PI * f64::from(row) / f64::from(self.height)));
         self.around(f64::from(column) + across, above + (below - above) * down)
@@ -122,8 +121,10 @@ impl Panorama {
         row(above).lerp(row(below), y.fract())
     }
 
-    /// Returns the panorama with a level ground of that albedo, linear RGB, replacing everything below the horizon.
-    /// `more`: additional light on the ground besides the picture, irradiance over π.
+    /// Returns the panorama with a level ground in place of everything below the horizon.
+    ///
+    /// * `albedo`: of the ground, linear RGB
+    /// * `more`: light that reaches the ground in addition to the picture's, irradiance divided by π
     #[must_use]
     pub fn over_ground(&self, albedo: [f32; 3], more: DVec3) -> Self {
         let up = |y: u32| self.towards(0, y).y;
@@ -142,7 +143,7 @@ impl Panorama {
         self.with_pixels(pixels)
     }
 
-    /// Returns the pixel that contains a unit direction.
+    /// Returns the pixel that contains a unit direction, as column and row.
     pub fn pixel(&self, towards: DVec3) -> (u32, u32) {
         let (across, down) = self.place(towards);
         ((across as u32).min(self.width - 1), (down as u32).min(self.height - 1))
@@ -167,12 +168,12 @@ impl Panorama {
         (0..self.height).map(row).sum()
     }
 
-    /// Returns a reduced picture of at most that size; each cell is the mean over its solid angle.
+    /// Returns the picture reduced to at most the size `most`. Each cell is the mean over its solid angle.
     pub fn reduced(&self, most: (u32, u32)) -> Self {
         let (width, height) = (most.0.clamp(1, self.width), most.1.clamp(1, self.height));
         let mut sums = vec![DVec3::ZERO; width as usize * height as usize];
         let mut angles = vec![0.0; sums.len()];
-        // Pixels are split between the cells that they overlap.
+        // A pixel is split between the cells that it overlaps.
         for (row, row_share) in overlaps(self.height, height) {
             let angle = self.solid_angle(row.0) * row_share;
             for (column, share) in overlaps(self.width, width) {
@@ -186,13 +187,14 @@ impl Panorama {
         Self { width, height, pixels, mended: self.mended }
     }
 
-    /// Returns the panorama with other pixels.
+    /// Returns a panorama of the same size with other pixels.
     pub(super) fn with_pixels(&self, pixels: Vec<[f32; 3]>) -> Self {
         Self { pixels, ..*self }
     }
 }
 
-/// Returns which of `from` parts of a line overlap which of `to` parts, each with the overlapping share of the former.
+/// Divides a line into `from` and into `to` equal parts. Returns which parts overlap, and the overlapping fraction of
+/// the former.
 fn overlaps(from: u32, to: u32) -> impl Iterator<Item = ((u32, u32), f64)> {
     let scale = f64::from(to) / f64::from(from);
     (0..from).flat_map(move |i| {

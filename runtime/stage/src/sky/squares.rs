@@ -3,8 +3,10 @@
 /// Maximum number of sweeps over all unknowns.
 const SWEEPS: usize = 400;
 
-/// Minimises xᵀGx − 2 bᵀx with all x at least 0, by coordinate descent. `products`: G, symmetric with a positive
-/// diagonal, row by row. `x`: initial value, and result.
+/// Minimises xᵀGx − 2 bᵀx by coordinate descent, with all x at least 0.
+///
+/// * `products`: G, symmetric with a positive diagonal, row by row
+/// * `x`: initial value and result
 pub(super) fn least_squares(products: &[f64], b: &[f64], x: &mut [f64]) {
     let count = b.len();
     for _ in 0..SWEEPS {

@@ -5,14 +5,15 @@ use glam::DVec3;
 use pelage_formats::meaning::environment::{Sun, brightness};
 use std::f64::consts::PI;
 
-/// Candidate angular radii of a sun, degrees, including lens glare; or of a lamp. Wider sources are lobes.
+/// Candidate angular radii of a sun or lamp, degrees, including lens glare. Wider sources are modelled as lobes.
 const REACHES_DEG: [f64; 4] = [3.0, 4.5, 6.0, 8.0];
-/// Width of the ring around it, degrees, whose light stands for the sky without the sun.
+/// Width of the ring around the sun, degrees. Light in the ring approximates the sky without the sun.
 const RING_DEG: f64 = 3.0;
-/// Light in the ring, relative to the mean light of the sun, below which the sun ends.
+/// Light in the ring relative to the mean light of the sun; below this fraction the sun ends.
 const EDGE_SHARE: f64 = 0.1;
 
-/// Returns the sun of a sky, if it has at least the share `least` of all light, and the sky without it.
+/// Separates the sun from a sky. Returns the sun, if it has at least the fraction `least` of all light, and the sky
+/// without it.
 pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     let (width, height) = sky.size();
     let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -20,7 +21,7 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     let none = || (None, sky.clone());
     let Some(peak) = places().max_by(|a, b| bright(*a).total_cmp(&bright(*b))) else { return none() };
     let towards = sky.towards(peak.0, peak.1);
-    // A pixel wider than the sun contains only its centre.
+    // If a pixel is wider than the sun, only the pixel at its centre belongs to it.
     let cosine = |(x, y): (u32, u32)| if (x, y) == peak { 1.0 } else { towards.dot(sky.towards(x, y)) };
     let mean = |of: &[((u32, u32), f64)]| {
         let angle = |(_, y): (u32, u32)| sky.solid_angle(y);
@@ -54,7 +55,7 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     }
     let sun = Sun {
         towards: middle.normalize_or(towards).as_vec3().into(),
-        // Light of colour 1 gives an irradiance of π.
+        // Light of colour 1 causes an irradiance of π.
         color: (light / PI).as_vec3().into(),
     };
     (Some(sun), sky.with_pixels(pixels))

@@ -14,12 +14,12 @@ fn lobe(towards: [f32; 3], width_deg: f32, radiance: [f32; 3]) -> LightLobe {
 fn panorama_orientation_matches_other_programs() {
     let sky = painted((8, 4), |_| DVec3::ONE);
     assert!(sky.towards(0, 0).y > 0.9 && sky.towards(0, 3).y < -0.9, "rows go downwards");
-    // The centre is +x; +z is to the right of it.
+    // The centre of the picture is +x; +z is to the right of it.
     assert_eq!([DVec3::X, DVec3::Z, DVec3::NEG_Z].map(|way| sky.pixel(way).0), [4, 6, 2]);
     for (x, y) in [(0, 0), (7, 3), (3, 1)] {
         assert_eq!(sky.pixel(sky.towards(x, y)), (x, y));
     }
-    // Shares of a pixel's area are shares of its solid angle.
+    // Equal fractions of a pixel's area are equal fractions of its solid angle.
     let within = sky.towards_within(5, 1, [0.5, 0.5]);
     assert_eq!(sky.pixel(within), (5, 1));
     assert!((within.y - 0.5 * libm::cos(std::f64::consts::FRAC_PI_4)).abs() < 1e-12, "{within}");
@@ -49,7 +49,7 @@ fn invalid_panorama_pixels_are_repaired() {
     }
 }
 
-/// Checks that fitting a sky made of lobes and uniform light returns them.
+/// Checks that the fit of a sky made of lobes and uniform light recovers them.
 #[test]
 fn lobe_environments_are_recovered_by_the_fit() {
     let lobes = vec![lobe([0.0, 1.0, 0.0], 30.0, [1.0, 2.0, 4.0]), lobe([1.0, 0.2, -0.4], 12.0, [8.0, 4.0, 1.0])];
@@ -78,7 +78,7 @@ fn dominant_sun_becomes_a_separate_light() {
     assert!(found.sun_share > 0.2 && found.sun_share < 0.9, "{}", found.sun_share);
     let whole = found.environment.total() / sky(2_000.0).total();
     assert!((whole - 1.0).abs().max_element() < 1e-3, "{whole}");
-    // The rest of the sky is uniform.
+    // Without the sun the sky is uniform.
     assert!(found.environment.lobes.is_empty() || found.error < 0.01, "{found:?}");
     let dim = sky(20.0).fit(FitParams::default());
     assert_eq!(dim.environment.sun, None);
@@ -92,13 +92,13 @@ fn panorama_lookups_interpolate_and_wrap() {
         let way = way.normalize();
         assert!((sky.sample(way) - 2.0 - way).abs().max_element() < 0.06, "{way}: {}", sky.sample(way));
     }
-    // No seam where the columns wrap around.
+    // There must be no seam where the columns wrap around.
     let [one, other] = [1e-6, -1e-6].map(|z| sky.sample(DVec3::new(-1.0, 0.0, z).normalize()));
     assert!((one - other).length() < 1e-4, "{one} {other}");
 }
 
-/// Checks that a ground reflects its share of the light that falls on it, from everywhere below, and that the rest of
-/// the picture is unchanged.
+/// Checks that the whole ground reflects its albedo times the light that falls on it. The picture above the horizon
+/// must be unchanged.
 #[test]
 fn ground_reflects_its_albedo() {
     let sky = painted((256, 128), |way| if way.y > 0.0 { DVec3::new(1.0, 2.0, 4.0) } else { DVec3::splat(50.0) });

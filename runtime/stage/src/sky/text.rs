@@ -5,7 +5,9 @@ use crate::toml_text::TomlText;
 use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 use pelage_params::Raw;
 
-/// Parses an environment map written by [`environment_to_toml`] or by hand. `name`: file name for messages.
+/// Parses an environment map that was written by [`environment_to_toml`] or by hand.
+///
+/// * `name`: file name for messages
 ///
 /// # Errors
 ///
@@ -38,7 +40,8 @@ pub fn environment_from_toml(name: &str, text: &str) -> Result<Environment, Stag
     }
 }
 
-// Parsed by hand: web pages load this code, and serde's code for three tables would be a twentieth of their download.
+// This is parsed without serde. Web pages load this code, and serde's code for three tables would be 5 % of their
+// download.
 
 fn lobe(source: &TomlText<'_>, number: usize, value: &Raw) -> Result<LightLobe, StageError> {
     let at = format!("lobe[{number}]");
@@ -52,7 +55,7 @@ fn lobe(source: &TomlText<'_>, number: usize, value: &Raw) -> Result<LightLobe, 
     })
 }
 
-/// Returns the values of a table's fields. All of them are required, and no others are allowed.
+/// Returns the values of a table's fields. All of them are required; others are an error.
 fn fields<'r, const N: usize>(
     source: &TomlText<'_>,
     at: &str,
@@ -92,7 +95,7 @@ fn three(source: &TomlText<'_>, key: &str, value: &Raw) -> Result<[f32; 3], Stag
     }
 }
 
-/// Writes an environment map as TOML. Reading it gives an equal one.
+/// Writes an environment map as TOML. Reading the text gives an equal map.
 pub fn environment_to_toml(environment: &Environment) -> String {
     let list = |numbers: [f32; 3]| {
         let [x, y, z] = numbers.map(|x| format!("{x:?}"));

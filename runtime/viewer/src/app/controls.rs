@@ -1,4 +1,4 @@
-//! User control of camera, light and time.
+//! User controls of camera, light and time.
 
 use super::state::App;
 use crate::subject::Subject;
@@ -35,7 +35,7 @@ impl App {
         self.moved();
     }
 
-    /// Frames everything.
+    /// Frames the whole subject.
     pub fn frame(&mut self) {
         if let Err(error) = self.show.frame(self.area) {
             self.fail(error.to_string());
@@ -43,7 +43,7 @@ impl App {
         self.changed();
     }
 
-    /// Resets the camera.
+    /// Resets the camera to its initial position.
     pub fn reset_camera(&mut self) {
         self.show.reset();
         self.changed();
@@ -59,7 +59,7 @@ impl App {
         self.changed();
     }
 
-    /// Toggles playback; without a chosen clip, plays the first.
+    /// Toggles playback. If no clip is chosen, plays the first one.
     pub fn toggle_playing(&mut self) {
         let has_clips = !self.show.clips().is_empty();
         if self.show.clip().is_none() && has_clips && !self.playing {
@@ -68,22 +68,22 @@ impl App {
         self.playing = !self.playing && self.length_s().is_some();
     }
 
-    /// Returns the length of what plays, seconds; `None` if nothing moves.
+    /// Returns the length of the current animation, seconds; `None` if nothing moves.
     pub fn length_s(&self) -> Option<f32> {
         match self.show.subject()? {
             Subject::Package(_) => self.show.clip().map(|clip| clip.duration_s),
-            // A scene has no end.
+            // A scene has no end: its length is the current time, at least 10 s.
             Subject::Scene(_) => Some(self.show.time_s().max(10.0)),
         }
     }
 
-    /// Returns the current time of what plays, seconds.
+    /// Returns the current time of the animation, seconds.
     pub fn moment_s(&self) -> f32 {
         let time_s = self.show.time_s();
         self.show.clip().map_or(time_s, |clip| wrap_time(time_s, clip.duration_s))
     }
 
-    /// Seeks to a time, and pauses.
+    /// Seeks to a time and pauses.
     pub fn go_to(&mut self, time_s: f32) {
         self.playing = false;
         self.show.set_time(time_s);

@@ -1,4 +1,4 @@
-//! Edits of the knobs of look and recipe, and undo.
+//! Edits of the look's and the recipe's knobs, and undo.
 
 use super::state::App;
 use crate::knobs::{Edits, Knobs};
@@ -9,15 +9,15 @@ impl App {
     pub fn look_now(&self) -> Look {
         let mut look = self.look_base.clone();
         for assignment in self.look_edits.assignments() {
-            // Each was accepted before.
+            // Each assignment was accepted before, so none can fail.
             let _ = look.set(&assignment);
         }
-        // An error in the file is reported when the file is named.
+        // Errors in the file are reported when the user selects it.
         let _ = self.lights.apply_to(&mut look);
         look
     }
 
-    /// Applies a change of the look.
+    /// Applies the look after a change.
     pub fn look_changed(&mut self) {
         self.recipe_last = false;
         let look = self.look_now();
@@ -41,7 +41,7 @@ impl App {
         self.look_edits.assignments().into_iter().find_map(refuse)
     }
 
-    /// Returns true if what is shown is baked with a recipe.
+    /// Returns whether the subject is baked with a recipe.
     pub fn has_recipe(&self) -> bool {
         self.recipe_base.is_some()
     }
@@ -50,13 +50,13 @@ impl App {
     pub fn recipe_now(&self) -> Option<Box<dyn Knobs>> {
         let mut recipe = self.recipe_base.as_ref()?.boxed();
         for assignment in self.recipe_edits.assignments() {
-            // A refused edit is reported by the bake.
+            // The bake reports an invalid edit.
             let _ = recipe.set(&assignment);
         }
         Some(recipe)
     }
 
-    /// Applies a change of the recipe by rebaking the model.
+    /// Rebakes the model after a change of the recipe.
     pub fn recipe_changed(&mut self) {
         self.recipe_last = true;
         self.workers.make(self.recipe_edits.assignments());
@@ -82,7 +82,7 @@ impl App {
         }
     }
 
-    /// Changes the style.
+    /// Changes the rendering style.
     pub fn set_style(&mut self, style: LookStyle) {
         self.look_edits.set("picture.style", format!("{:?}", style.word()), false);
         self.look_edits.released();

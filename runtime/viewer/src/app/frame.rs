@@ -7,7 +7,7 @@ use pelage_stage::StageError;
 use serde_json::json;
 use std::time::{Duration, Instant};
 
-/// Time after the last movement during which pictures of a software device stay small.
+/// Time after the last movement during which a software device draws pictures at reduced size.
 const SETTLES: Duration = Duration::from_millis(220);
 
 /// Result of a frame.
@@ -15,7 +15,7 @@ const SETTLES: Duration = Duration::from_millis(220);
 pub struct FrameOutcome {
     /// Whether the picture was redrawn.
     pub drew: bool,
-    /// Time until the next change; `None` if nothing changes without user input.
+    /// Time until the picture changes by itself; `None` if only user input can change it.
     pub wait: Option<Duration>,
 }
 
@@ -28,7 +28,7 @@ impl App {
     pub fn next_frame(&mut self) -> Result<FrameOutcome, StageError> {
         let now = Instant::now();
         let since = self.played_at.replace(now).map_or(Duration::ZERO, |before| now - before);
-        // After a long pause between frames, the clip continues where it was.
+        // After a long pause between frames, the clip continues where it was: the step is clamped.
         let seconds = since.as_secs_f32().min(0.25);
         if self.playing {
             self.show.go_on(seconds, self.speed);

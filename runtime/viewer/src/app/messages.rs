@@ -1,4 +1,4 @@
-//! Messages from the window's threads.
+//! Handling of messages from the window's threads.
 
 use super::state::App;
 use crate::worker::WorkerMessage;
@@ -18,7 +18,7 @@ impl App {
                 self.fail(reason);
             }
             WorkerMessage::Saved(saved) => {
-                // The file now contains the edits, and is watched.
+                // The file now contains the edits and is watched.
                 let saved = saved.inspect(|_| self.recipe_edits.forget());
                 self.tell_saved("recipe", saved);
             }
@@ -51,7 +51,7 @@ impl App {
         }
         self.clear_failure();
         (self.recipe_base, self.notes, self.stages) = (recipe, notes, stages);
-        // On a software device the first picture is small, so that it appears soon.
+        // A software device draws the first picture at reduced size, so that it appears sooner.
         self.moved();
         let stages: Vec<_> = self.stages.iter().map(|(name, s)| json!({ "name": name, "seconds": s })).collect();
         self.events.log("made", json!({ "name": name, "seconds": took.as_secs_f64(), "stages": stages }));

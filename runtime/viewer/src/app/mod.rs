@@ -1,4 +1,4 @@
-//! State of a window: what is shown, its look, and the user's changes. Draws nothing itself.
+//! State of a window: subject, look, and the user's changes. This module draws nothing.
 
 mod controls;
 mod edits;

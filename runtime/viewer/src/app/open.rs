@@ -1,9 +1,9 @@
-//! Opening files: named, dropped, or the next in a folder.
+//! Opening of files: named, dropped, or the next in a folder.
 
 use super::state::App;
 use std::path::{Path, PathBuf};
 
-/// File name extensions considered for the next file.
+/// File name extensions that the search for the next file considers.
 const OPENED: [&str; 4] = ["pelage", "glb", "gltf", "obj"];
 
 fn is_named(path: &Path, extensions: &[&str]) -> bool {
@@ -11,7 +11,7 @@ fn is_named(path: &Path, extensions: &[&str]) -> bool {
     extensions.iter().any(|extension| own.eq_ignore_ascii_case(extension))
 }
 
-/// Returns the text of a look file, identified by a table that recipes do not have.
+/// Returns the text of a look file. A look file is recognised by a table that recipes do not have.
 fn look_in(path: &Path) -> Option<String> {
     let text = std::fs::read_to_string(path).ok().filter(|_| is_named(path, &["toml"]))?;
     let speaks = ["[picture]", "[light]", "[shadow]", "[fur]"]
@@ -21,7 +21,7 @@ fn look_in(path: &Path) -> Option<String> {
 }
 
 impl App {
-    /// Opens a named or dropped file: a look is read here, everything else by the workshop.
+    /// Opens a named or dropped file. Looks are read here; the workshop opens everything else.
     pub fn open(&mut self, path: &Path) {
         let mut look = self.look_base.clone();
         if look_in(path).is_some_and(|text| look.read(&text).is_ok()) {
@@ -37,7 +37,7 @@ impl App {
         self.workers.open(path.to_owned());
     }
 
-    /// Opens the next or previous file of the same folder that can be opened, cyclically.
+    /// Opens the next or previous supported file of the same folder, cyclically.
     pub fn open_next(&mut self, back: bool) {
         let Some(opened) = &self.opened else { return };
         let folder = opened.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,4 +1,4 @@
-//! Saving of recipe, look, pictures and window.
+//! Saving of the recipe, the look, pictures and screenshots of the window.
 
 use super::state::{App, Sequence};
 use crate::save;
@@ -7,7 +7,7 @@ use crate::workshop::Progress;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Pictures per second of a saved sequence.
+/// Frame rate of a saved sequence, pictures per second.
 const FPS: f32 = 24.0;
 
 impl App {
@@ -75,7 +75,7 @@ impl App {
         save::stem(self.show.subject().map_or("", Subject::name))
     }
 
-    /// Saves one cycle of the clip, picture by picture.
+    /// Saves one cycle of the clip as a sequence of pictures.
     pub fn save_sequence(&mut self) {
         let Some(length_s) = self.length_s() else { return self.say("no animation to save".into()) };
         let count = (length_s * FPS).round().max(1.0) as u32;
@@ -108,12 +108,12 @@ impl App {
         self.sequence = Some(Sequence { stem, next: next + 1, count, time_s });
     }
 
-    /// Saves the window with the next frame.
+    /// Requests a screenshot of the window; the next frame saves it.
     pub fn save_window(&mut self) {
         self.wants_window = true;
     }
 
-    /// Returns the path to save the window to, if that was requested.
+    /// Returns the path for the screenshot, if one was requested.
     pub fn take_window(&mut self) -> Option<PathBuf> {
         if !std::mem::take(&mut self.wants_window) {
             return None;
@@ -127,7 +127,7 @@ impl App {
         }
     }
 
-    /// Reports the result of saving the window.
+    /// Reports the result of saving the screenshot.
     pub fn window_saved(&mut self, saved: Result<PathBuf, String>) {
         self.tell_saved("window", saved);
     }

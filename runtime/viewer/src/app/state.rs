@@ -1,4 +1,4 @@
-//! State of a window, and operations common to all changes.
+//! State of a window, and operations that all changes share.
 
 use crate::events::Events;
 use crate::knobs::{Edits, Knobs, Search};
@@ -35,17 +35,17 @@ pub struct App {
     /// Changes of the recipe.
     pub recipe_edits: Edits,
     pub recipe_search: Search,
-    /// Whether the last change was in the recipe; selects what undo applies to.
+    /// Whether the last change was in the recipe rather than the look. Undo applies to the one changed last.
     pub(super) recipe_last: bool,
-    /// Progress of the content being made.
+    /// Progress of the content that is being made.
     pub working: Option<Progress>,
     /// Current error, shown until it is fixed.
     pub failure: Option<String>,
     /// Notes of the bake.
     pub notes: Vec<String>,
-    /// Stages of the last bake with their seconds.
+    /// Stages of the last bake, with their times in seconds.
     pub stages: Vec<(String, f64)>,
-    /// Measured pass times of the view; cleared when it changes.
+    /// Measured pass times of the current view; cleared when the view changes.
     pub times: Option<FrameTimes>,
     /// Description of the device.
     pub adapter: String,
@@ -60,26 +60,26 @@ pub struct App {
     /// Cache of environment maps.
     pub(crate) lights: Lights,
     pub help: bool,
-    /// Size of the picture in the window, physical pixels.
+    /// Size of the picture area in the window, physical pixels.
     pub(super) area: (u32, u32),
-    /// Whether the size changed in this frame; drawing is then skipped once, as it may change again.
+    /// Whether the size changed in this frame. Drawing is then skipped once, because the size may change again.
     pub(super) settles: bool,
     pub(super) sequence: Option<Sequence>,
-    /// Whether to save the window with the next frame.
+    /// Whether the next frame saves a screenshot of the window.
     pub(super) wants_window: bool,
 }
 
-/// Sequence being saved, one picture per frame of the window.
+/// Sequence that is being saved, one picture per frame of the window.
 pub(super) struct Sequence {
     pub(super) stem: String,
     pub(super) next: u32,
     pub(super) count: u32,
-    /// Time before saving started, seconds.
+    /// Time of the animation before saving started, seconds; restored afterwards.
     pub(super) time_s: f32,
 }
 
 impl App {
-    /// Creates the state with nothing shown.
+    /// Creates the state of an empty window.
     pub fn new(show: Show, workers: Workers, events: Events, folder: PathBuf, look: Look) -> Self {
         Self {
             adapter: String::new(),
@@ -116,7 +116,7 @@ impl App {
         }
     }
 
-    /// Invalidates results that depend on content or view.
+    /// Invalidates results that depend on the content or the view.
     pub(super) fn changed(&mut self) {
         self.times = None;
         if self.truth.outdated() {
@@ -139,7 +139,7 @@ impl App {
         self.said = Some((text, Instant::now()));
     }
 
-    /// Returns the last message while it is displayed.
+    /// Returns the last message, as long as it is displayed.
     pub fn said(&self) -> Option<&str> {
         self.said.as_ref().filter(|(_, when)| when.elapsed() < SAID).map(|(text, _)| text.as_str())
     }
@@ -149,7 +149,7 @@ impl App {
         self.changed();
     }
 
-    /// Sets the rectangle of the picture in the window, points; `pixels` is the number of pixels per point.
+    /// Sets the picture's rectangle in the window, points. `pixels` is the number of physical pixels per point.
     pub fn set_area(&mut self, rect: Rect, pixels: f32) {
         let side = |points: f32| (points * pixels).round().clamp(1.0, 8192.0) as u32;
         let area = (side(rect.width()), side(rect.height()));

@@ -1,4 +1,4 @@
-//! Panel below the picture: clips and their time, style, and statistics of the last frame.
+//! Panel below the picture: clip and its time, style, and statistics of the last frame.
 
 use crate::app::App;
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};

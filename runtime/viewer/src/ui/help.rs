@@ -1,17 +1,17 @@
-//! Keys of the window, for input handling and for the help.
+//! Keyboard and mouse controls of the window, for input handling and for the help.
 
 use crate::app::App;
 use egui::{Grid, Key, RichText, Ui, Window};
 use pelage_stage::LookStyle;
 
-/// Action of a key.
+/// Action of a key on the application.
 pub type Act = fn(&mut App);
 
 /// Line of the help.
 pub struct Line {
     keys: &'static str,
     does: &'static str,
-    /// Key and its action; `None` for mouse input and key combinations, which picture and layout handle.
+    /// Key and its action. `None` for mouse input and key combinations, which are handled elsewhere.
     pub act: Option<(Key, Act)>,
 }
 
@@ -23,7 +23,7 @@ const fn told(keys: &'static str, does: &'static str) -> Line {
     Line { keys, does, act: None }
 }
 
-/// Help lines, in order.
+/// Lines of the help, in order.
 pub const KEYS: &[Line] = &[
     told("drag", "goes around"),
     told("right drag, Shift drag", "goes sideways"),

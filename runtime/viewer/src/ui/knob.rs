@@ -1,23 +1,25 @@
-//! Row of one knob: name, control, and whether it was changed. Everything follows from the knob's declaration.
+//! Row of one knob: name, control, and a mark if it was changed. Everything is derived from the knob's declaration.
 
 use crate::knobs::{Edits, Knobs, shown};
 use egui::{Color32, ComboBox, DragValue, Response, RichText, Slider, TextEdit, Ui};
 use pelage_params::{Control, Knob, hex};
 
-/// Largest range with a slider; for larger ones a number is dragged.
+/// Largest range for which a slider is shown. For larger ranges the number itself is dragged.
 const WIDEST_SLIDER: f64 = 1e5;
 const CHANGED: Color32 = Color32::from_rgb(232, 176, 92);
 
 /// User input on a knob.
 enum KnobInput {
     Nothing,
-    /// New value as TOML; more changes of the same drag may follow.
+    /// New value during a drag, as TOML. More changes of the same drag may follow.
     Drags(String),
     /// Final new value, as TOML.
     Sets(String),
 }
 
-/// Draws the row of a knob; changes go into `edits`. `now` is the set with all edits. Returns true if anything changed.
+/// Draws the row of a knob and stores changes in `edits`. Returns whether anything changed.
+///
+/// * `now`: the set of knobs with all edits
 pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits) -> bool {
     let value = now.value(knob);
     let differs = value != now.default_value(knob);
@@ -137,8 +139,8 @@ fn unset_button(ui: &mut Ui, value: Option<&str>, begin: impl FnOnce() -> String
     if answer.clicked() { KnobInput::Sets(begin()) } else { KnobInput::Nothing }
 }
 
-/// Draws a text field for values that only text can express. The value is taken when the field loses focus, or at
-/// Enter.
+/// Draws a text field for values that no other control can express. The value is accepted when the field loses focus,
+/// or on Enter.
 fn text(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> KnobInput {
     let id = ui.make_persistent_id("text");
     let stands = value.map(shown).unwrap_or_default();
@@ -156,13 +158,13 @@ fn text(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> KnobInput {
     KnobInput::Nothing
 }
 
-/// Converts typed text to TOML: a list, number or quoted string unchanged, anything else as a string.
+/// Converts typed text to TOML. Lists, numbers and quoted strings are unchanged; anything else becomes a string.
 fn toml_of(knob: &Knob, typed: &str) -> String {
     let as_it_is = typed.starts_with(['[', '{', '"']) || typed.parse::<f64>().is_ok();
     if as_it_is || matches!((knob.control)(), Control::Tables(_)) { typed.to_owned() } else { format!("{typed:?}") }
 }
 
-/// Converts the response of a draggable widget.
+/// Converts the response of a widget that can be dragged.
 fn dragged(answer: &Response, text: impl FnOnce() -> String) -> KnobInput {
     match (answer.changed(), answer.dragged()) {
         (true, true) => KnobInput::Drags(text()),
@@ -171,7 +173,8 @@ fn dragged(answer: &Response, text: impl FnOnce() -> String) -> KnobInput {
     }
 }
 
-/// Formats a number as TOML; non-integers have a point or an exponent. Six digits are enough for manual input.
+/// Formats a number as TOML. A number that is not whole gets a point or an exponent. Six digits are enough for manual
+/// input.
 fn number_text(number: f64, whole: bool) -> String {
     if whole {
         return format!("{:.0}", number.round());

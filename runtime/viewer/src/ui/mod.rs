@@ -1,4 +1,4 @@
-//! Layout of the window: panels of knobs, the picture between them, time below.
+//! Layout of the window: the picture between panels of knobs, and the time line below.
 
 mod below;
 mod help;
@@ -25,7 +25,7 @@ pub fn lay_out(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     }
 }
 
-/// Handles keys that do not depend on the pointer's position. Keys that move the camera are handled by the picture.
+/// Handles keys that work wherever the pointer is. Keys that move the camera are handled by the picture.
 fn keys(ui: &mut Ui, app: &mut App) {
     if ui.ctx().egui_wants_keyboard_input() {
         return;
@@ -33,7 +33,7 @@ fn keys(ui: &mut Ui, app: &mut App) {
     let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
     let held = |key| ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, key));
     let shifted = |key| ui.input_mut(|input| input.consume_key(Modifiers::COMMAND | Modifiers::SHIFT, key));
-    // Shift first, because a shortcut without Shift also matches with it.
+    // Shortcuts with Shift are tested first, because those without Shift also match when it is held.
     if shifted(Key::Z) {
         app.redo();
     }

@@ -5,7 +5,7 @@ use crate::app::App;
 use crate::knobs::{Edits, Knobs, Search};
 use egui::{CollapsingHeader, Grid, RichText, ScrollArea, TextEdit, Ui};
 
-/// The only knob of a look that is hidden, because the window has its own size.
+/// Knob of the look that is hidden, because the window determines the size itself.
 const OF_THE_WINDOW: &str = "picture.size";
 
 /// Draws the panel of the look.
@@ -62,8 +62,10 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
     }
 }
 
-/// Draws all tables of a set; returns true if the user changed anything. `search` filters the knobs, and `open` names
-/// the tables that are initially expanded.
+/// Draws all tables of a set of knobs. Returns whether the user changed anything.
+///
+/// * `search`: filters the knobs
+/// * `open`: names of the tables that are expanded initially
 fn tables(ui: &mut Ui, now: &dyn Knobs, edits: &mut Edits, search: &mut Search, open: &[&str]) -> bool {
     ui.horizontal(|ui| {
         ui.add(TextEdit::singleline(&mut search.text).hint_text("find a key").desired_width(150.0));

@@ -1,14 +1,14 @@
-//! Central picture, its mouse and key input, and its overlay: messages, progress, the reference picture.
+//! Picture in the centre, its mouse and key input, and its overlay: messages, progress and the reference picture.
 
 use crate::app::App;
 use egui::{
     Align2, Color32, FontId, Key, Pos2, ProgressBar, Rect, Response, RichText, Sense, TextureId, Ui, Vec2, pos2, vec2,
 };
 
-/// Background of a transparent picture.
+/// Colour behind a transparent picture.
 const BEHIND: Color32 = Color32::from_rgb(58, 61, 66);
 const BAD: Color32 = Color32::from_rgb(120, 32, 28);
-/// Scroll distance that doubles the size: wheel notches or touchpad points.
+/// Scroll distance that doubles the magnification, points: wheel notches or touchpad movement.
 const POINTS_TO_DOUBLE: f32 = 300.0;
 /// Speed of flight while a key is held, picture heights per second.
 const FLIGHT: f32 = 0.6;
@@ -40,7 +40,7 @@ fn whole() -> Rect {
     Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0))
 }
 
-/// Draws the reference picture, and the difference of the drawn one.
+/// Draws the reference picture, and the FLIP map of the rendered picture against it.
 fn truth(ui: &mut Ui, app: &mut App, [drawn, traced, flip]: [Rect; 3]) {
     let tag = |ui: &Ui, rect: Rect, text: &str| {
         let at = rect.left_top() + vec2(8.0, 6.0);
@@ -67,7 +67,7 @@ fn mouse_input(ui: &mut Ui, app: &mut App, picture: &Response) {
     let rect = picture.rect;
     let height = rect.height().max(1.0);
     let (moved, modifiers) = (picture.drag_delta(), ui.input(|input| input.modifiers));
-    // Up in the picture is down on the screen.
+    // The picture's y axis points up, the screen's down.
     let moved = glam::Vec2::new(moved.x, -moved.y) / height;
     if picture.dragged() && moved != glam::Vec2::ZERO {
         let sideways = picture.dragged_by(egui::PointerButton::Secondary)
@@ -122,7 +122,7 @@ fn flight(ui: &mut Ui, app: &mut App) {
         });
     }
     if go != [0.0; 2] {
-        // The camera moves in the direction of the arrow, so the subject appears to turn the opposite way.
+        // The camera moves in the direction of the arrow key, so the subject appears to turn the opposite way.
         let turn = -glam::Vec2::from(go) * 0.4 * seconds;
         app.move_camera(|camera| camera.orbit(turn));
     }
@@ -131,7 +131,7 @@ fn flight(ui: &mut Ui, app: &mut App) {
     }
 }
 
-/// Draws the overlay.
+/// Draws the overlay on the picture.
 fn overlay(ui: &mut Ui, app: &mut App, all: Rect) {
     let at = Rect::from_min_max(all.left_bottom() - vec2(-10.0, 120.0), all.right_bottom() - vec2(10.0, 8.0));
     ui.scope_builder(egui::UiBuilder::new().max_rect(at).layout(egui::Layout::bottom_up(egui::Align::LEFT)), |ui| {

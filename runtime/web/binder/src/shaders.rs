@@ -1,7 +1,7 @@
 //! Shader sources in a module's data: lines of text among other bytes.
 
-/// Replaces comment lines by spaces: `//` or `//!` and a space, after nothing but spaces. Every text keeps its position
-/// and length, so that references stay valid, and spaces compress to almost nothing.
+/// Replaces comment lines by spaces. A comment line is `//` or `//!` and a space, after nothing but spaces. Every text
+/// keeps its position and length, so that references stay valid; spaces compress to almost nothing.
 pub fn blank_comments(data: &mut [u8]) {
     // Text before the first end of line, or after the last, may be part of another text.
     let ends = line_ends(data);
@@ -14,8 +14,8 @@ pub fn blank_comments(data: &mut [u8]) {
 }
 
 /// Removes indentation and blank lines between a line that ends in an opening brace and one that begins with the
-/// closing brace. The spaces are moved behind the last line. Such lines belong to one text, whatever surrounds it. It
-/// keeps its position and length, and a run of spaces compresses to almost nothing.
+/// closing brace. Such lines always belong to a single text. The removed spaces are moved behind the last line, so that
+/// the text keeps its position and length. A run of spaces compresses to almost nothing.
 pub fn set_left(data: &mut [u8]) {
     let ends = line_ends(data);
     let mut open = None;

@@ -1,5 +1,5 @@
-//! Cem Yuksel's binary hair format: a header of 128 bytes, then segments of each strand, points, thickness,
-//! transparency and colours. All arrays but the points are optional.
+//! Cem Yuksel's binary hair format. A header of 128 bytes is followed by the arrays: segments of each strand, points,
+//! thickness, transparency and colours. All arrays except the points are optional.
 
 use super::source::{Source, points};
 use crate::error::BakeError;
@@ -8,19 +8,19 @@ use glam::Vec3;
 
 const HEADER_BYTES: u64 = 128;
 
-/// Header bits of the arrays in a file.
+/// Header bits that say which arrays a file has.
 const PIECES: u32 = 1;
 const POINTS: u32 = 2;
 const THICKNESS: u32 = 4;
 const TRANSPARENCY: u32 = 8;
 const COLORS: u32 = 16;
 
-/// A `.hair` file as stored: no strand left out, no point dropped.
+/// A `.hair` file as stored, with all its strands and points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HairFile {
     /// Number of points of each strand, 1 or more.
     pub strands: Vec<u32>,
-    /// Points of all strands, each root first.
+    /// Points of all strands, each strand from its root.
     pub points: Vec<Vec3>,
     /// Diameter at each point; empty if the file has none.
     pub thickness: Vec<f32>,
@@ -33,7 +33,7 @@ impl HairFile {
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with the position in the file, found and expected.
+    /// [`BakeError::Input`] with the position in the file, the value found and the value expected.
     pub fn read(file: &str, bytes: &[u8]) -> Result<Self, BakeError> {
         read_whole(Source { file, bytes })
     }

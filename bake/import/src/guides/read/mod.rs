@@ -1,7 +1,7 @@
 //! Readers of strands from files of other programs.
 //!
-//! Counts are checked against the file's length before anything is allocated, so that a claimed count of four billion
-//! costs nothing. A point that is not finite is an error; a strand without length is left out and counted.
+//! Counts are checked against the file's length before anything is allocated: a header may claim four billion strands.
+//! A point that is not finite is an error. A strand without length is dropped and counted.
 
 mod hair;
 mod source;
@@ -24,15 +24,16 @@ pub enum GuideFormat {
     Hair,
     /// TressFX, versions 3 and 4.
     Tfx,
-    /// Text: one line `x y z` or `x y z radius` per point, root first, strands separated by blank lines.
+    /// Text with one line `x y z` or `x y z radius` per point. Each strand begins at its root, and blank lines separate
+    /// strands.
     Text,
 }
 
 impl GuideFormat {
-    /// All formats with their file extensions.
+    /// All formats, with their file extensions.
     pub const EXTENSIONS: [(&'static str, Self); 3] = [("hair", Self::Hair), ("tfx", Self::Tfx), ("txt", Self::Text)];
 
-    /// Returns the format for a file extension, in any case.
+    /// Returns the format for a file extension; upper and lower case are equal.
     pub fn of_extension(extension: &str) -> Option<Self> {
         let named = Self::EXTENSIONS.iter().find(|(e, _)| extension.eq_ignore_ascii_case(e));
         named.map(|(_, format)| *format)
@@ -42,7 +43,7 @@ impl GuideFormat {
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with the position in the file, found and expected.
+    /// [`BakeError::Input`] with the position in the file, the value found and the value expected.
     pub fn read(self, file: &str, bytes: &[u8]) -> Result<Guides, BakeError> {
         let source = Source { file, bytes };
         match self {

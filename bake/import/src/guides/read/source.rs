@@ -1,4 +1,4 @@
-//! Access to a file's bytes, checked against its length.
+//! Access to a file's bytes; every range is checked against the file's length.
 
 use crate::error::BakeError;
 use glam::Vec3;
@@ -15,7 +15,7 @@ impl<'a> Source<'a> {
         BakeError::Input { file: self.file.to_owned(), place, reason: reason.into() }
     }
 
-    /// Returns `len` bytes from `at`; `what` names them in errors.
+    /// Returns the `len` bytes that begin at offset `at`; `what` names them in errors.
     pub(super) fn slice(&self, at: u64, len: u64, what: &str) -> Result<&'a [u8], BakeError> {
         let end = at.checked_add(len).filter(|end| *end <= self.bytes.len() as u64);
         let Some(end) = end else {
@@ -34,7 +34,8 @@ impl<'a> Source<'a> {
         self.u32(at, what).map(f32::from_bits)
     }
 
-    /// Reads `count` rows of `width` floats from `at`, all finite, and keeps the first `N` of each row.
+    /// Reads `count` rows of `width` floats that begin at offset `at`, and keeps the first `N` of each row. Fails if
+    /// one is not finite.
     pub(super) fn rows<const N: usize>(
         &self,
         at: u64,

@@ -3,7 +3,7 @@
 use super::*;
 use glam::Vec3;
 
-/// Returns a `.hair` file with all arrays and two strands, of three points and of two.
+/// Returns a `.hair` file with all arrays and two strands: one of three points, one of two.
 fn hair() -> Vec<u8> {
     let mut bytes = b"HAIR".to_vec();
     bytes.extend([2u32, 5, 31, 0].into_iter().flat_map(u32::to_le_bytes));
@@ -17,7 +17,7 @@ fn hair() -> Vec<u8> {
     bytes
 }
 
-/// Returns a `.tfx` file of that version with two strands of three points.
+/// Returns a `.tfx` file of format version `version` with two strands of three points.
 fn tfx(version: f32) -> Vec<u8> {
     let mut bytes = vec![0; 200];
     let offset = if version < 4.0 { 160u32 } else { 176 };
@@ -92,7 +92,7 @@ fn errors_of_damaged_guide_files_name_the_position() {
     refused(Text, b"0 zero 0\n", "line 1: \"zero\", expected a number");
     refused(Text, b"0 inf 0\n", "line 1: inf, expected a finite number");
     refused(Text, b"0 0 0\n\xff", "byte 6: not text");
-    // Truncated files and flipped bits cause an error at most, no panic.
+    // Truncated files and flipped bits must not cause a panic; errors are allowed.
     for (format, bytes) in [(Hair, hair()), (Tfx, tfx(3.0)), (Tfx, tfx(4.0))] {
         (0..bytes.len()).for_each(|length| drop(format.read("a", &bytes[..length])));
         for (at, bit) in (0..bytes.len()).flat_map(|at| (0..8).map(move |bit| (at, bit))) {

@@ -1,6 +1,8 @@
-//! TressFX: strands with equal numbers of points. Version 3 has three numbers per point, and a 64-bit offset of the
-//! points at byte 144. Version 4 has four, and a 32-bit offset at byte 12; the fourth number is 0 for points that do
-//! not move.
+//! TressFX: strands with equal numbers of points.
+//!
+//! * Version 3 has three numbers per point, and a 64-bit offset of the points at byte 144.
+//! * Version 4 has four numbers per point, and a 32-bit offset at byte 12. The fourth number is 0 for points that do
+//!   not move.
 
 use super::source::{Source, points};
 use crate::error::BakeError;
