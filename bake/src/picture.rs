@@ -70,7 +70,7 @@ impl Picture {
 
     /// Composites the image over the sRGB-encoded background `over`. Returns `3 * width * height` sRGB-encoded bytes,
     /// row-major; light above 1 is clamped.
-    pub fn over(&self, over: [u8; 3]) -> Vec<u8> {
+    pub fn composite_over(&self, over: [u8; 3]) -> Vec<u8> {
         let over = over.map(srgb_to_linear);
         let texel = |p: &[f32; 4]| [0, 1, 2].map(|i| linear_to_srgb(p[i] + (1.0 - p[3]) * over[i]));
         self.pixels.iter().flat_map(texel).collect()
@@ -135,7 +135,7 @@ mod tests {
         let pixels = vec![[0.0; 4], [0.25, 0.25, 0.25, 0.5], [3.0, 0.0, 1.0, 1.0]];
         let picture = Picture { width: 3, height: 1, pixels };
         // Half of the white background plus the image's own quarter is three quarters of the light, encoded as 225.
-        assert_eq!(picture.over([255; 3]), [255, 255, 255, 225, 225, 225, 255, 0, 255]);
+        assert_eq!(picture.composite_over([255; 3]), [255, 255, 255, 225, 225, 225, 255, 0, 255]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ mod layout;
 mod outputs;
 mod run_step;
 
-pub use layout::{Layout, lay};
+pub use layout::{Layout, lay_out_model};
 pub use outputs::{BakeInput, CachedStages, Groomed, Output, Outputs, PackageBytes, Shells, StrandVisibility};
 
 use crate::decision::Decision;

@@ -168,7 +168,7 @@ fn sample_channel(channel: &Channel, time_s: f32) -> Option<Vec4> {
     };
     let cubic = channel.interpolation == Interpolation::Cubic;
     let key = |k: usize| if cubic { value(3 * k + 1) } else { value(k) };
-    let (before, t, span) = match moment(&channel.times, time_s) {
+    let (before, t, span) = match key_position(&channel.times, time_s) {
         KeyPosition::Key(k) => return Some(key(k)),
         KeyPosition::Between { before, t, span_s } => (before, t, span_s),
     };
@@ -214,7 +214,7 @@ fn sample_weight(channel: &MorphChannel, k: usize, time_s: f32) -> Option<f32> {
     let value = |row: usize| channel.values[row * channel.count as usize + k];
     let cubic = channel.interpolation == Interpolation::Cubic;
     let key = |k: usize| if cubic { value(3 * k + 1) } else { value(k) };
-    Some(match moment(&channel.times, time_s) {
+    Some(match key_position(&channel.times, time_s) {
         KeyPosition::Key(k) => key(k),
         KeyPosition::Between { before, t, span_s } => match channel.interpolation {
             Interpolation::Step => key(before),
@@ -239,7 +239,7 @@ enum KeyPosition {
 }
 
 /// Returns the position of a time among `times`, which are ascending and not empty.
-fn moment(times: &[f32], time_s: f32) -> KeyPosition {
+fn key_position(times: &[f32], time_s: f32) -> KeyPosition {
     let next = times.partition_point(|t| *t <= time_s);
     if next == 0 || next == times.len() {
         return KeyPosition::Key(next.saturating_sub(1));

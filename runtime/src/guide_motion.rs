@@ -102,7 +102,7 @@ impl GuideMotion {
 /// * `rest_s`: seconds without movement after which hair comes to rest
 /// * `is_posed`: the surface has changed since the previous frame
 /// * `life`: number for a new update
-pub(crate) fn swing(
+pub(crate) fn advance_motion(
     past: Option<&GuideMotionState>,
     instance: &Instance,
     (moved, time_s): (HairMotionParams, f64),

@@ -61,7 +61,7 @@ fn at(time_s: f32) -> Mat4 {
 }
 
 /// Draws `frames` frames and returns the leaned vertices.
-fn drawn(gpu: &Gpu, frames: u32, fps: f32, at: &dyn Fn(f32) -> Mat4, wind: Wind) -> Option<Vec<GeometryVertex>> {
+fn leaned_on_gpu(gpu: &Gpu, frames: u32, fps: f32, at: &dyn Fn(f32) -> Mat4, wind: Wind) -> Option<Vec<GeometryVertex>> {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&package()).unwrap();
     for frame in 0..frames {
@@ -81,7 +81,7 @@ fn drawn(gpu: &Gpu, frames: u32, fps: f32, at: &dyn Fn(f32) -> Mat4, wind: Wind)
 }
 
 /// Returns the world-space normal of each vertex as computed by the Rust counterpart.
-fn twin(frames: u32, fps: f32) -> Vec<Vec3> {
+fn expected_normals(frames: u32, fps: f32) -> Vec<Vec3> {
     let axis = |i: usize| {
         let (size, place) = (HEIGHTS_M[i] * 1.2, |t: f32| at(t).transform_point3(TIPS[i] * 0.1));
         let normal = (Mat3::from_mat4(at((frames - 1) as f32 / fps)) * TIPS[i]).normalize();
@@ -106,9 +106,9 @@ fn gpu_fur_motion_matches_the_cpu() {
     let Some(gpu) = gpu("gpu_fur_motion_matches_the_cpu") else { return };
     for (fps, frames) in [(60.0, 40), (30.0, 20), (144.0, 90)] {
         let end = Mat3::from_mat4(at((frames - 1) as f32 / fps));
-        let found = drawn(&gpu, frames, fps, &at, WIND).unwrap();
+        let found = leaned_on_gpu(&gpu, frames, fps, &at, WIND).unwrap();
         let (mut off, mut leant) = (0.0f32, 0.0f32);
-        for (i, (vertex, expected)) in found.iter().zip(twin(frames, fps)).enumerate() {
+        for (i, (vertex, expected)) in found.iter().zip(expected_normals(frames, fps)).enumerate() {
             let normal = (end * Vec3::from(vertex.normal)).normalize();
             let tangent = Vec3::from_slice(&vertex.tangent);
             off = off.max(normal.distance(expected));
@@ -126,9 +126,9 @@ fn fur_at_rest_keeps_its_groomed_shape() {
     let Some(gpu) = gpu("fur_at_rest_keeps_its_groomed_shape") else { return };
     let calm = Wind { velocity: Vec3::ZERO, ..WIND };
     let still = |_: f32| Mat4::from_scale_rotation_translation(Vec3::splat(1.2), Quat::from_rotation_x(0.4), Vec3::X);
-    let found = drawn(&gpu, 10, 60.0, &still, calm).unwrap();
+    let found = leaned_on_gpu(&gpu, 10, 60.0, &still, calm).unwrap();
     assert!((0..6).all(|i| found[i].normal == TIPS[i].to_array() && found[i].lean == LEANS[i]), "{found:?}");
     // Too far away to be visible.
     let far = |_: f32| Mat4::from_scale(Vec3::splat(1e-3));
-    assert!(drawn(&gpu, 3, 60.0, &far, WIND).is_none());
+    assert!(leaned_on_gpu(&gpu, 3, 60.0, &far, WIND).is_none());
 }

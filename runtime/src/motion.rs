@@ -3,7 +3,7 @@
 use crate::bounds::Hull;
 use crate::fur_motion::{self, FurState, FurUpdate};
 use crate::gpu::Gpu;
-use crate::guide_motion::{GuideMotion, GuideMotionState, swing};
+use crate::guide_motion::{GuideMotion, GuideMotionState, advance_motion};
 use crate::instance::{Instance, Motion};
 use crate::model::{Guided, Model, StrandSet};
 use crate::params::{FrameParams, HairMotionParams, StyleKind};
@@ -190,7 +190,7 @@ impl OwnerStates {
         let mut hull = Hull::default();
         // Leaning hair reaches farther than its height.
         let fur_m = std::f32::consts::SQRT_2 * model.manifest().fur.height_m;
-        model.extent().add_to(&mut hull, &state.pose, instance.transform, fur_m);
+        model.bounds().add_to(&mut hull, &state.pose, instance.transform, fur_m);
         let leans = |moved: &HairMotionParams| {
             moved.fur > 0.0 && model.has_leaning_fur() && params.style.kind() != StyleKind::Bare
         };
@@ -200,7 +200,7 @@ impl OwnerStates {
         self.updates += 1;
         let lives = params.hair_motion.zip(rest_s).map(|(moved, rest_s)| {
             let moment = (moved, params.time_s);
-            swing(
+            advance_motion(
                 state.past.as_ref(),
                 instance,
                 moment,

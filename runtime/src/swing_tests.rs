@@ -107,7 +107,7 @@ impl Scene {
 
     /// Returns the final points of each guide as computed by the Rust counterpart, in model space, relative to the
     /// guide's root.
-    fn twin(&self, frames: u32, fps: f32, at: &dyn Fn(u32) -> (Mat4, Vec<Capsule>), wind: Wind) -> Vec<Vec3> {
+    fn expected_points(&self, frames: u32, fps: f32, at: &dyn Fn(u32) -> (Mat4, Vec<Capsule>), wind: Wind) -> Vec<Vec3> {
         let springs = Springs {
             drag_per_s: MOTION.drag_per_s,
             shape_hz: MOTION.shape_hz,
@@ -142,7 +142,7 @@ impl Scene {
     }
 
     /// Returns the guide points as computed on the GPU.
-    fn drawn(
+    fn points_on_gpu(
         &self,
         gpu: &Gpu,
         frames: u32,
@@ -188,7 +188,7 @@ fn gpu_hair_motion_matches_the_cpu() {
         (transform, vec![Capsule { from, to, radius_m: 0.072 }, Capsule { from: ball, to: ball, radius_m: 0.08 }])
     };
     for (fps, frames) in [(60.0, 30), (30.0, 15), (144.0, 60)] {
-        let (found, expected) = (scene.drawn(&gpu, frames, fps, &at, WIND), scene.twin(frames, fps, &at, WIND));
+        let (found, expected) = (scene.points_on_gpu(&gpu, frames, fps, &at, WIND), scene.expected_points(frames, fps, &at, WIND));
         let off = found.iter().zip(&expected).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         let groomed = scene.points.iter().enumerate().flat_map(|(side, points)| {
             let frame = triangle_frame(scene.corners[side]);
@@ -208,8 +208,8 @@ fn hair_comes_to_rest_in_its_groomed_shape() {
     let scene = Scene::new(Vec::new());
     let still = |_: u32| (Mat4::IDENTITY, vec![Capsule::default()]);
     let calm = Wind { velocity: Vec3::ZERO, ..WIND };
-    let found = scene.drawn(&gpu, 120, 60.0, &still, calm);
-    let expected = scene.twin(1, 60.0, &still, calm);
+    let found = scene.points_on_gpu(&gpu, 120, 60.0, &still, calm);
+    let expected = scene.expected_points(1, 60.0, &still, calm);
     let off = found.iter().zip(&expected).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!(off < 2e-5, "off by {off} m");
 }

@@ -19,7 +19,7 @@ pub enum Comb {
     From(DVec3),
 }
 
-struct Piece {
+struct BodyPart {
     solid: Solid,
     /// Rounding radius of the union with all earlier solids, metres.
     blend: f64,
@@ -31,7 +31,7 @@ struct Piece {
     bound: (DVec3, f64, f64),
 }
 
-impl Piece {
+impl BodyPart {
     fn new(solid: Solid, blend: f64, carved: bool, comb: Comb) -> Self {
         let bound = solid.bound();
         Self { solid, blend, carved, comb, bound }
@@ -47,7 +47,7 @@ impl Piece {
 
 /// Body as an implicit surface.
 pub struct Body {
-    pieces: Vec<Piece>,
+    pieces: Vec<BodyPart>,
     /// Blend width between the comb directions of neighbouring solids, metres.
     comb_width: f64,
 }
@@ -60,12 +60,12 @@ impl Body {
 
     /// Adds a solid by a smooth union, rounded over `blend` metres, with all earlier solids.
     pub fn add(&mut self, solid: Solid, blend: f64, comb: Comb) {
-        self.pieces.push(Piece::new(solid, blend, false, comb));
+        self.pieces.push(BodyPart::new(solid, blend, false, comb));
     }
 
     /// Carves a solid out of all earlier solids; the edge is rounded over `blend` metres.
     pub fn carve(&mut self, solid: Solid, blend: f64, comb: Comb) {
-        self.pieces.push(Piece::new(solid, blend, true, comb));
+        self.pieces.push(BodyPart::new(solid, blend, true, comb));
     }
 
     /// Returns the approximate signed distance, negative inside.
@@ -87,7 +87,7 @@ impl Body {
     /// weighted by proximity.
     pub fn comb(&self, p: DVec3) -> DVec3 {
         let added = self.pieces.iter().filter(|piece| !piece.carved);
-        let near: Vec<(f64, &Piece)> = added.map(|piece| (piece.solid.distance(p), piece)).collect();
+        let near: Vec<(f64, &BodyPart)> = added.map(|piece| (piece.solid.distance(p), piece)).collect();
         let nearest = near.iter().fold(f64::MAX, |m, &(d, _)| m.min(d));
         near.iter().fold(DVec3::ZERO, |sum, &(d, piece)| {
             let q = (d - nearest) / self.comb_width;

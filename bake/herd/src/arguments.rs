@@ -1,6 +1,6 @@
 //! Conversion of herd file tables to command-line arguments, and their validation.
 
-use super::file::{Fault, HerdFile, Sequence, TruthOptions, View};
+use super::file::{Fault, HerdFile, Sequence, TruthOptions, ViewRule};
 use pelage_import::BakeError;
 use pelage_stage::TomlText;
 
@@ -22,7 +22,7 @@ fn word(key: &str, option: &str, value: Option<impl ToString>) -> Option<Word> {
     value.map(|value| (key.to_owned(), format!("--{option}={}", value.to_string())))
 }
 
-impl View {
+impl ViewRule {
     /// Returns the options for `render`.
     pub(super) fn words(&self) -> Vec<Word> {
         let words = [
@@ -187,11 +187,11 @@ mod tests {
         "color.tip" = "#ffffff" };
         let expected = ["color.tip=#ffffff", "hair.length_m=0.02", "slice.layers=12"];
         assert_eq!(assignments(&table), expected);
-        let view = View {
+        let view = ViewRule {
             size: Some("8x8".into()),
             time: Some(-0.5),
             set: toml::toml! { fur = { layers = 3 } },
-            ..View::default()
+            ..ViewRule::default()
         };
         let words = |words: Vec<Word>| words.into_iter().map(|(_, word)| word).collect::<Vec<_>>();
         assert_eq!(words(view.words()), ["--size=8x8", "--time=-0.5", "--look=fur.layers=3"]);
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn words_are_tried_singly_and_then_together() {
-        let view = View { size: Some("8".into()), orbit: Some("1,2".into()), ..View::default() };
+        let view = ViewRule { size: Some("8".into()), orbit: Some("1,2".into()), ..ViewRule::default() };
         let file = HerdFile { views: vec![view], ..HerdFile::default() };
         let fault = |refused: &'static [&'static str]| {
             let has = |words: &[String]| refused.iter().all(|word| words.iter().any(|w| w == word));

@@ -24,7 +24,7 @@ pub struct HerdFile {
     pub variants: Vec<Variant>,
     /// Pictures of each package.
     #[serde(default, rename = "view")]
-    pub views: Vec<View>,
+    pub views: Vec<ViewRule>,
     /// Charts of speed against accuracy.
     #[serde(default, rename = "chart")]
     pub charts: Vec<Chart>,
@@ -109,7 +109,7 @@ pub struct Variant {
 /// `[[view]]`: a picture of each package.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct View {
+pub struct ViewRule {
     /// Name of the view, used in the names of its pictures.
     pub name: String,
     /// Patterns of the models to draw.

@@ -18,7 +18,7 @@ pub mod slurm;
 
 pub use arguments::ArgumentValidators;
 pub use estimate::{CommandCost, History};
-pub use file::{Chart, HerdFile, ModelRule, RecipeRule, Rules, Sequence, TruthOptions, Variant, View, Words};
+pub use file::{Chart, HerdFile, ModelRule, RecipeRule, Rules, Sequence, TruthOptions, Variant, ViewRule, Words};
 pub use kind::Kind;
 pub use model_file::{ModelFile, NAME};
 pub use pattern::Patterns;

@@ -2,7 +2,7 @@
 
 use super::arguments::{Word, sets};
 use super::estimate::{CommandCost, History};
-use super::file::{Chart, HerdFile, Sequence, TruthOptions, Variant, View, fitting};
+use super::file::{Chart, HerdFile, Sequence, TruthOptions, Variant, ViewRule, fitting};
 use super::kind::Kind;
 use super::model_file::{ModelFile, NAME};
 use pelage_import::BakeError;
@@ -339,11 +339,11 @@ impl Planner<'_, '_> {
     }
 
     /// Returns the known inputs of a picture of a package.
-    fn view_inputs(view: &View, package: &str) -> Vec<String> {
+    fn view_inputs(view: &ViewRule, package: &str) -> Vec<String> {
         [package.to_owned()].into_iter().chain(view.look.clone()).collect()
     }
 
-    fn view(&mut self, view: &View, row: usize, package: &str) {
+    fn view(&mut self, view: &ViewRule, row: usize, package: &str) {
         let called = self.called;
         let draft = |kind, what: &str, place: &str| Draft {
             kind,
@@ -375,7 +375,7 @@ impl Planner<'_, '_> {
     }
 
     /// Adds the reference picture of a view, in one piece or in parts; returns its file.
-    fn truth(&mut self, view: &View, truth: &TruthOptions, row: usize, package: &str) -> String {
+    fn truth(&mut self, view: &ViewRule, truth: &TruthOptions, row: usize, package: &str) -> String {
         let (input, called) = (self.input, self.called);
         let place = format!("truths/{called}.{}", view.name);
         let picture = self.out(&format!("{place}.png"));

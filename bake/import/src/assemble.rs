@@ -86,7 +86,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let moving = skinned || !clips.is_empty() || !morphed.targets.is_empty();
 
     let world = tree.world(root);
-    let combs = comb_lines::drawn(source, &tree, &world, root, &mut joints)?;
+    let combs = comb_lines::read_comb_lines(source, &tree, &world, root, &mut joints)?;
     let mut builder = Builder { mesh: Mesh::default(), places: Vec::new(), authored: Vec::new() };
     let mut followed = followed.into_iter();
     for (instance, first_target) in instances.iter().zip(first_targets) {

@@ -32,7 +32,7 @@ fn is_comb_marker_name(name: &str) -> bool {
 /// Reads the comb lines and empty comb nodes of a document, in world space at rest.
 ///
 /// * `world`: transforms of all nodes at rest
-pub(super) fn drawn<'a>(
+pub(super) fn read_comb_lines<'a>(
     source: &mut Source<'a, '_>,
     tree: &Tree<'a>,
     world: &[Mat4],

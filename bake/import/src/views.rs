@@ -6,24 +6,24 @@ use super::source::Source;
 use crate::BakeError;
 
 /// Bytes of a buffer view.
-pub(super) struct View<'b> {
+pub(super) struct BufferView<'b> {
     pub bytes: &'b [u8],
     pub stride: Option<usize>,
 }
 
 impl<'a> Source<'a, '_> {
     /// Returns the bytes of the buffer view that `reference` names.
-    pub fn view(&mut self, reference: &JsonNode<'a>) -> Result<View<'_>, BakeError> {
+    pub fn view(&mut self, reference: &JsonNode<'a>) -> Result<BufferView<'_>, BakeError> {
         let (index, at) = self.root.follow("bufferViews", reference)?;
         let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
         let Some(packed) = at.get("extensions").and_then(|e| e.get("EXT_meshopt_compression")) else {
-            return Ok(View { bytes: self.buffer_range(&at)?, stride });
+            return Ok(BufferView { bytes: self.buffer_range(&at)?, stride });
         };
         if !self.unpacked.contains_key(&index) {
             let bytes = unpack_view(self, &packed, at.require("byteLength")?.unsigned()?)?;
             self.unpacked.insert(index, bytes);
         }
-        Ok(View { bytes: self.unpacked.get(&index).map(Vec::as_slice).unwrap_or_default(), stride })
+        Ok(BufferView { bytes: self.unpacked.get(&index).map(Vec::as_slice).unwrap_or_default(), stride })
     }
 }
 

@@ -83,7 +83,7 @@ impl FittedSection {
             let sharpness = sharpness_of(all / strength.max(1e-300));
             CircularGaussian { strength, middle: PI, sharpness }
         };
-        Self { reflected: powers(|phi| light(0, phi)), through, within: within(section, width, light(2, 0.0), all(2)) }
+        Self { reflected: powers(|phi| light(0, phi)), through, within: fit_trt(section, width, light(2, 0.0), all(2)) }
     }
 
     /// Returns the integral of path `p` times exp(κ (cos(φ − δ) − 1)).
@@ -113,7 +113,7 @@ fn powers(of: impl Fn(f64) -> f64) -> [f64; POWERS] {
 }
 
 /// Fits TRT in its three regimes. `middle` is its light towards azimuth 0, `all` its light towards all azimuths.
-fn within(section: &FibreSection, width: f64, middle: f64, all: f64) -> [CircularGaussian; 3] {
+fn fit_trt(section: &FibreSection, width: f64, middle: f64, all: f64) -> [CircularGaussian; 3] {
     let across = section.section.across;
     let sharp = 1.0 / (width * width);
     let one = |sharpness: f64| {
@@ -205,7 +205,7 @@ mod tests {
     use pelage_formats::meaning::scattering::gaussian_light::BroadlyLitFibre;
 
     #[test]
-    fn printed_light_is_accurate_for_broad_lights_and_separate_glints() {
+    fn published_gaussian_light_is_accurate_for_broad_lights_and_separate_glints() {
         let glint = GlintShape { width: 15_f64.to_radians(), ..GlintShape::default() };
         let fibre = Fibre { around: AzimuthalScattering::Smooth(glint), ..Fibre::default() };
         let (printed, exact) = (PrintedLight::new(&fibre, 0.2), BroadlyLitFibre::new(&fibre));

@@ -82,7 +82,7 @@ fn with_image(map: GroomMap) -> MapImages {
 }
 
 /// Returns the largest difference between two lists.
-fn worst(a: &[f32], b: &[f32]) -> f32 {
+fn max_difference(a: &[f32], b: &[f32]) -> f32 {
     assert!(a.len() == b.len() && a.iter().chain(b).all(|x| x.is_finite()));
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
@@ -99,7 +99,7 @@ fn written_maps_read_back_within_one_step_at_every_vertex() {
             assert!(map.misses_by < 0.5 / 255.0, "{quantity:?}, {over:?}: {}", map.misses_by);
             let after = format!("[groom]\n{over}{} = \"m.png\"", quantity.key());
             let has = groomed(&model, &after, &with_image(map));
-            let difference = worst(&has[k], &had[k]);
+            let difference = max_difference(&has[k], &had[k]);
             assert!(difference <= 1.0 / 255.0, "{quantity:?}, {over:?}: {difference}");
         }
     }

@@ -3,7 +3,7 @@ use super::*;
 use crate::noise::uniform;
 
 /// Builds the set of the `#` characters.
-fn drawn(rows: &[&str]) -> Mask {
+fn mask_of(rows: &[&str]) -> Mask {
     let cells: Vec<Vec<char>> = rows.iter().map(|row| row.chars().collect()).collect();
     Mask::from_fn(cells[0].len() as u32, cells.len() as u32, |x, y| cells[y as usize][x as usize] == '#')
 }
@@ -98,7 +98,7 @@ fn core_of_a_line_runs_along_its_middle() {
 
 #[test]
 fn core_keeps_thin_lines_and_dots() {
-    let thin = drawn(&["........", ".#....#.", "..#.....", "...#....", "....###.", "........"]);
+    let thin = mask_of(&["........", ".#....#.", "..#.....", "...#....", "....###.", "........"]);
     assert_eq!(thin.core(), thin);
     for size in 1..=6u32 {
         let block = Mask::from_fn(10, 10, |x, y| (2..2 + size).contains(&x) && (2..2 + size).contains(&y));
@@ -113,8 +113,8 @@ fn masks_of_different_sizes_cannot_be_united() {
     let (a, b) = (Mask::empty(3, 4), Mask::empty(4, 3));
     let error = a.union(&b).unwrap_err().to_string();
     assert!(error.contains("3x4 and 4x3"), "{error}");
-    let both = drawn(&["#..", "..."]).union(&drawn(&["..#", "#.."])).unwrap();
-    assert_eq!(both, drawn(&["#.#", "#.."]));
+    let both = mask_of(&["#..", "..."]).union(&mask_of(&["..#", "#.."])).unwrap();
+    assert_eq!(both, mask_of(&["#.#", "#.."]));
 }
 
 #[test]
@@ -123,6 +123,6 @@ fn dark_pixels_have_all_components_dark() {
     picture.put_pixel(1, 0, image::Rgba([20, 20, 20, 255]));
     picture.put_pixel(2, 1, image::Rgba([0, 0, 200, 255]));
     picture.put_pixel(0, 1, image::Rgba([127, 127, 127, 0]));
-    assert_eq!(Mask::darker(&picture, 128), drawn(&[".#.", "#.."]));
+    assert_eq!(Mask::darker(&picture, 128), mask_of(&[".#.", "#.."]));
     assert_eq!(Mask::darker(&picture, 0).count(), 0);
 }

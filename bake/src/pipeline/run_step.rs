@@ -1,6 +1,6 @@
 //! Implementation of the steps. Each step reads its inputs, calls its stage and stores the output.
 
-use super::layout::{Layout, lay};
+use super::layout::{Layout, lay_out_model};
 use super::outputs::{
     BakeInput, Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required,
 };
@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 pub(super) fn surface<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
     let model = required(&outputs.model, Model)?;
-    outputs.laid = Some(lay(input.file, model, input.recipe, input.images)?);
+    outputs.laid = Some(lay_out_model(input.file, model, input.recipe, input.images)?);
     Ok(())
 }
 

@@ -67,17 +67,17 @@ named_table! {
 
 impl FibreParams {
     /// Returns the fibre of the fur.
-    pub fn of_coat(&self) -> FibreOptics {
+    pub fn fur_optics(&self) -> FibreOptics {
         optics(self.eta, self.along_deg, self.tilt_deg, self.around)
     }
 
     /// Returns the fibre of a group of hair.
-    pub fn of_group(&self, name: &str) -> FibreOptics {
+    pub fn group_optics(&self, name: &str) -> FibreOptics {
         self.other(&self.group, name)
     }
 
     /// Returns the fibre of the fur on a material.
-    pub fn of_material(&self, name: &str) -> FibreOptics {
+    pub fn material_optics(&self, name: &str) -> FibreOptics {
         self.other(&self.material, name)
     }
 
@@ -99,7 +99,7 @@ impl FibreParams {
         }
         let amount = |pigment: Option<f32>| f64::from(pigment.unwrap_or(0.0));
         let sigma = colour::of_pigments(amount(self.eumelanin), amount(self.pheomelanin));
-        let color = colour::color(sigma, f64::from(self.of_coat().around));
+        let color = colour::color(sigma, f64::from(self.fur_optics().around));
         let color = SrgbColor(color.map(|c| f32::from(linear_to_srgb(c as f32)) / 255.0));
         Some(HairColors { gain: 1.0, root: color, tip: color })
     }
@@ -121,10 +121,10 @@ mod tests {
                     [[fibre.group]]\nname = \"ta*\"\nalong_deg = 12.0\n\
                     [[fibre.material]]\nname = \"M*\"\neta = 1.4\n";
         let recipe = Recipe::parse("pony.toml", text).unwrap();
-        let (coat, tail) = (recipe.fibre.of_coat(), recipe.fibre.of_group("tail"));
-        assert_eq!(recipe.fibre.of_group("mane"), coat);
+        let (coat, tail) = (recipe.fibre.fur_optics(), recipe.fibre.group_optics("tail"));
+        assert_eq!(recipe.fibre.group_optics("mane"), coat);
         assert_eq!((tail.tilt, tail.eta), (coat.tilt, coat.eta));
-        let [mane, hoof] = ["Mane", "tail"].map(|name| recipe.fibre.of_material(name));
+        let [mane, hoof] = ["Mane", "tail"].map(|name| recipe.fibre.material_optics(name));
         assert_eq!((mane.eta, mane.along, hoof), (1.4, coat.along, coat));
         assert!((tail.along - 12f32.to_radians()).abs() < 1e-6);
         assert_eq!(Recipe::parse("again.toml", &recipe.to_toml()).unwrap(), recipe);

@@ -5,7 +5,7 @@
 
 use crate::noise;
 use crate::stages::groom::VertexGroom;
-use crate::stages::slice::{SLABS, slab_along};
+use crate::stages::slice::{FIN_SLICES, fin_slice_along};
 use crate::stages::surface::Surface;
 use glam::{Vec2, Vec3};
 use pelage_formats::Fin;
@@ -57,8 +57,8 @@ pub fn fins(surface: &Surface, furred: &[bool], coat: &VertexGroom, height_m: f3
         let curvature = 0.5 * (curvatures[edge.points[0]] + curvatures[edge.points[1]]);
         depths.push(slab_depth(edge.area / length, curvature, height));
         let along: Vec2 = surface.tile_uvs[b as usize] - surface.tile_uvs[a as usize];
-        let (slab, against) = slab_along(along);
-        let periods = length / (tile_size_m * SLABS[slab].period());
+        let (slab, against) = fin_slice_along(along);
+        let periods = length / (tile_size_m * FIN_SLICES[slab].period());
         out.fins.push(Fin {
             a,
             b,

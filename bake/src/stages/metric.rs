@@ -62,7 +62,7 @@ pub fn to_tile_units(recipe: &Recipe, bounds: &Bounds) -> Result<TileRecipe, Bak
             chosen,
             line: format!("surface.tile_size_m = {tile_size_m}"),
         });
-        keep_metres(told, Lengths::resolve(recipe, bounds).tile_size_m / tile_size_m, &mut done.decisions);
+        scale_reaches(told, Lengths::resolve(recipe, bounds).tile_size_m / tile_size_m, &mut done.decisions);
     }
     let (hair, under) = (&mut told.hair, &mut told.underfur);
     let radii = [
@@ -89,7 +89,7 @@ pub fn to_tile_units(recipe: &Recipe, bounds: &Bounds) -> Result<TileRecipe, Bak
     for (key, what, per_mm2, density, own_key) in densities {
         let Some(per_mm2) = per_mm2 else { continue };
         *density = strands(key, per_mm2, tile_size_m)?;
-        let chosen = format!("{density}, {per_mm2} per mm² on {} of skin", square_in_words(area_m2(tile_size_m)));
+        let chosen = format!("{density}, {per_mm2} per mm² on {} of skin", format_area(area_m2(tile_size_m)));
         done.decisions.push(Decision { what, chosen, line: format!("{own_key} = {density}") });
     }
     done.warnings.extend(too_thin(recipe, &done.recipe, tile_size_m));
@@ -143,7 +143,7 @@ pub fn hair_width_m(recipe: &Recipe) -> Option<f64> {
 /// default tile. The default tile is derived from the model's size.
 ///
 /// * `times`: width of the default tile divided by that of the chosen tile; at least 1
-fn keep_metres(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>) {
+fn scale_reaches(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>) {
     let surface = &mut recipe.surface;
     if times <= 1.0 || surface.source != SurfaceSource::Patches {
         return;
@@ -223,7 +223,7 @@ fn area_m2(side_m: f32) -> f64 {
 }
 
 /// Formats an area for messages.
-fn square_in_words(m2: f64) -> String {
+fn format_area(m2: f64) -> String {
     if m2 < 1e-2 { format!("{:.1} mm²", m2 * MM2) } else { format!("{m2:.3} m²") }
 }
 

@@ -13,7 +13,7 @@ use crate::stages::morphs;
 use crate::stages::openness::openness;
 use crate::stages::scatter::FibreTables;
 use crate::stages::simplify;
-use crate::stages::slice::{FinTextures, SLABS, ShellTextures, VisibilityTexture};
+use crate::stages::slice::{FinTextures, FIN_SLICES, ShellTextures, VisibilityTexture};
 use crate::stages::surface::Surface;
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::meaning::openness::Openness;
@@ -266,7 +266,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
         let info = FinInfo {
             width: made.width,
             height: made.height,
-            slabs: SLABS.len() as u32,
+            slabs: FIN_SLICES.len() as u32,
             color_texture: indices.color_texture,
             direction_texture: indices.direction_texture,
         };

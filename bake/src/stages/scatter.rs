@@ -51,7 +51,7 @@ pub fn tables<'a>(
     let mut warnings = Vec::new();
     report_unmatched("fibre.material", &params.material, "material", materials.clone(), &mut warnings);
     report_unmatched("fibre.group", &params.group, "group of hair", groups.clone(), &mut warnings);
-    let mut fibres = vec![params.of_coat()];
+    let mut fibres = vec![params.fur_optics()];
     let mut number = |what, fibre: FibreOptics| {
         let number = fibres.iter().position(|known| *known == fibre).unwrap_or(fibres.len());
         if number >= FibreInfo::MOST {
@@ -64,9 +64,9 @@ pub fn tables<'a>(
         Ok(number as u8)
     };
     let of_materials: Vec<u8> =
-        materials.map(|name| number("fibre.material", params.of_material(name))).collect::<Result<_, _>>()?;
+        materials.map(|name| number("fibre.material", params.material_optics(name))).collect::<Result<_, _>>()?;
     let of_groups: Vec<u8> =
-        groups.map(|name| number("fibre.group", params.of_group(name))).collect::<Result<_, _>>()?;
+        groups.map(|name| number("fibre.group", params.group_optics(name))).collect::<Result<_, _>>()?;
     let size = params.table_texels;
     let made: Vec<ScatteringTables> =
         fibres.par_iter().map(|of| ScatteringTables::new(&of.fibre(), size as usize)).collect();

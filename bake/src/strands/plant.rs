@@ -174,7 +174,7 @@ pub fn grow_on(skin: &PosedMesh, hair: &TileHair, tile_size_m: f64) -> Result<(C
 
 /// Purposes of a strand's random numbers.
 #[derive(Clone, Copy)]
-enum Draw {
+enum RandomUse {
     Thinning = 1,
     Wetness,
 }
@@ -219,12 +219,12 @@ impl Planter<'_> {
             return;
         }
         let groom = self.skin.groom(triangle, weights);
-        let draw = |what: Draw| uniform(hash(triangle as u64, strand as u64), what as u64);
-        if draw(Draw::Thinning) >= groom.x {
+        let draw = |what: RandomUse| uniform(hash(triangle as u64, strand as u64), what as u64);
+        if draw(RandomUse::Thinning) >= groom.x {
             report.dropped_thinned += 1;
             return;
         }
-        let wet = self.hair.wet.as_ref().filter(|_| draw(Draw::Wetness) < groom.y);
+        let wet = self.hair.wet.as_ref().filter(|_| draw(RandomUse::Wetness) < groom.y);
         let strands = wet.unwrap_or(&self.hair.strands);
         let mut at = WalkPosition { triangle, weights, beyond: None };
         let mut crossed = WalkEvents::default();

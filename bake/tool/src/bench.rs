@@ -5,7 +5,7 @@ use super::look_args::SamplesArgs;
 use super::output::{Output, human_bytes};
 use super::package_file;
 use super::stages::{FurDetail, detail, stage_of};
-use super::view::View;
+use super::view::PictureView;
 use super::view_args::{Frames, ViewArgs};
 use pelage_runtime::{Frame, PassId};
 use pelage_stage::{Clock, FrameTimes, Gpu, Look, Meter, Spread, Stage};
@@ -80,7 +80,7 @@ const FRAMES: u32 = 30;
 
 /// Runs the subcommand.
 pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let mut view = View::new(&args.view, Look::default())?;
+    let mut view = PictureView::new(&args.view, Look::default())?;
     args.samples.apply(&mut view.look)?;
     let frames = match args.view.frames.map(Frames::count) {
         Some(None) => {

@@ -6,7 +6,7 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
 use super::picture_series;
 use super::stages::stage_of;
-use super::view::View;
+use super::view::PictureView;
 use pelage_bake::io;
 use pelage_bake::pipeline::{self, BakeInput, Baked};
 use pelage_bake::stages::groom::MapImages;
@@ -85,7 +85,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
     let package = file.open()?;
     let Some((_, seconds)) = find_clip(file, &package, Some(clip))? else { return Ok(Vec::new()) };
     make_folder(folder)?;
-    let view = View { clip: Some(clip.into()), ..View::sized((640, 480)) };
+    let view = PictureView { clip: Some(clip.into()), ..PictureView::sized((640, 480)) };
     let view = view.with(|look| look.picture.style = LookStyle::Ink);
     let mut scene = stage_of(file, &view, || Ok(gpu.clone()))?;
     let mut pictures = Vec::new();
@@ -100,8 +100,8 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
 }
 
 /// Returns the views of a model: in ink, with fur, without, and in motion.
-fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
-    let furry = View::sized((834, 834)).with(|look| {
+fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, PictureView)> {
+    let furry = PictureView::sized((834, 834)).with(|look| {
         look.picture.samples = Samples(4);
         look.picture.background = Some(Background::Color(Rgb(BACKGROUND)));
     });
@@ -112,7 +112,7 @@ fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, View)> {
     });
     let mut views = vec![("", furry.clone()), ("_bare", bare), ("_ink", inked)];
     if let Some((clip, time_s)) = moment {
-        views.push(("_moving", View { clip: Some(clip.into()), time_s, ..furry }));
+        views.push(("_moving", PictureView { clip: Some(clip.into()), time_s, ..furry }));
     }
     views
 }

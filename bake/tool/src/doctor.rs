@@ -5,7 +5,7 @@ use super::doctor_trial::try_advice;
 use super::exit::{Exit, Failure};
 use super::output::{Output, human_bytes};
 use super::package_file;
-use super::view::View;
+use super::view::PictureView;
 use pelage_import::BakeError;
 use pelage_stage::{Size, Viewpoint};
 use pelage_truth::doctor::{self, Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis};
@@ -85,15 +85,15 @@ pub fn run(args: &DoctorArgs, output: &mut Output) -> Result<Exit, Failure> {
     let package = file.open()?;
     output.progress("counting pixels");
     let size = (args.size.width, args.size.height);
-    let shown = View::sized(size).seen_from(&args.camera);
+    let shown = PictureView::sized(size).seen_from(&args.camera);
     let outline = if shown.camera.is_none() { shown.outline(&file, &package)? } else { Vec::new() };
     let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&outline, package.manifest().fur.height_m);
     let (instances, shadow_map) = (args.instances, args.shadow_map);
-    let view = doctor::View { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };
+    let view = doctor::PrognosisView { eye, target, fov_y_rad: fov_deg.to_radians(), size, instances, shadow_map };
     let fault = |source| BakeError::Package { file: file.name.clone(), source };
     let mut found = doctor::diagnose(&package, &view, &fault)?;
     {
-        let shown = View { camera: Some(Viewpoint { eye, target, fov_deg }), ..shown };
+        let shown = PictureView { camera: Some(Viewpoint { eye, target, fov_deg }), ..shown };
         found.advice = try_advice(&file, &shown, found.advice, output)?;
     }
     let result = DoctorResult {

@@ -4,7 +4,7 @@ use super::exit::Failure;
 use super::output::Output;
 use super::stages::{pixels, stage_of};
 use super::truth::{self, ReferenceTracer};
-use super::view::View;
+use super::view::PictureView;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::reslice::reslice;
@@ -25,7 +25,7 @@ const RAYS: u64 = 1 << 22;
 /// Errors of drawing, once there is an adapter.
 pub fn try_advice(
     file: &NamedPackage<'static>,
-    view: &View,
+    view: &PictureView,
     advice: Vec<Advice>,
     output: &mut Output,
 ) -> Result<Vec<Advice>, Failure> {

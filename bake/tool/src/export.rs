@@ -5,7 +5,7 @@ use super::output::{Output, require_parent};
 use super::package_file;
 use super::reference::CameraResult;
 use super::truth::ReferenceTracer;
-use super::view::View;
+use super::view::PictureView;
 use super::view_args::parse_seconds;
 use glam::DVec3;
 use pelage_bake::io::write_atomic_with;
@@ -110,7 +110,7 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     let file = package_file::read(&args.package)?;
     let size = (args.size.width, args.size.height);
-    let view = View { clip: args.clip.clone(), time_s: args.time, ..View::sized(size) };
+    let view = PictureView { clip: args.clip.clone(), time_s: args.time, ..PictureView::sized(size) };
     output.progress("growing strands");
     let truth = ReferenceTracer::new(&file, &view)?;
     let mut files = Vec::new();

@@ -1,7 +1,7 @@
 //! `pelage bake --for-size` and `--for-distance`: chooses layers and tile for known pictures.
 
 use super::exit::Failure;
-use super::view::View;
+use super::view::PictureView;
 use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::SliceParams;
 use pelage_bake::stages::groom;
@@ -58,11 +58,11 @@ impl PictureArgs {
         let baked = pipeline::bake(&BakeInput { recipe: &coarse, ..told }, model, &mut |_| ())?;
         let file = NamedPackage::new(told.file, baked.package);
         let package = file.open()?;
-        let shown = self.for_size.map_or_else(View::default, |size| View::sized((size.width, size.height)));
+        let shown = self.for_size.map_or_else(PictureView::default, |size| PictureView::sized((size.width, size.height)));
         let fur = &package.manifest().fur;
         let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&shown.outline(&file, &package)?, fur.height_m);
         let fov_y_rad = fov_deg.to_radians();
-        let view = doctor::View { eye, target, fov_y_rad, size: shown.size(), instances: 1, shadow_map: 0 };
+        let view = doctor::PrognosisView { eye, target, fov_y_rad, size: shown.size(), instances: 1, shadow_map: 0 };
         let fault = |source| BakeError::Package { file: file.name.clone(), source };
         let found = doctor::diagnose(&package, &view, &fault)?.on_screen;
         let near = self.for_distance.map_or(found, |distance_m| found.at_distance(distance_m));
@@ -83,7 +83,7 @@ impl PictureArgs {
 
     /// Returns a description of the pictures and of the chosen values.
     pub fn description(&self, slice: &SliceParams) -> String {
-        let Size { width, height, .. } = self.for_size.unwrap_or(View::default().look.picture.size);
+        let Size { width, height, .. } = self.for_size.unwrap_or(PictureView::default().look.picture.size);
         let from = self.for_distance.map_or_else(String::new, |distance_m| format!(" from {distance_m} m"));
         let SliceParams { layers, tile_texels, .. } = slice;
         format!("for {width}x{height}{from}: slice.layers={layers}, slice.tile_texels={tile_texels}")

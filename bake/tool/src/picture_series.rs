@@ -5,7 +5,7 @@ use super::exit::Failure;
 use super::journal::Key;
 use super::output::Output;
 use super::stages::{self, FurDetail, detail};
-use super::view::View;
+use super::view::PictureView;
 use glam::Quat;
 use image::RgbaImage;
 use pelage_bake::io;
@@ -51,7 +51,7 @@ pub struct PictureSeries {
     /// Stage, with its device.
     pub scene: Stage,
     /// View of the scene.
-    pub view: View,
+    pub view: PictureView,
     /// Camera, before `auto_rotate`.
     pub shot: CameraTrack,
     /// Key light, before `turn_light`.

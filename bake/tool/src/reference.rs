@@ -9,7 +9,7 @@ use super::package_file;
 use super::share::share;
 use super::threads;
 use super::truth::{ReferenceTracer, encode};
-use super::view::View;
+use super::view::PictureView;
 use super::view_args::ViewArgs;
 use image::RgbaImage;
 use pelage_bake::io;
@@ -117,7 +117,7 @@ pub struct ReferenceResult {
 
 /// Runs the subcommand.
 pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let view = View::new(&args.view, Look::default())?;
+    let view = PictureView::new(&args.view, Look::default())?;
     refuse_fast_path(&args.view)?;
     let write = match args.part {
         Some(part) => Format::of_part(&args.output, part)?,
@@ -174,14 +174,14 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 impl ReferenceArgs {
     /// Returns a key of everything that the picture depends on, the same for all parts and machines.
-    fn identity(&self, file: &NamedPackage<'_>, view: &View) -> String {
+    fn identity(&self, file: &NamedPackage<'_>, view: &PictureView) -> String {
         let args = (self.samples, self.fibre, self.bounces);
         Key::of_version().with(format!("{args:?} {view:?}")).with(&file.bytes).finish()
     }
 }
 
 /// Returns the pixels of a PNG.
-fn png_pixels(picture: &TracedPicture, view: &View, camera: &TrueCamera) -> RgbaImage {
+fn png_pixels(picture: &TracedPicture, view: &PictureView, camera: &TrueCamera) -> RgbaImage {
     let mut pixels = encode(picture, view.look.background());
     lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
     pixels

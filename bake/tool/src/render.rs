@@ -10,7 +10,7 @@ use super::picture_series::{PassRun, PictureSeries};
 use super::scene::{Scene, is_scene};
 use super::sequence::{DrawnPictures, Sink};
 use super::stages::{self, FurDetail, crowd};
-use super::view::View;
+use super::view::PictureView;
 use super::view_args::{Frames, ViewArgs};
 use pelage_bake::io_trace;
 use pelage_formats::MAGIC;
@@ -165,7 +165,7 @@ impl Subject {
         self.packages().iter().fold(key, |key, file| key.with(&file.bytes))
     }
 
-    fn cast(&self, view: &View) -> Result<Cast<'_>, StageError> {
+    fn cast(&self, view: &PictureView) -> Result<Cast<'_>, StageError> {
         match self {
             Self::Package(file) => crowd(file, view),
             Self::Scene(scene) => scene.loaded.cast(view.camera, view.look.aspect(), &view.framing),
@@ -188,7 +188,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
         refuse_beside(&scene.file.name, &args.view)?;
     }
     let look = scene.map_or_else(Look::of_picture, |scene| scene.look.clone());
-    let mut view = View::new(&args.view, look)?;
+    let mut view = PictureView::new(&args.view, look)?;
     args.samples.apply(&mut view.look)?;
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
     let of_scene = scene.and_then(|s| s.file.frames());

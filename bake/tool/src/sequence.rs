@@ -234,7 +234,7 @@ fn film(out: &mut dyn Write, shoot: &mut PictureSeries, output: &mut Output) -> 
     let mut pictures = Vec::new();
     for index in 0..shoot.count {
         let (picture, pixels) = shoot.picture(index, output)?;
-        video.frame(&picture::Picture::from(&pixels).over(background)).map_err(Failure::Stdout)?;
+        video.frame(&picture::Picture::from(&pixels).composite_over(background)).map_err(Failure::Stdout)?;
         pictures.push(picture);
     }
     video.flush().map_err(Failure::Stdout)?;

@@ -4,7 +4,7 @@
 use super::exit::Failure;
 use super::stages::{pixels, stage_of};
 use super::truth::{self, ReferenceTracer};
-use super::view::View;
+use super::view::PictureView;
 use pelage_bake::picture::Picture;
 use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
@@ -73,7 +73,7 @@ pub enum Source<'a> {
 
 /// View with its reference picture.
 struct ReferenceView {
-    view: View,
+    view: PictureView,
     picture: Picture,
     /// Height of the fur in the view, pixels.
     fur_px: f64,
@@ -103,7 +103,7 @@ impl<'a> ShellJudge<'a> {
         doing: &mut dyn FnMut(&str),
     ) -> Result<Self, Failure> {
         let file = source.bake(recipe)?;
-        let truth = ReferenceTracer::new(&file, &View::default())?;
+        let truth = ReferenceTracer::new(&file, &PictureView::default())?;
         let size = (recipe.judge.width, recipe.judge.height);
         let views = cameras(recipe, &truth);
         Ok(Self { detail, ..Self::of_views(source, &truth, size, &views, recipe.judge.samples, gpu, doing) })
@@ -121,7 +121,7 @@ impl<'a> ShellJudge<'a> {
     ) -> Self {
         let mut views = Vec::new();
         for (i, camera) in cameras.iter().enumerate() {
-            let view = View { camera: Some(*camera), ..View::sized(size) };
+            let view = PictureView { camera: Some(*camera), ..PictureView::sized(size) };
             let picture = truth.picture(&view, samples, &mut |done, all| {
                 doing(&format!("reference picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
@@ -241,7 +241,7 @@ impl<'a> ShellJudge<'a> {
     }
 
     /// Creates a stage of a package at a level of detail; fur is drawn in layers even where strands would replace them.
-    fn stage(&self, file: &NamedPackage<'_>, view: &View, detail: LookDetail) -> Result<Stage, Failure> {
+    fn stage(&self, file: &NamedPackage<'_>, view: &PictureView, detail: LookDetail) -> Result<Stage, Failure> {
         let view = view.clone().with(|look| (look.fur.detail, look.fur.hair) = (detail, LookHair::Shells));
         Ok(stage_of(file, &view, || Ok(self.gpu.clone()))?)
     }
@@ -277,6 +277,6 @@ pub fn cameras(recipe: &Recipe, truth: &ReferenceTracer) -> Vec<Viewpoint> {
     if !recipe.judge.views.is_empty() {
         return recipe.judge.views.clone();
     }
-    let view = View::sized((recipe.judge.width, recipe.judge.height));
+    let view = PictureView::sized((recipe.judge.width, recipe.judge.height));
     [framing::TOWARDS_CAMERA, framing::BEHIND].map(|towards| truth.framed(&view, towards)).into()
 }

@@ -1,7 +1,7 @@
 //! Construction of a [`Stage`] from the arguments.
 
 use super::exit::Failure;
-use super::view::View;
+use super::view::PictureView;
 use image::RgbaImage;
 use pelage_runtime::{Frame, InstanceDetail};
 use pelage_stage::{Cast, Gpu, NamedPackage, Stage, StageError};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Creates a stage of a package's model, or a crowd of it, on the device that `open_gpu` returns.
 pub fn stage_of(
     file: &NamedPackage<'_>,
-    view: &View,
+    view: &PictureView,
     open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
 ) -> Result<Stage, StageError> {
     stage(&crowd(file, view)?, view, open_gpu)
@@ -19,7 +19,7 @@ pub fn stage_of(
 /// Creates a stage of a cast on the device that `open_gpu` returns.
 pub fn stage(
     cast: &Cast<'_>,
-    view: &View,
+    view: &PictureView,
     open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
 ) -> Result<Stage, StageError> {
     Stage::new(cast, &view.look.picture(), view.frame_params(), view.time_s, open_gpu)
@@ -34,7 +34,7 @@ pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
 
 /// Creates the cast of one package, or a crowd of it, with the clip and camera of `view`. Without a camera, all of it
 /// is framed.
-pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &View) -> Result<Cast<'a>, StageError> {
+pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &PictureView) -> Result<Cast<'a>, StageError> {
     let package = file.open()?;
     let framing = (&view.framing, view.look.aspect());
     let crowd = Cast::crowd(file, package, view.clip.as_deref(), view.crowd, view.camera, framing)?;

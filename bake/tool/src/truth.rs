@@ -2,7 +2,7 @@
 //! adapter.
 
 use super::exit::Failure;
-use super::view::View;
+use super::view::PictureView;
 use glam::Vec3;
 use pelage_bake::strands::{Curves, GroomReport, PosedMesh, grow_groups, grow_on, tile_hair};
 use pelage_formats::meaning::scattering::Fibre;
@@ -28,7 +28,7 @@ pub struct ReferenceTracer {
 
 impl ReferenceTracer {
     /// Grows the strands of the package in `file` on its mesh surface, at the clip time and in the style of `view`.
-    pub fn new(file: &NamedPackage<'_>, view: &View) -> Result<Self, Failure> {
+    pub fn new(file: &NamedPackage<'_>, view: &PictureView) -> Result<Self, Failure> {
         let package = &file.open()?;
         let manifest = package.manifest();
         let morphs = view.morph_weights(file, package)?;
@@ -66,19 +66,19 @@ impl ReferenceTracer {
 
     /// Returns the eye, target and vertical field of view in degrees that frame the model from the direction `towards`,
     /// in a picture of the view's size.
-    pub fn framed(&self, view: &View, towards: Vec3) -> Viewpoint {
+    pub fn framed(&self, view: &PictureView, towards: Vec3) -> Viewpoint {
         pelage_stage::framing::frame(&self.outline, self.height_m, view.look.aspect(), towards)
     }
 
     /// Returns the height of the fur in the view's picture, pixels, at the median distance of the mesh surface from the
     /// eye. 0 if nothing is in front of the eye.
-    pub fn fur_px(&self, view: &View) -> f64 {
+    pub fn fur_px(&self, view: &PictureView) -> f64 {
         f64::from(self.height_m) * self.px_per_m(view)
     }
 
     /// Returns the pixels per metre in the view's picture, at the median distance of the mesh surface from the eye. 0
     /// if nothing is in front of the eye.
-    pub fn px_per_m(&self, view: &View) -> f64 {
+    pub fn px_per_m(&self, view: &PictureView) -> f64 {
         let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.outline, self.height_m);
         let (eye, forward) = (eye.as_dvec3(), (target - eye).normalize_or_zero().as_dvec3());
         let skin = self.scene.skin();
@@ -91,20 +91,20 @@ impl ReferenceTracer {
     }
 
     /// Returns the camera that `render` uses for the view.
-    pub fn camera(&self, view: &View) -> TrueCamera {
+    pub fn camera(&self, view: &PictureView) -> TrueCamera {
         true_camera(view.viewpoint(&self.outline, self.height_m))
     }
 
     /// Traces a picture with the view's size, camera, lights and terms and `spp` samples per pixel. Clip, time and
     /// style are fixed by [`Self::new`]. `progress` receives the finished and total pixels.
-    pub fn picture(&self, view: &View, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
+    pub fn picture(&self, view: &PictureView, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
         self.scene.picture(&self.camera(view), &self.lighting(view), view.size(), spp, progress)
     }
 
     /// Traces only a portion of the same picture; `None` if `progress` cancels.
     pub fn portion(
         &self,
-        view: &View,
+        view: &PictureView,
         portion: &Portion,
         progress: &mut dyn FnMut(u64, u64) -> std::ops::ControlFlow<()>,
     ) -> Option<TracedPicture> {
@@ -131,7 +131,7 @@ impl ReferenceTracer {
     }
 
     /// Returns the lights of a look, and the lighting of hair.
-    fn lighting(&self, view: &View) -> TrueLighting {
+    fn lighting(&self, view: &PictureView) -> TrueLighting {
         let look = &view.look;
         let scattering = match look.fur.scattering {
             _ if self.forced => self.scattering.clone(),
@@ -165,7 +165,7 @@ fn scattering(
 }
 
 /// Returns the lights of a look, and the terms of the lighting equation that it disables.
-fn lighting(view: &View) -> TrueLighting {
+fn lighting(view: &PictureView) -> TrueLighting {
     let look = &view.look;
     let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
     let strength = Vec3::splat(look.key_strength());

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// View of a package, from the arguments that `render` and `bench` share.
 #[derive(Clone, Debug, PartialEq)]
-pub struct View {
+pub struct PictureView {
     /// Picture, light and style.
     pub look: Look,
     /// Environment map that the look names.
@@ -36,7 +36,7 @@ pub struct View {
     pub crowd: u32,
 }
 
-impl Default for View {
+impl Default for PictureView {
     fn default() -> Self {
         Self {
             look: Look::default(),
@@ -52,7 +52,7 @@ impl Default for View {
     }
 }
 
-impl View {
+impl PictureView {
     /// Applies the arguments to `look`.
     ///
     /// # Errors

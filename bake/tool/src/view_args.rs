@@ -131,7 +131,7 @@ pub fn parse_seconds(text: &str) -> Result<f32, String> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
-    use super::super::view::View;
+    use super::super::view::PictureView;
     use super::*;
     use clap::Parser;
     use glam::Vec3;
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn view_defaults_match_the_library() {
         let view = parse("").unwrap();
-        assert_eq!(View::new(&view, Look::default()).unwrap(), View::default());
+        assert_eq!(PictureView::new(&view, Look::default()).unwrap(), PictureView::default());
         assert_eq!(view.frames, None);
     }
 
@@ -162,7 +162,7 @@ mod tests {
              --morph smile:2 --crowd 100 --frames 3 --layers 8",
         )
         .unwrap();
-        let view = View::new(&args, Look::default()).unwrap();
+        let view = PictureView::new(&args, Look::default()).unwrap();
         let (eye, target) = (Vec3::new(-1.0, 2.0, 3.5), Vec3::new(0.0, 0.0, -1.0));
         assert_eq!(view.camera, Some(Viewpoint { eye, target, fov_deg: 45.0 }));
         assert_eq!(
@@ -176,7 +176,7 @@ mod tests {
         let morph = |target: &str, weight| MorphWeight { target: target.into(), weight };
         assert_eq!(view.morphs, [morph("a:b", -0.5), morph("smile", 2.0)]);
         assert_eq!(view.look.fur.layers, Some(8));
-        let view = View::new(&parse("--orbit -90,20.5,2 --look-at Ey*").unwrap(), Look::default()).unwrap();
+        let view = PictureView::new(&parse("--orbit -90,20.5,2 --look-at Ey*").unwrap(), Look::default()).unwrap();
         let orbit = Orbit { azimuth_deg: -90.0, elevation_deg: 20.5, zoom: 2.0 };
         assert_eq!((view.framing.orbit, view.framing.look_at.as_deref()), (Some(orbit), Some("Ey*")));
     }

@@ -68,7 +68,7 @@ impl Capsule {
     }
 
     /// Returns the orthogonal projection of `point` on the axis as a fraction of its length, clamped to 0..=1.
-    pub(super) fn share_at(&self, point: DVec3) -> f64 {
+    pub(super) fn axis_fraction(&self, point: DVec3) -> f64 {
         let (a, axis) = (self.from.as_dvec3(), (self.to - self.from).as_dvec3());
         let length = axis.length_squared();
         if length <= 0.0 {

@@ -133,7 +133,7 @@ pub fn compare_pictures(a: &Picture, b: &Picture, params: &CompareParams) -> Res
 
 fn flip(a: &Picture, b: &Picture, params: &CompareParams) -> FlipMap {
     let (width, height) = (a.width, a.height);
-    let image = |p: &Picture| FlipImageRgb8::with_data(width, height, &p.over(params.over));
+    let image = |p: &Picture| FlipImageRgb8::with_data(width, height, &p.composite_over(params.over));
     let map = nv_flip::flip(image(a), image(b), params.pixels_per_degree);
     FlipMap { width, height, values: map.to_vec() }
 }

@@ -139,7 +139,7 @@ fn ratio(found: f64, expected: f64) -> f64 {
 fn local_contrast(picture: &Picture, inside: &[bool]) -> f64 {
     let (width, height) = (picture.width as usize, picture.height as usize);
     // At most half of a pixel's colour is background, and the background is the same for both pictures.
-    let bytes = picture.over(CompareParams::default().over);
+    let bytes = picture.composite_over(CompareParams::default().over);
     let luminance = |c: &[u8]| {
         let [r, g, b] = [c[0], c[1], c[2]].map(|byte| f64::from(byte) / 255.0);
         0.2126 * r + 0.7152 * g + 0.0722 * b

@@ -19,9 +19,9 @@ use pelage_formats::meaning::scattering::{Angles, colour};
 use std::f64::consts::{PI, TAU};
 
 /// Number of bounces before Russian roulette, which ends paths of little weight at random without bias.
-const SURE_BOUNCES: u32 = 4;
+const MIN_BOUNCES: u32 = 4;
 /// Maximum albedo of the mesh surface.
-const MOST_OF_SKIN: f64 = 0.98;
+const MAX_SURFACE_ALBEDO: f64 = 0.98;
 
 /// Scattering at a hit point.
 enum Scatterer<'a> {
@@ -77,7 +77,7 @@ impl Sample<'_> {
                     });
                 break;
             };
-            if bounce >= SURE_BOUNCES {
+            if bounce >= MIN_BOUNCES {
                 let stays = left.max_element().min(0.95);
                 if draw(12) >= stays {
                     break;
@@ -158,7 +158,7 @@ impl Sample<'_> {
                 let (coat, wetness) = self.undercoat(triangle, weights);
                 let [dry, wet] = self.material.root_colors;
                 let albedo = base * DVec3::ONE.lerp(dry.lerp(wet, wetness), coat);
-                Scatterer::Skin { albedo: albedo.clamp(DVec3::ZERO, DVec3::splat(MOST_OF_SKIN)), normal }
+                Scatterer::Skin { albedo: albedo.clamp(DVec3::ZERO, DVec3::splat(MAX_SURFACE_ALBEDO)), normal }
             }
         }
     }

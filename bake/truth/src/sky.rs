@@ -32,7 +32,7 @@ enum Light {
 }
 
 /// Width and height of the picture that is painted from lobes, pixels.
-const OF_LOBES: (u32, u32) = (128, 64);
+const LOBE_PICTURE_SIZE: (u32, u32) = (128, 64);
 
 impl TrueSky {
     /// Returns the light of a panorama, rotated about the vertical as by [`Environment::rotate_about_vertical`], times
@@ -44,7 +44,7 @@ impl TrueSky {
     /// Returns the uniform light and the lobes of an environment, without its sun, which is a separate light.
     pub fn of_environment(environment: Environment) -> Self {
         // Painting cannot fail at this size.
-        let picture = Panorama::from_fn(OF_LOBES, |way| environment.radiance(way)).unwrap_or_default();
+        let picture = Panorama::from_fn(LOBE_PICTURE_SIZE, |way| environment.radiance(way)).unwrap_or_default();
         Self::new(Light::Lobes(environment), picture, 0.0, 1.0)
     }
 

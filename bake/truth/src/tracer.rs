@@ -158,7 +158,7 @@ impl Tracer {
                 f32::INFINITY
             });
             if let Some(id) = nearest {
-                let share = self.capsules[id].share_at(origin + way * best.1);
+                let share = self.capsules[id].axis_fraction(origin + way * best.1);
                 let (point, strand) = self.pieces[id];
                 best.0 = Some(Hit::Hair { point: point as usize, share, strand });
             }

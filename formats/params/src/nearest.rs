@@ -6,7 +6,7 @@ const MIN_EDIT_SIMILARITY: f64 = 0.4;
 const MIN_WINKLER_SIMILARITY: f64 = 0.85;
 
 /// Returns the similarity of two names, 0..=1, and whether it is high enough for a suggestion.
-fn likeness(name: &str, candidate: &str) -> (f64, bool) {
+fn similarity(name: &str, candidate: &str) -> (f64, bool) {
     let (winkler, edits) =
         (strsim::jaro_winkler(name, candidate), strsim::normalized_damerau_levenshtein(name, candidate));
     (winkler.max(edits), winkler >= MIN_WINKLER_SIMILARITY || edits >= MIN_EDIT_SIMILARITY)
@@ -16,7 +16,7 @@ fn likeness(name: &str, candidate: &str) -> (f64, bool) {
 pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(f64, &str)> = None;
     for candidate in candidates {
-        let (score, true) = likeness(name, candidate) else { continue };
+        let (score, true) = similarity(name, candidate) else { continue };
         if best.is_none_or(|(top, _)| score > top) {
             best = Some((score, candidate));
         }
@@ -26,7 +26,7 @@ pub fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
 
 /// Returns up to `most` candidates, most similar to `name` first. Equally similar candidates keep their order.
 pub fn closest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>, most: usize) -> Vec<&'a str> {
-    let mut scored: Vec<(f64, &str)> = candidates.map(|candidate| (likeness(name, candidate).0, candidate)).collect();
+    let mut scored: Vec<(f64, &str)> = candidates.map(|candidate| (similarity(name, candidate).0, candidate)).collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     scored.into_iter().take(most).map(|(_, candidate)| candidate).collect()
 }

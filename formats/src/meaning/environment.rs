@@ -55,8 +55,8 @@ impl LightLobe {
     }
 
     /// Returns the integral of the radiance over all directions.
-    pub fn whole(&self) -> DVec3 {
-        color(self.radiance) * self.light().whole()
+    pub fn integral(&self) -> DVec3 {
+        color(self.radiance) * self.light().integral()
     }
 }
 
@@ -98,7 +98,7 @@ impl Environment {
     pub fn total(&self) -> DVec3 {
         let sun = self.sun.map_or(DVec3::ZERO, |sun| color(sun.color) * core::f64::consts::PI);
         let even = color(self.even) * (4.0 * core::f64::consts::PI);
-        self.lobes.iter().fold(sun + even, |sum, lobe| sum + lobe.whole())
+        self.lobes.iter().fold(sun + even, |sum, lobe| sum + lobe.integral())
     }
 
     /// Returns the irradiance of a horizontal surface under the environment, including the sun, divided by π. This is
@@ -125,7 +125,7 @@ impl Environment {
     pub fn mean_direction(&self) -> DVec3 {
         let lobe = |lobe: &LightLobe| {
             let light = lobe.light();
-            light.towards * (brightness(lobe.whole()) * mean_cosine(light.sharpness))
+            light.towards * (brightness(lobe.integral()) * mean_cosine(light.sharpness))
         };
         let sun = self
             .sun
@@ -259,7 +259,7 @@ fn merge_nearest(lobes: &mut Vec<LightLobe>) {
     let pairs = (0..lobes.len()).flat_map(|i| (i + 1..lobes.len()).map(move |j| (i, j)));
     // Cost of merging a pair: how far its light would move.
     let cost = |(i, j): (usize, usize)| {
-        let [a, b] = [i, j].map(|i| (brightness(lobes[i].whole()), lobes[i].light()));
+        let [a, b] = [i, j].map(|i| (brightness(lobes[i].integral()), lobes[i].light()));
         let moved = [a.1, b.1].map(|light| light.towards * mean_cosine(light.sharpness));
         a.0 * b.0 / (a.0 + b.0).max(1e-30) * moved[0].distance_squared(moved[1])
     };
@@ -270,7 +270,7 @@ fn merge_nearest(lobes: &mut Vec<LightLobe>) {
 }
 
 fn merged(a: &LightLobe, b: &LightLobe) -> LightLobe {
-    let (first, second) = (a.whole(), b.whole());
+    let (first, second) = (a.integral(), b.integral());
     let moment = |lobe: &LightLobe, whole: DVec3| {
         let light = lobe.light();
         light.towards * (brightness(whole) * mean_cosine(light.sharpness))
@@ -285,7 +285,7 @@ fn merged(a: &LightLobe, b: &LightLobe) -> LightLobe {
         width_deg: width.clamp(*LightLobe::WIDTHS.start(), *LightLobe::WIDTHS.end()),
         radiance: [1.0; 3],
     };
-    LightLobe { radiance: (whole / shape.whole()).as_vec3().into(), ..shape }
+    LightLobe { radiance: (whole / shape.integral()).as_vec3().into(), ..shape }
 }
 
 /// Returns the luminance of a colour (Rec. 709).

@@ -25,7 +25,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn far_fur_light_interpolates_the_stored_values() {
+    fn far_layer_light_interpolates_the_stored_values() {
         let coat = FarLayerInfo { light_straight: 0.4, light_slanted: 0.15, ..FarLayerInfo::default() };
         let [base, slope] = far_layer_light_coefficients(&coat);
         for (path, expected) in [(1.0, 0.4), (4.0, 0.15)] {

@@ -78,7 +78,7 @@ fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
 
 /// Replaces bytes in a section of the sample package and corrects the checksums. Each case must give exactly one fault,
 /// which contains the given text and is at that position or at the start of the section.
-fn each_is_one_fault(tag: Tag, cases: &[(u64, &[u8], &str)]) {
+fn assert_one_fault_each(tag: Tag, cases: &[(u64, &[u8], &str)]) {
     let good = sample_package();
     let start = section(&good, tag).offset;
     for (at, value, expected) in cases {
@@ -107,7 +107,7 @@ fn mesh_contents_are_checked() {
         (432, &9u16.to_le_bytes(), "joint 9, expected less than the 2"),
         (560 + 4, &5u32.to_le_bytes(), "index 1 is 5, expected less than the 5"),
     ];
-    each_is_one_fault(Tag::MESH, &cases);
+    assert_one_fault_each(Tag::MESH, &cases);
 }
 
 /// Fields that have a meaning only since version 2 must be 0 in a package of version 1.
@@ -189,7 +189,7 @@ fn fin_contents_are_checked() {
         (first + 20, &1.5f32.to_le_bytes(), "start and opacity 0..=1"),
         (first + 48 + 16, &2u32.to_le_bytes(), "less than the 5 vertices and 2 slabs"),
     ];
-    each_is_one_fault(Tag::FINS, &cases);
+    assert_one_fault_each(Tag::FINS, &cases);
     let finish = |manifest: Manifest, fins: &[FinData]| {
         let writer = PackageWriter::new(manifest).mesh(&sample_mesh(false));
         fins.iter().fold(writer, PackageWriter::fins).finish().unwrap_err().to_string()
@@ -297,7 +297,7 @@ fn enormous_mesh_counts_are_errors() {
 
 /// An empty section after truncated padding begins past the end of the file.
 #[test]
-fn cut_padding_before_an_empty_section_is_an_error() {
+fn truncated_padding_before_an_empty_section_is_an_error() {
     let bytes = PackageWriter::new(Manifest { generator: "x".into(), ..Manifest::default() })
         .section(Tag(*b"NONE"), Vec::new())
         .finish()
@@ -338,7 +338,7 @@ fn damaged_sections_are_reported_at_first_use() {
 }
 
 #[test]
-fn limits_are_kept() {
+fn limits_are_enforced() {
     let bytes = sample_package();
     let lengths = |tag| section(&bytes, tag).length;
     let cases = [

@@ -98,7 +98,7 @@ fn version_2_has_lean_groom_wet_hair_and_fins() {
 }
 
 #[test]
-fn version_3_has_levels_of_detail_far_fur_and_a_choice() {
+fn version_3_has_levels_of_detail_far_layer_and_choice() {
     let (bytes, _) = golden(3);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let manifest = package.manifest();

@@ -92,11 +92,11 @@ impl EnvironmentCache {
             let what = "fibres of all models in a frame with an environment".into();
             return Err(RuntimeError::DeviceLimit { what, found, limit: "max_texture_array_layers", allowed });
         }
-        let [width, height] = BroadTables::edges(BroadSize::default()).map(|edge| edge as u32);
+        let [width, height] = BroadTables::image_size(BroadSize::default()).map(|edge| edge as u32);
         let mut texels = Vec::new();
         for optics in of.iter().flat_map(|info| &info.fibres) {
             let tables = BroadTables::new(&optics.fibre(), BroadSize::default());
-            texels.extend(tables.picture().into_iter().map(Vec4::from));
+            texels.extend(tables.image().into_iter().map(Vec4::from));
         }
         if texels.is_empty() {
             texels.resize((width * height) as usize, Vec4::ZERO);

@@ -253,7 +253,7 @@ impl Model {
     }
 
     /// Returns the bounds of the mesh surface.
-    pub(crate) fn extent(&self) -> &ModelBounds {
+    pub(crate) fn bounds(&self) -> &ModelBounds {
         &self.resources.extent
     }
 

@@ -26,7 +26,7 @@ macro_rules! ink_surface_wgsl {
 pub(crate) use ink_surface_wgsl;
 
 /// Viewport, camera matrices and depth convention of a frame.
-pub(super) struct View {
+pub(super) struct InkView {
     pub(super) viewport: [u32; 2],
     pub(super) view_from_world: Mat4,
     pub(super) clip_from_view: Mat4,
@@ -49,7 +49,7 @@ impl InkScene {
         uniforms: &mut UniformSlot,
         gpu: &Gpu,
         params: &InkParams,
-        view: &View,
+        view: &InkView,
         instances: &[VisibleInstance],
     ) -> Self {
         let models: Vec<_> = instances

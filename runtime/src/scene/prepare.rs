@@ -1,7 +1,7 @@
 //! Preparation of a frame: checks the input, poses and culls instances, selects shadow maps and writes uniforms.
 
 use super::blocks::{fill_lights, frame_block, instance_block, map_level};
-use super::ink::{InkScene, View};
+use super::ink::{InkScene, InkView};
 use super::nearest::{NearestSegments, area, has_ribbons, with_supported_edges};
 use super::recording::{Recording, RendererState};
 use super::ribbons::Ribbons;
@@ -175,7 +175,7 @@ pub(crate) fn begin<'f>(
     let with_ribbons = instances.iter().zip(hulls).filter(|(seen, _)| has_ribbons(seen));
     with_ribbons.for_each(|(_, hull)| of_hair.0.extend(hull.0));
     let nearest = NearestSegments::take(&mut kept.nearest, gpu, &params_drawn, &of_hair, clip_from_world);
-    let view = View { viewport: params.viewport, view_from_world, clip_from_view, reversed_depth };
+    let view = InkView { viewport: params.viewport, view_from_world, clip_from_view, reversed_depth };
     let ink = params.style.ink().map(|ink| InkScene::new(&mut uniforms, gpu, ink, &view, &instances));
     let mut group = |frame: &UniformRange, places: &UniformRange, maps: Option<&ShadowMaps>| {
         let surfaces = &kept.surfaces;

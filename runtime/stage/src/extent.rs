@@ -58,7 +58,7 @@ pub fn outline(
         let hair = tips.iter().map(|tip| tip.place(|v| place(&pose, &all[v as usize])));
         return Ok(vertices.iter().map(|vertex| place(&pose, vertex)).chain(hair).collect());
     };
-    let outer = outer_of_joints(&vertices, animation.joints.len());
+    let outer = outermost_of_joints(&vertices, animation.joints.len());
     let steps = (duration_s * MOMENTS_PER_S).ceil().clamp(MOMENTS[0], MOMENTS[1]) as usize;
     let mut points = Vec::with_capacity(outer.len() * (steps + 1));
     for step in 0..=steps {
@@ -109,7 +109,7 @@ fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
 
 /// Returns the outermost vertices of each joint, in 26 directions in the stored pose. A vertex belongs to the joint
 /// that influences it most.
-fn outer_of_joints(vertices: &[SkinnedVertex], joints: usize) -> Vec<usize> {
+fn outermost_of_joints(vertices: &[SkinnedVertex], joints: usize) -> Vec<usize> {
     let mut of_joint = vec![Vec::new(); joints + 1];
     for (i, (_, _, skin)) in vertices.iter().enumerate() {
         let first = |skin: &SkinVertex| (0..4).max_by(|a, b| skin.weights[*a].total_cmp(&skin.weights[*b]));

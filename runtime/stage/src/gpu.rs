@@ -86,12 +86,12 @@ impl Gpu {
     pub fn describe_adapter() -> Result<String, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = pollster::block_on(wgpu::util::initialize_adapter_from_env_or_default(&instance, None));
-        adapter.map(|adapter| in_words(&adapter.get_info())).map_err(|error| StageError::NoAdapter(error.to_string()))
+        adapter.map(|adapter| describe(&adapter.get_info())).map_err(|error| StageError::NoAdapter(error.to_string()))
     }
 
     /// Returns a description of this adapter, in the format of [`Self::describe_adapter`].
     pub fn description(&self) -> String {
-        in_words(&self.info)
+        describe(&self.info)
     }
 
     /// Opens an adapter that can draw on `surface`, without blocking; otherwise like [`Self::with`]. A browser requires
@@ -159,7 +159,7 @@ impl Gpu {
     }
 }
 
-fn in_words(info: &wgpu::AdapterInfo) -> String {
+fn describe(info: &wgpu::AdapterInfo) -> String {
     format!("{:?} {} {} {}", info.backend, info.name, info.driver, info.driver_info)
 }
 

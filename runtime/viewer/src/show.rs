@@ -212,7 +212,7 @@ impl Show {
 
     /// Advances time by `seconds`, and the clip by `speed` times as much; a paused clip has speed 0. Hair moves in any
     /// case.
-    pub fn go_on(&mut self, seconds: f32, speed: f32) {
+    pub fn advance(&mut self, seconds: f32, speed: f32) {
         self.time_s += speed * seconds;
         self.clock_s += f64::from(seconds);
     }

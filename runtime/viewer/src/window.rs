@@ -91,12 +91,12 @@ fn event_loop() -> Result<EventLoop<WorkerMessage>, ViewError> {
 struct Host {
     begins: Option<(ViewOptions, Box<dyn Workshop>)>,
     proxy: EventLoopProxy<WorkerMessage>,
-    open: Option<Open>,
+    open: Option<OpenWindow>,
     failure: Option<ViewError>,
 }
 
 /// Open window.
-struct Open {
+struct OpenWindow {
     window: Arc<Window>,
     instance: wgpu::Instance,
     surface: wgpu::Surface<'static>,
@@ -123,7 +123,7 @@ impl Host {
         let attributes =
             Window::default_attributes().with_title("pelage").with_inner_size(PhysicalSize::new(width, height));
         let window = event_loop.create_window(attributes).map_err(|e| ViewError::NoDisplay(e.to_string()))?;
-        self.open = Some(Open::new(Arc::new(window), event_loop, options, workshop, &self.proxy)?);
+        self.open = Some(OpenWindow::new(Arc::new(window), event_loop, options, workshop, &self.proxy)?);
         Ok(())
     }
 
@@ -178,7 +178,7 @@ impl ApplicationHandler<WorkerMessage> for Host {
     }
 }
 
-impl Open {
+impl OpenWindow {
     fn new(
         window: Arc<Window>,
         event_loop: &ActiveEventLoop,

@@ -58,7 +58,7 @@ impl Workers {
         let (make, asked) = channel();
         let (trace, truths) = channel();
         let wanted = Arc::new(AtomicU64::new(0));
-        let judge = workshop.judge();
+        let judge = workshop.reference_source();
         let (changes, tell_made) = (make.clone(), tell.clone());
         std::thread::spawn(move || make_all(workshop, &asked, changes, &tell_made));
         let (tell, number) = (tell.clone(), wanted.clone());

@@ -9,13 +9,13 @@ const SECOND: Duration = Duration::from_secs(10);
 
 /// Workshop with a single file, whose packages contain the edits with which they were made. It reports the start of
 /// each, and waits for permission to continue.
-struct Shop {
+struct TestWorkshop {
     file: PathBuf,
     begins: Sender<Vec<String>>,
     go_on: Receiver<()>,
 }
 
-impl Workshop for Shop {
+impl Workshop for TestWorkshop {
     fn open(&mut self, path: &Path) -> Outcome<()> {
         if path.exists() { Ok(()) } else { Err(format!("{}: there is no such file", path.display())) }
     }
@@ -36,15 +36,15 @@ impl Workshop for Shop {
         if edits.is_empty() { Err("nothing to save".into()) } else { Ok(self.file.clone()) }
     }
 
-    fn judge(&self) -> Box<dyn ReferenceSource> {
-        Box::new(Patient)
+    fn reference_source(&self) -> Box<dyn ReferenceSource> {
+        Box::new(EndlessTracer)
     }
 }
 
 /// Reference source that traces until it is cancelled.
-struct Patient;
+struct EndlessTracer;
 
-impl ReferenceSource for Patient {
+impl ReferenceSource for EndlessTracer {
     fn trace(
         &mut self,
         asked: &ReferenceRequest,
@@ -76,7 +76,7 @@ fn bench() -> Bench {
     let (tell, told) = channel();
     let (begin, begins) = channel();
     let (go_on, going_on) = channel();
-    let shop = Shop { file: file.clone(), begins: begin, go_on: going_on };
+    let shop = TestWorkshop { file: file.clone(), begins: begin, go_on: going_on };
     let tell = Mutex::new(tell);
     let tell: SendMessage = Arc::new(move |message| tell.lock().unwrap().send(message).unwrap_or_default());
     Bench { workers: Workers::start(Box::new(shop), &tell), told, begins, go_on, _folder: folder, file }

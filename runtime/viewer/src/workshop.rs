@@ -63,7 +63,7 @@ pub trait Workshop: Send {
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf>;
 
     /// Creates a source of reference pictures, which is moved to another thread.
-    fn judge(&self) -> Box<dyn ReferenceSource>;
+    fn reference_source(&self) -> Box<dyn ReferenceSource>;
 }
 
 /// Request for a reference picture: a view of a package.

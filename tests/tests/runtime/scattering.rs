@@ -54,9 +54,9 @@ fn layer_scattering_matches_its_fibres() {
     let coat = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
     let other = OtherFibre { name: "*".into(), eta: Some(1.35), along_deg: Some(15.0), ..OtherFibre::default() };
     let of_material = FibreParams { material: vec![other], ..coat.clone() };
-    assert_scatters(gpu, &coat, &coat.of_coat().fibre());
-    assert_ne!(of_material.of_material("any"), coat.of_coat());
-    assert_scatters(gpu, &of_material, &of_material.of_material("any").fibre());
+    assert_scatters(gpu, &coat, &coat.fur_optics().fibre());
+    assert_ne!(of_material.material_optics("any"), coat.fur_optics());
+    assert_scatters(gpu, &of_material, &of_material.material_optics("any").fibre());
 }
 
 fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
@@ -65,7 +65,7 @@ fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     let instance = Instance::new(0, &model);
     // 127 of 255, the colour of the plane.
     let color = [127.0 / 255.0; 3];
-    let sigma = colour::absorption(color, f64::from(fibre.of_coat().around));
+    let sigma = colour::absorption(color, f64::from(fibre.fur_optics().around));
     let ways = [
         Vec3::new(0.3, 0.2, 0.9),
         Vec3::new(-0.6, 0.3, 0.5),
@@ -98,8 +98,8 @@ fn layer_scattering_of_broad_light_matches_its_fibres() {
     let coat = FibreParams { tilt_deg: 6.0, ..FibreParams::default() };
     let model = renderer.load_bytes(&with_fibres(&plane(2, 255), &coat)).unwrap();
     let instance = Instance::new(0, &model);
-    let exact = BroadlyLitFibre::new(&coat.of_coat().fibre());
-    let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(coat.of_coat().around));
+    let exact = BroadlyLitFibre::new(&coat.fur_optics().fibre());
+    let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(coat.fur_optics().around));
     let lights = [(Vec3::new(0.2, 0.1, 0.9), 18.0), (Vec3::new(-0.5, 0.3, 0.9), 15.0), (Vec3::Z, 24.0)];
     for eye in [Vec3::new(0.3, 0.2, 0.9), Vec3::new(-0.6, 0.3, 0.5), Vec3::new(0.8, -0.5, 0.3)] {
         for (towards, width_deg) in lights {
@@ -118,7 +118,7 @@ fn layer_scattering_of_broad_light_matches_its_fibres() {
             for ((found, expected), radiance) in found.into_iter().zip(expected).zip(lobe.radiance) {
                 let (found, expected) = (f64::from(found), expected * f64::from(radiance));
                 // Tolerance: a fiftieth of the light from a fibre that scatters uniformly.
-                let even = f64::from(radiance) * lobe.light().whole() / (4.0 * PI);
+                let even = f64::from(radiance) * lobe.light().integral() / (4.0 * PI);
                 let within = 0.05 * expected + 0.02 * even;
                 assert!((found - expected).abs() < within, "{eye}, {towards}: {found}, expected {expected}");
             }
@@ -261,9 +261,9 @@ fn sharp_edges_do_not_leak_light_from_behind() {
     let (even, sharp) = (brightest(0.0), brightest(6.0));
     println!("even {even}, sharp {sharp}");
     // Hair perpendicular to view and light gives the greatest brightness; upright hair is darker.
-    let across = FibreParams::default().of_coat().fibre();
+    let across = FibreParams::default().fur_optics().fibre();
     let angles = Angles::between(Vec3::X.as_dvec3(), Vec3::Z.as_dvec3(), Vec3::Z.as_dvec3());
-    let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(FibreParams::default().of_coat().around));
+    let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(FibreParams::default().fur_optics().around));
     let most = 1.5 * PI * across.scatter(sigma, &angles)[1];
     assert!(f64::from(even) < most && f64::from(sharp) < most, "even {even}, sharp {sharp}, expected less than {most}");
 }

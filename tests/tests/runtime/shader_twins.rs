@@ -830,7 +830,7 @@ fn broad_light_matches_the_shader() {
             let clamped = mean.clamp(broad::LEAST_MEAN, 1.0);
             let variance = (1.0 - clamped) / clamped;
             let around = 9.0 * mean / (0.5 + (81.0 * mean * mean + 2.25).sqrt());
-            [broad::mean_square(mean, cosine), broad::mean_place(mean), variance, around]
+            [broad::mean_square(mean, cosine), broad::mean_cosine_coordinate(mean), variance, around]
         },
         |[_, [mean, cosine, ..]]| {
             [

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_halve() {
+    fn each_size_is_half_of_the_previous_one() {
         let mut recipe = Recipe::default();
         let pixels = |recipe: &Recipe| Size::ALL.map(|size| size.pixels(recipe));
         assert_eq!(pixels(&recipe), [(1668, 848), (834, 424), (417, 212), (208, 106)]);

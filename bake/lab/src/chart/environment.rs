@@ -16,7 +16,7 @@ use pelage_formats::FibreOptics;
 use pelage_formats::meaning::environment::{Environment, brightness};
 use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 use pelage_formats::meaning::scattering::broad::{
-    BroadSize, BroadTables, CutGaussianLight, HORIZON_SINE, LEAST_MEAN, mean_of_half,
+    BroadSize, BroadTables, CutGaussianLight, HORIZON_SINE, LEAST_MEAN, cut_gaussian_mean_cosine,
 };
 use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLitFibre, GaussianLight};
 use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre};
@@ -336,7 +336,7 @@ pub fn measure_map(form: MapLighting, sky: &NamedSky, truth: &EnvironmentTruth) 
                     mean: middle.length().clamp(LEAST_MEAN, 1.0),
                 };
                 let sent = tables[point.fibre].scatter([point.sigma; 3], point.tip, &light, point.eye)[0];
-                whole / light.whole() * sent + sun_of(&environment, point)
+                whole / light.integral() * sent + sun_of(&environment, point)
             })
         }
         MapLighting::Tables(lobes) => {
@@ -348,8 +348,8 @@ pub fn measure_map(form: MapLighting, sky: &NamedSky, truth: &EnvironmentTruth) 
                 let of = |light: &CutGaussianLight| tables.scatter([point.sigma; 3], point.tip, light, point.eye)[0];
                 let lobe = |(lobe, share): (&pelage_stage::sky::LightLobe, &f64)| {
                     let light = lobe.light();
-                    let half = CutGaussianLight { towards: light.towards, mean: mean_of_half(light.sharpness) };
-                    share * radiance(lobe) * light.whole() / half.whole() * of(&half)
+                    let half = CutGaussianLight { towards: light.towards, mean: cut_gaussian_mean_cosine(light.sharpness) };
+                    share * radiance(lobe) * light.integral() / half.integral() * of(&half)
                 };
                 environment.lobes.iter().zip(&shares[i]).map(lobe).sum::<f64>()
                     + brightness(DVec3::from(environment.even.map(f64::from)))
@@ -516,7 +516,7 @@ pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccura
         match form {
             SingleLighting::Exact => exact[fibre].scatter([sigmas[sigma]; 3], DVec3::Y, &light, eye)[0],
             SingleLighting::Tables => {
-                let half = CutGaussianLight { towards, mean: mean_of_half(sharpness) };
+                let half = CutGaussianLight { towards, mean: cut_gaussian_mean_cosine(sharpness) };
                 tables[fibre].scatter([sigmas[sigma]; 3], DVec3::Y, &half, eye)[0]
             }
             SingleLighting::Printed => printed[fibre][sigma].scatter(DVec3::Y, &light, eye),

@@ -49,7 +49,7 @@ impl Errors {
     }
 
     /// Returns the fraction of pairs that differ by [`OFF`] or more, 0..=1.
-    pub fn off_share(&self) -> Option<f64> {
+    pub fn large_error_fraction(&self) -> Option<f64> {
         self.mean_of(self.off as f64)
     }
 
@@ -65,11 +65,11 @@ mod tests {
     #[test]
     fn errors_are_summed() {
         let errors = Errors::of([(1.0, 0.5), (0.0, 0.5)]);
-        assert_eq!((errors.rmse(), errors.mean(), errors.off_share()), (Some(0.5), Some(0.0), Some(1.0)));
+        assert_eq!((errors.rmse(), errors.mean(), errors.large_error_fraction()), (Some(0.5), Some(0.0), Some(1.0)));
         let errors = errors.and(Errors::of([(0.25, 0.25), (0.25, 0.25)]));
-        assert_eq!((errors.rmse(), errors.off_share()), (Some(0.125f64.sqrt()), Some(0.5)));
+        assert_eq!((errors.rmse(), errors.large_error_fraction()), (Some(0.125f64.sqrt()), Some(0.5)));
         assert_eq!(Errors::of([]).rmse(), None);
         let broken = Errors::of([(f64::NAN, 0.0)]);
-        assert!(broken.rmse().is_some_and(f64::is_nan) && broken.off_share() == Some(1.0));
+        assert!(broken.rmse().is_some_and(f64::is_nan) && broken.large_error_fraction() == Some(1.0));
     }
 }

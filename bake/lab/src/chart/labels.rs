@@ -8,7 +8,7 @@ fn overlap(a: &Rect, b: &Rect) -> bool {
 }
 
 /// Largest distance between marks that count as one group, pixels.
-const SAME_SPOT: i32 = 3;
+const SAME_POSITION_PX: i32 = 3;
 
 /// Label with a position.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,10 +38,10 @@ pub fn place_labels(
     let mut out: Vec<PlacedLabel> = Vec::new();
     for (mark, ((x, y), radius, text)) in marks.iter().enumerate().filter(|(_, (.., text))| !text.is_empty()) {
         let apart = |(at, ..): &((i32, i32), i32, &str)| (at.0 - x).abs().max((at.1 - y).abs());
-        if out.iter().any(|other| apart(&marks[other.mark]) <= SAME_SPOT) {
+        if out.iter().any(|other| apart(&marks[other.mark]) <= SAME_POSITION_PX) {
             continue;
         }
-        let here = marks.iter().filter(|other| apart(other) <= SAME_SPOT);
+        let here = marks.iter().filter(|other| apart(other) <= SAME_POSITION_PX);
         let radius = here.fold(*radius, |most, other| most.max(other.1 + apart(other)));
         let width = (text.chars().count() as f32 * font as f32 * 0.54).ceil() as i32 + 2;
         let (right, left, above, below) =

@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn squares_are_compared_where_hair_is() {
+    fn only_squares_covered_by_hair_are_compared() {
         let count = (SIZE * SIZE) as usize;
         let mut truth = vec![[0.0f32; 4]; count];
         let mut drawn = vec![0u8; 4 * count];

@@ -273,7 +273,7 @@ impl StrandLightTruth {
     }
 
     /// Returns the number of points.
-    pub fn places(&self) -> usize {
+    pub fn point_count(&self) -> usize {
         self.0.len()
     }
 
@@ -329,7 +329,7 @@ pub fn cells(configuration: &OpacityShadowConfiguration, m: &OpacityShadowMeasur
         Cell::Number(m.texel_widths),
         number(m.errors.rmse()),
         number(m.errors.mean()),
-        number(m.errors.off_share()),
+        number(m.errors.large_error_fraction()),
         Cell::Number(m.flip),
         Cell::Number(m.flip_covered),
         Cell::Number(m.image_rmse),

@@ -38,7 +38,7 @@ fn opacity_map_lookups_return_the_drawn_values() {
 }
 
 #[test]
-fn printed_planes_ignore_hair_behind_the_last_plane() {
+fn published_planes_ignore_hair_behind_the_last_plane() {
     let shadows = ShadowParams::default().with(|s| s.slabs = PLANES);
     let hair = [(0.1, 1.0), (0.97, 1.0)];
     let light = |form, depth| {

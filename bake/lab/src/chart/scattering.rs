@@ -247,7 +247,7 @@ fn by_cosine(fibre: &Fibre, size: usize) -> ScatteringTables {
     for j in 0..size {
         let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
         for p in 0..3 {
-            for (i, way) in section.mean_ways(p, &phis, REFERENCE_SIGMA).into_iter().enumerate() {
+            for (i, way) in section.mean_contributions(p, &phis, REFERENCE_SIGMA).into_iter().enumerate() {
                 tables.around[j * size + i][p as usize] = way.light as f32;
                 if p == 1 {
                     tables.around[j * size + i][3] = way.length as f32;
@@ -275,7 +275,7 @@ fn all_lengths(fibre: &Fibre, size: usize) -> FibreEvaluator {
     for j in 0..size {
         let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
         let others = section.mean_rest(REFERENCE_SIGMA).length;
-        lengths.extend(section.mean_ways(2, &phis, REFERENCE_SIGMA).into_iter().map(|way| [way.length, others]));
+        lengths.extend(section.mean_contributions(2, &phis, REFERENCE_SIGMA).into_iter().map(|way| [way.length, others]));
     }
     FibreEvaluator::AllLengths { tables: Box::new(ScatteringTables::new(fibre, size)), lengths }
 }
@@ -294,7 +294,7 @@ fn printed(fibre: &Fibre, size: usize) -> FibreEvaluator {
             along.push([r, tt, trt]);
         }
         let section = fibre.section(share(j).max(LEAST_COS_D));
-        let [r, tt, trt] = [0, 1, 2].map(|p| section.mean_ways(p, &phis, REFERENCE_SIGMA));
+        let [r, tt, trt] = [0, 1, 2].map(|p| section.mean_contributions(p, &phis, REFERENCE_SIGMA));
         around.extend((0..size).map(|i| [r[i].light, tt[i].light, trt[i].light, tt[i].length, trt[i].length]));
     }
     FibreEvaluator::Printed { size, along, around }

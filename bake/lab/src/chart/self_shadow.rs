@@ -469,7 +469,7 @@ pub fn cells(form: &SelfShadowForm, layers: u32, measured: &SelfShadowErrors, co
     let number = |x: Option<f64>| x.map_or(Cell::Empty, Cell::Number);
     let mut cells = form.cells(layers).to_vec();
     let totals = [0, 1, 2].map(|truth| measured.total(truth));
-    cells.extend(totals.iter().flat_map(|e| [number(e.rmse()), number(e.mean()), number(e.off_share())]));
+    cells.extend(totals.iter().flat_map(|e| [number(e.rmse()), number(e.mean()), number(e.large_error_fraction())]));
     cells.extend([
         Cell::Number(cost.milliseconds),
         cost.maps.map_or(Cell::Empty, |maps| Cell::Text(maps.timing.into())),

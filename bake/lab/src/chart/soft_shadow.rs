@@ -384,7 +384,7 @@ pub fn cells(
         Cell::Number(shadows.penumbra.into()),
         number(m.all.rmse()),
         number(m.all.mean()),
-        number(m.all.off_share()),
+        number(m.all.large_error_fraction()),
         number(m.shadow.rmse()),
         number(m.umbra.mean()),
         number((truth > 0.0).then_some(fast / truth)),

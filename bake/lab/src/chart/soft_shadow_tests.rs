@@ -3,7 +3,7 @@ use crate::stability::surface::{grid, sphere};
 use glam::vec3;
 
 #[test]
-fn points_are_spread_by_area() {
+fn points_are_distributed_by_area() {
     let model = sphere(24, 48);
     let rest = RestPose::of(&model.mesh, None);
     let points = spread(&rest, &model.mesh.triangles, 4000);
@@ -22,7 +22,7 @@ fn points_are_spread_by_area() {
 }
 
 #[test]
-fn iterated_distances_end_after_the_given_passes() {
+fn iterated_distances_saturate_at_the_pass_count() {
     let (size, passes) = (32, 6);
     let inside = |x: usize, y: usize| x >= 10 && (4..28).contains(&y);
     let occluded: Vec<bool> = (0..size * size).map(|i| inside(i % size, i / size)).collect();
@@ -37,7 +37,7 @@ fn iterated_distances_end_after_the_given_passes() {
 }
 
 #[test]
-fn points_inside_the_model_are_left_out() {
+fn points_inside_the_model_are_excluded() {
     let mut model = sphere(24, 48);
     let outside = SampledSurface::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
     assert_eq!(outside as u32, POINTS);

@@ -28,11 +28,11 @@ const FPS: u32 = 60;
 /// Duration of each scene, seconds.
 pub const SECONDS: u32 = 3;
 /// Accepted change of the truth when its steps are halved, in lengths of the guide.
-const WITHIN: f64 = 1e-5;
+const TRUTH_TOLERANCE: f64 = 1e-5;
 /// Damping ratio of the springs that pull towards the groomed position; 1 is critical damping.
 const DAMPED: f32 = 0.3;
 /// Fraction of the speed lost by following that is restored, as in Müller 2012.
-const GIVEN_BACK: f32 = 0.9;
+const RESTORED_SPEED: f32 = 0.9;
 /// Compliance of a piece, metres per metre per second squared. The weight of a guide that hangs from a piece stretches
 /// it by 1e-4 of its length.
 const COMPLIANCE: f32 = 1e-8;
@@ -411,7 +411,7 @@ impl Guide {
             air: &air,
         };
         let way = |time_s: f64| scene.root_at(time_s);
-        guide.converged(&way, straight, (FPS * SECONDS, 1.0 / f64::from(FPS)), WITHIN)
+        guide.converged(&way, straight, (FPS * SECONDS, 1.0 / f64::from(FPS)), TRUTH_TOLERANCE)
     }
 }
 
@@ -483,7 +483,7 @@ impl UnconstrainedString {
         }
         self.update_velocities(h);
         for (k, velocity) in self.velocities.iter_mut().enumerate() {
-            *velocity -= moved[k + 1] * (GIVEN_BACK / h);
+            *velocity -= moved[k + 1] * (RESTORED_SPEED / h);
         }
     }
 

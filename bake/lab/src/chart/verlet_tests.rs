@@ -32,7 +32,7 @@ fn scenes_move_hair_and_are_resolved_at_60_frames_per_second() {
         for scene in Scene::ALL {
             let truth = guide.truth(scene, false);
             assert!(
-                truth.change <= WITHIN,
+                truth.change <= TRUTH_TOLERANCE,
                 "{points} points, {scene:?}: steps of half the length change {}",
                 truth.change
             );

@@ -10,7 +10,7 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::{ShellJudge, Source, cameras};
 use pelage_tool::truth::ReferenceTracer;
-use pelage_tool::view::View;
+use pelage_tool::view::PictureView;
 
 /// Topic `detail`.
 pub struct DetailTopic<'a> {
@@ -72,7 +72,7 @@ impl Topic for DetailTopic<'_> {
         let (judge, seen) = get_or_make(&mut self.sizes[configuration.size], || {
             let file = baked(packages, source, base, doing)?;
             let (truth, camera) = get_or_make(truth, || {
-                let truth = ReferenceTracer::new(file, &View::default())?;
+                let truth = ReferenceTracer::new(file, &PictureView::default())?;
                 let camera = cameras(base, &truth)[0];
                 Ok((truth, camera))
             })?;

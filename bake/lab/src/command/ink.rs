@@ -18,7 +18,7 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
-use pelage_tool::view::View;
+use pelage_tool::view::PictureView;
 
 /// Number of frames of the slow turn for flicker, and degrees between frames.
 const TURN: (u32, f32) = (4, 1.0);
@@ -42,7 +42,7 @@ struct Shared {
     lines: TrueLines,
     meter: Meter,
     /// Scene of the previous row, which rows of the same size share.
-    scene: Option<(View, Stage)>,
+    scene: Option<(PictureView, Stage)>,
 }
 
 impl<'a> InkTopic<'a> {
@@ -103,7 +103,7 @@ impl Shared {
         let camera = |towards| framing::frame(&self.rest_points, 0.0, width as f32 / height as f32, towards);
         let cameras = [framing::TOWARDS_CAMERA, framing::BEHIND].map(camera);
         if self.scene.as_ref().is_none_or(|(view, _)| view.size() != size) {
-            let view = View { camera: Some(cameras[0]), ..View::sized(size) };
+            let view = PictureView { camera: Some(cameras[0]), ..PictureView::sized(size) };
             let view = view.with(|look| look.picture.style = LookStyle::Ink);
             self.scene = Some((view.clone(), stage_of(&self.file, &view, || Ok(gpu.clone()))?));
         }

@@ -7,7 +7,7 @@ use pelage_runtime::{Light, PassId, SelfShadow, ShadowMaps, ShadowParams, Study}
 use pelage_stage::{Gpu, LookDetail, Meter, NamedPackage, Stage, StageError};
 use pelage_tool::exit::Failure;
 use pelage_tool::stages::stage_of;
-use pelage_tool::view::View;
+use pelage_tool::view::PictureView;
 
 /// Number of times that the maps are rendered per light, of which the fastest counts. The result is the median over all
 /// lights.
@@ -24,7 +24,7 @@ impl LightBench {
     pub fn new(name: &str, package: &[u8], gpu: &Gpu) -> Result<Self, Failure> {
         let file = NamedPackage { name: name.into(), bytes: package.into() };
         // The picture is small because it is not used; the whole model casts its shadow nevertheless.
-        let view = View::sized((16, 16)).with(|look| look.fur.detail = LookDetail::Full);
+        let view = PictureView::sized((16, 16)).with(|look| look.fur.detail = LookDetail::Full);
         let scene = stage_of(&file, &view, || Ok(gpu.clone()))?;
         let meter = Meter::new(&scene.gpu);
         Ok(Self { scene, meter })

@@ -11,7 +11,7 @@ use pelage_stage::{Gpu, LookLighting, LookSelfShadow, Meter, NamedPackage, Sprea
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::stages::stage_of;
-use pelage_tool::view::View;
+use pelage_tool::view::PictureView;
 
 /// Number of timed frames per configuration, and of frames before them in which pipelines and caches settle. The
 /// fastest counts, because other load only adds time.
@@ -62,7 +62,7 @@ impl Topic for LightingTopic<'_> {
         let baked = pipeline::bake(&BakeInput::new(file, name, &configuration.recipe, images), model, &mut |_| ())?;
         let file = NamedPackage { name: name.clone(), bytes: baked.package.into() };
         // Shadows are off, because they cost the same for any shading direction.
-        let view = View::default().with(|look| {
+        let view = PictureView::default().with(|look| {
             look.shadow.self_shadow = LookSelfShadow::Off;
             look.shadow.soft_shadow = false;
             look.study.lighting = match configuration.lighting {

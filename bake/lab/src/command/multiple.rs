@@ -15,7 +15,7 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::ReferenceTracer;
-use pelage_tool::view::View;
+use pelage_tool::view::PictureView;
 use pelage_truth::TrueScattering;
 
 /// Number of timed frames, of which the fastest counts.
@@ -109,9 +109,9 @@ impl FurWithTruths {
             None => Source::Model { file, name, model, images },
         };
         let package = source.bake(&recipe)?;
-        let mut truth = ReferenceTracer::new(&package, &View::default())?;
+        let mut truth = ReferenceTracer::new(&package, &PictureView::default())?;
         truth.scatter(TrueScattering::BOUNCES)?;
-        let camera = truth.framed(&View::sized((SIZE, SIZE)), framing::TOWARDS_CAMERA);
+        let camera = truth.framed(&PictureView::sized((SIZE, SIZE)), framing::TOWARDS_CAMERA);
         let mut made = Self { package, camera, truths: Vec::new() };
         for (light, (name, _)) in LIGHTS.iter().enumerate() {
             let view = made.lit(light);
@@ -123,13 +123,13 @@ impl FurWithTruths {
         Ok(made)
     }
 
-    fn lit(&self, light: usize) -> View {
-        let view = View { camera: Some(self.camera), ..View::sized((SIZE, SIZE)) };
+    fn lit(&self, light: usize) -> PictureView {
+        let view = PictureView { camera: Some(self.camera), ..PictureView::sized((SIZE, SIZE)) };
         view.with(|look| look.light.direction = LIGHTS[light].1)
     }
 
     /// Returns the view in which the runtime draws a configuration.
-    fn view(&self, configuration: &MultipleConfiguration, light: usize) -> View {
+    fn view(&self, configuration: &MultipleConfiguration, light: usize) -> PictureView {
         self.lit(light).with(|look| {
             look.fur.scattering = configuration.form.scattering;
             look.fur.hair = if configuration.strands { LookHair::Strands } else { LookHair::Shells };

@@ -21,7 +21,7 @@ use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth;
 use pelage_tool::truth::ReferenceTracer;
-use pelage_tool::view::View;
+use pelage_tool::view::PictureView;
 use pelage_truth::TrueLight;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 
@@ -101,7 +101,7 @@ impl Shared {
         };
         let baked = source.bake(recipe)?;
         let size = (recipe.judge.width, recipe.judge.height);
-        let view = View { camera: recipe.judge.views.first().copied(), ..View::sized(size) };
+        let view = PictureView { camera: recipe.judge.views.first().copied(), ..PictureView::sized(size) };
         let view = view.with(|look| {
             look.fur.hair = LookHair::Strands;
             look.picture.samples = Samples(SAMPLES);
@@ -153,7 +153,7 @@ impl Shared {
             }
             milliseconds.push(fastest);
             errors = errors.and(truth.errors(&map, configuration.study.light_on_axis));
-            measured.places += truth.places();
+            measured.places += truth.point_count();
             if i == 0 {
                 self.scene.draw()?;
                 let drawn = Picture::from(&pixels(&self.scene)?);

@@ -21,7 +21,7 @@ use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth;
 use pelage_tool::truth::{ReferenceTracer, true_camera};
-use pelage_tool::view::View;
+use pelage_tool::view::PictureView;
 use pelage_truth::SurfaceVisibility;
 use pelage_truth::compare::{CompareParams, compare_pictures};
 use std::time::Instant;
@@ -48,7 +48,7 @@ pub struct StrandsTopic<'a> {
     gpu: Gpu,
     meter: Meter,
     shared: Option<Shared>,
-    sizes: [Option<(Picture, StrandsSizeFacts, View)>; Size::ALL.len()],
+    sizes: [Option<(Picture, StrandsSizeFacts, PictureView)>; Size::ALL.len()],
     /// Results of all methods, by size and number of samples.
     groups: Vec<((usize, u32), Vec<StrandsMeasures>)>,
 }
@@ -154,8 +154,8 @@ impl Shared {
         };
         let packages = [source.bake(&recipes[0])?, source.bake(&recipes[1])?];
         let size = (recipes[0].judge.width, recipes[0].judge.height);
-        let truth = ReferenceTracer::new(&packages[1], &View::default())?;
-        let framed = || truth.framed(&View::sized(size), framing::TOWARDS_CAMERA);
+        let truth = ReferenceTracer::new(&packages[1], &PictureView::default())?;
+        let framed = || truth.framed(&PictureView::sized(size), framing::TOWARDS_CAMERA);
         let camera = recipes[0].judge.views.first().copied().unwrap_or_else(framed);
         let points = &truth.scene.curves().points;
         let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len().max(1) as f64;
@@ -170,11 +170,11 @@ impl Shared {
         judged: (u32, u32),
         samples: u32,
         doing: &mut dyn FnMut(&str),
-    ) -> Result<(Picture, StrandsSizeFacts, View), Failure> {
+    ) -> Result<(Picture, StrandsSizeFacts, PictureView), Failure> {
         let pixels = size.pixels(judged);
         let camera = size.camera(self.camera);
         let mut traced = |camera| {
-            let view = View { camera: Some(camera), ..View::sized(pixels) };
+            let view = PictureView { camera: Some(camera), ..PictureView::sized(pixels) };
             let picture = self.truth.picture(&view, samples, &mut |done, all| {
                 doing(&format!("true picture, {} %", 100 * done / all.max(1)));
             });
@@ -220,7 +220,7 @@ fn group(
     meter: &Meter,
     shared: &Shared,
     ways: &[DrawMethod],
-    (size, view, truth): (Size, &View, &Picture),
+    (size, view, truth): (Size, &PictureView, &Picture),
     samples: u32,
 ) -> Result<Vec<StrandsMeasures>, Failure> {
     let (mut stages, mut all) = (Vec::new(), Vec::new());

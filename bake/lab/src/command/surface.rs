@@ -56,7 +56,7 @@ impl Topic for SurfaceTopic<'_> {
         let (mut seconds, mut measures) = (Vec::new(), None);
         while seconds.len() < RUNS && seconds.iter().sum::<f64>() < LONG_S {
             let begun = Instant::now();
-            let laid = pipeline::lay(file, model, recipe, images)?;
+            let laid = pipeline::lay_out_model(file, model, recipe, images)?;
             seconds.push(begun.elapsed().as_secs_f64());
             measures = Some(laid.surface.measures);
         }

@@ -31,7 +31,7 @@ pub const ROW: Row = Row {
 fn drive() -> Result<Vec<Finding>, BakeError> {
     Ok(vec![
         narrow_lights(),
-        through_two(),
+        merging_glints(),
         along_the_hair(),
         negative_light()?,
         sun_on_an_edge()?,
@@ -80,7 +80,7 @@ fn narrow_lights() -> Finding {
 }
 
 /// Tests the light that a smooth fibre scatters at difference angles around the one at which its two glints merge.
-fn through_two() -> Finding {
+fn merging_glints() -> Finding {
     let fibre = Fibre {
         around: AzimuthalScattering::Smooth(GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() }),
         ..Fibre::default()

@@ -20,14 +20,14 @@ pub const ROW: Row = Row {
 /// Depth of the body along the light, metres.
 const BODY_M: f32 = 1.0;
 /// Height of the fur, metres.
-const COAT_M: f32 = 0.02;
+const FUR_HEIGHT_M: f32 = 0.02;
 /// Depth below the fur's surface at which light is measured, metres.
 const BELOW_M: f32 = 0.005;
 
 /// Returns the pieces of all strands of a tile under light from straight above. Each has its depth below the fur's
 /// surface in metres, and the fraction of the tile that it covers.
 fn covered(strands: &Strands) -> Vec<(f32, f32)> {
-    let metres = COAT_M / strands.height;
+    let metres = FUR_HEIGHT_M / strands.height;
     let mut out = Vec::new();
     for strand in 0..strands.len() {
         let range = strands.range(strand);
@@ -49,7 +49,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         (-hair.iter().filter(|(depth, _)| depth - surface < BELOW_M).map(|(_, area)| area).sum::<f32>()).exp();
     // Largest error of the transmittance t, with the fur's surface at several depths of the body.
     let error = |form, slabs, bodies: &mut dyn Iterator<Item = f32>| {
-        let opacity = columns_of(form, &ShadowParams::default().with(|s| s.slabs = slabs), BODY_M, COAT_M);
+        let opacity = columns_of(form, &ShadowParams::default().with(|s| s.slabs = slabs), BODY_M, FUR_HEIGHT_M);
         let of = |at_m: f32| {
             let place = |depth: f32| (at_m + depth - surface) / BODY_M;
             let (first, slabs) = column(form, &opacity, hair.iter().map(|(depth, area)| (place(*depth), *area)));
@@ -58,8 +58,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         };
         bodies.map(of).fold(0.0, f64::max)
     };
-    let anywhere = || (0..64).map(|k| (BODY_M - COAT_M) * k as f32 / 64.0);
-    let behind = || (0..16).map(|k| BODY_M - COAT_M - 0.02 * k as f32 / 16.0);
+    let anywhere = || (0..64).map(|k| (BODY_M - FUR_HEIGHT_M) * k as f32 / 64.0);
+    let behind = || (0..16).map(|k| BODY_M - FUR_HEIGHT_M - 0.02 * k as f32 / 16.0);
     let slabs = ShadowParams::default().slabs;
     let finding = |case: &str, naive, safe| Finding {
         case: format!("{case}, {truth:.2} of the light arrives 5 mm below its surface"),

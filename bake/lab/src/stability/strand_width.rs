@@ -26,7 +26,7 @@ pub const ROW: Row<DrawnRowTest> = Row {
 /// Width and height of the picture, pixels. It is large because each pixel has only one sample, which is hit or not.
 pub const SIZE: u32 = 640;
 /// Side of the visible square, metres; the mesh is a little smaller.
-const SEEN_M: f32 = 1.1;
+const VISIBLE_SIDE_M: f32 = 1.1;
 const SKIN_M: f32 = 1.0;
 const TILE_M: f32 = 0.125;
 /// Number of rays per pixel of the truth, in a picture an eighth as large.
@@ -41,7 +41,7 @@ const TRUE_SIZE: u32 = SIZE / 8;
 /// Same as [`pipeline::bake`].
 pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result<Vec<u8>, BakeError> {
     let mut recipe = Recipe::of_coat(Coat::Natural)?;
-    let radius = 0.5 * width_px * SEEN_M / SIZE as f32 / TILE_M;
+    let radius = 0.5 * width_px * VISIBLE_SIDE_M / SIZE as f32 / TILE_M;
     (recipe.hair.density, recipe.hair.length_m, recipe.hair.lean) = (density, Some(0.06), 0.6);
     (recipe.hair.root_radius, recipe.hair.tip_radius) = (radius, radius);
     recipe.hair.lean_direction_deg = 33.0;
@@ -65,7 +65,7 @@ pub fn bake(width_px: f32, density: u32, change: impl Fn(&mut Recipe)) -> Result
 
 /// Returns frame parameters that show the square from above, drawn as single strands without shadow.
 pub fn above() -> FrameParams {
-    let projection = Projection::Orthographic { height_m: SEEN_M, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
+    let projection = Projection::Orthographic { height_m: VISIBLE_SIDE_M, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
     let camera = Camera::look_at(2.0 * Vec3::Z, Vec3::ZERO, projection);
     FrameParams::new(camera, [SIZE; 2]).with(|p| p.soft_shadow = false).with_fur(|fur| {
         (fur.hair, fur.detail, fur.self_shadow) = (HairGeometry::Strands, Detail::Full, SelfShadow::Off);
@@ -74,7 +74,7 @@ pub fn above() -> FrameParams {
 
 /// Returns the camera of `params` for the truth.
 pub fn true_camera(params: &FrameParams) -> TrueCamera {
-    TrueCamera::from_view(params.camera.view_from_world, Lens::Orthographic { height_m: SEEN_M })
+    TrueCamera::from_view(params.camera.view_from_world, Lens::Orthographic { height_m: VISIBLE_SIDE_M })
 }
 
 /// Returns only the strands of a package, for tracing.

@@ -17,7 +17,7 @@ fn still() -> RootMotion {
 }
 
 /// Simulates from rest at the given positions. Returns the state at each of `times`, seconds.
-fn swing(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s: f64) -> Vec<GuideState> {
+fn simulate(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s: f64) -> Vec<GuideState> {
     let mut swing = GuideState { velocities: vec![DVec3::ZERO; from.len()], places: from };
     let mut now = 0.0;
     times
@@ -41,7 +41,7 @@ fn one_point_swings_as_a_damped_pendulum() {
     let from = vec![DVec3::ZERO, DVec3::new(aside, -(0.09 - aside * aside).sqrt(), 0.0)];
     let check = |guide: TrueGuide<'_>, rate: f64, square: f64| {
         let w = (square - rate * rate / 4.0).sqrt();
-        for (time, found) in TIMES.iter().zip(swing(&guide, from.clone(), &TIMES, 2000.0)) {
+        for (time, found) in TIMES.iter().zip(simulate(&guide, from.clone(), &TIMES, 2000.0)) {
             let expected =
                 aside * (-rate * time / 2.0).exp() * ((w * time).cos() + rate / (2.0 * w) * (w * time).sin());
             let off = (found.places[1].x - expected).abs() / aside;
@@ -74,7 +74,7 @@ fn double_pendulum_swings_in_its_normal_modes() {
             DVec3::new(aside[1], first + down(aside[1] - aside[0]), 0.0),
         ];
         let w = (square * 9.81 / 0.2).sqrt();
-        for (time, found) in TIMES.iter().zip(swing(&guide, from, &TIMES, 2000.0)) {
+        for (time, found) in TIMES.iter().zip(simulate(&guide, from, &TIMES, 2000.0)) {
             for k in 0..2 {
                 let off = (found.places[k + 1].x - aside[k] * (w * time).cos()).abs() / aside[1].abs();
                 assert!(off < 1e-6, "point {k} after {time} s off by {off}");
@@ -89,7 +89,7 @@ fn steady_wind_tilts_a_string_by_the_expected_angle() {
     let (points, ballast) = (hanging(9, 0.3), [DVec3::ZERO; 9]);
     let wind: &(dyn Fn(f64, DVec3) -> DVec3 + Sync) = &|_, _| DVec3::new(3.0, 0.0, 1.0);
     let guide = TrueGuide { drag_per_s: 4.0, air: wind, ..bare(&points, &ballast) };
-    let found = swing(&guide, points.clone(), &[12.0], 1000.0).remove(0);
+    let found = simulate(&guide, points.clone(), &[12.0], 1000.0).remove(0);
     let lean = (DVec3::new(12.0, 0.0, 4.0) + GRAVITY).normalize();
     for (k, place) in found.places.iter().enumerate() {
         assert!(place.distance(lean * (0.3 * k as f64 / 8.0)) < 1e-7, "point {k}: {place}");
@@ -105,7 +105,7 @@ fn energy_and_lengths_are_conserved() {
     let energy = |s: &GuideState| -> f64 {
         s.places.iter().zip(&s.velocities).skip(1).map(|(x, v)| 9.81 * x.y + v.length_squared() / 2.0).sum()
     };
-    for found in swing(&guide, from, &TIMES, 8000.0) {
+    for found in simulate(&guide, from, &TIMES, 8000.0) {
         let drift = energy(&found).abs() / (5.0 * 9.81 * 0.3);
         let stretch = found.places.windows(2).map(|e| (e[0].distance(e[1]) / 0.06 - 1.0).abs()).fold(0.0, f64::max);
         assert!(drift < 1e-6 && stretch < 1e-11, "energy drifts by {drift}, lengths by {stretch}");

@@ -128,7 +128,7 @@ fn tile_without_hair_transmits_all_light() {
 }
 
 #[test]
-fn transmittance_is_periodic_and_zero_from_below() {
+fn transmittance_is_periodic_and_zero_for_light_from_below() {
     let hair = pelage_bake::recipe::HairParams { density: 60, lean: 0.7, ..natural().hair };
     let field = grow(&hair, 0.4).and_then(|s| StrandField::new(&s)).unwrap_or_else(|e| panic!("{e}"));
     let mut shares = Vec::new();

@@ -190,7 +190,7 @@ impl<'a> ColoredSurface<'a> {
     /// over it.
     fn overhanging_materials(&self, rooting: &RootColorInput<'_>) -> Vec<bool> {
         let mut mixed = vec![false; self.colors.materials.len()];
-        if self.is_of_one_color(rooting.furred) {
+        if self.is_uniform(rooting.furred) {
             return mixed;
         }
         // Test the largest displacement and half of it.
@@ -201,7 +201,7 @@ impl<'a> ColoredSurface<'a> {
             if mixed.get(material) != Some(&false) {
                 continue;
             }
-            mixed[material] = spots(self.surface, triangle).any(|spot| {
+            mixed[material] = sample_points(self.surface, triangle).any(|spot| {
                 let own = self.color(spot);
                 [0.5, 1.0].iter().any(|share| {
                     let root = self.walk_end(spot, -(farthest * *share).as_dvec2());
@@ -214,7 +214,7 @@ impl<'a> ColoredSurface<'a> {
 
     /// Whether all furred surfaces have the same colour: without a pattern or textures, and with equal material and
     /// vertex colours.
-    fn is_of_one_color(&self, furred: &[bool]) -> bool {
+    fn is_uniform(&self, furred: &[bool]) -> bool {
         let mut materials = self.colors.materials.iter().zip(furred).filter(|(_, furred)| **furred).map(|(m, _)| m);
         let first = materials.next();
         let plain = first.is_none_or(|first| first.image.is_none() && materials.all(|m| m == first));
@@ -256,7 +256,7 @@ impl WalkInput {
 }
 
 /// Returns points spread over a triangle. Their number is proportional to its area in the tile.
-fn spots(surface: &Surface, triangle: usize) -> impl Iterator<Item = SurfacePoint> {
+fn sample_points(surface: &Surface, triangle: usize) -> impl Iterator<Item = SurfacePoint> {
     let [a, b, c] = surface.mesh.triangles[triangle].map(|v| surface.tile_uvs[v as usize]);
     let area = 0.5 * (b - a).perp_dot(c - a).abs();
     let rows = ((ROOTS_PER_TILE * area).ceil() as usize).clamp(1, MOST_ROOTS).isqrt().max(1);

@@ -182,7 +182,7 @@ fn hair_has_the_colour_of_its_root() {
         let step = |of: &[Vec2]| of[corners[1]] - of[corners[0]];
         let (uv, tile) = (step(&surface.mesh.uvs), step(&surface.tile_uvs));
         assert!(uv.distance(tile * painted.info.uv_per_tile[1]) < 1e-6, "{t}: coordinates do not run as the tile's");
-        for spot in spots(surface, t) {
+        for spot in sample_points(surface, t) {
             for aside in [0.0, 0.1, 0.25, 0.45] {
                 // The border of the colours is at 0.5 m; skip texels that mix both.
                 let root_m = at(surface, spot).z - aside * TILE_M;

@@ -87,7 +87,7 @@ pub fn find_furred_materials(
         warnings.push(format!(
             "all {} materials look bare, such as {} ({}), so all are furred; set model.bare to say which are not",
             why.len(),
-            in_words(&materials[0].name),
+            readable_name(&materials[0].name),
             why[0].map_or("", BareReason::words)
         ));
         why.fill(None);
@@ -102,7 +102,7 @@ pub fn find_furred_materials(
     }
     let decision = (!materials.is_empty()).then(|| Decision {
         what: "where hair grows",
-        chosen: chosen(materials, &why, &alike),
+        chosen: describe_choice(materials, &why, &alike),
         line: format!("model.bare = {}", names.to_toml().unwrap_or_default()),
     });
     FurredMaterials { furred: why.iter().map(Option::is_none).collect(), bare: names, decision }
@@ -129,10 +129,10 @@ fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
     if materials.len() < 2 {
         return vec![None; materials.len()];
     }
-    let shares = shares(model, rest);
+    let shares = material_area_shares(model, rest);
     let share = |m: usize| shares.get(m).copied().unwrap_or(0.0);
-    let names = without_common(materials.iter().map(|m| vec![words(&m.name)]).collect());
-    let of_parts = without_common(mesh.parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
+    let names = without_common_words(materials.iter().map(|m| vec![words(&m.name)]).collect());
+    let of_parts = without_common_words(mesh.parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
     let mut never = vec![false; materials.len()];
     let mut why = vec![None; materials.len()];
     for m in 0..materials.len() {
@@ -164,16 +164,16 @@ fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
 }
 
 /// Returns the share of the mesh's area at rest that each material covers.
-fn shares(model: &Model, rest: &RestPose) -> Vec<f64> {
+fn material_area_shares(model: &Model, rest: &RestPose) -> Vec<f64> {
     let mut shares = vec![0.0; model.materials.len()];
-    for (part, share) in model.mesh.parts.iter().zip(shares_of_parts(&model.mesh, rest)) {
+    for (part, share) in model.mesh.parts.iter().zip(part_area_shares(&model.mesh, rest)) {
         shares[part.material] += share;
     }
     shares
 }
 
 /// Returns the share of the mesh's area at rest that each part covers.
-pub(super) fn shares_of_parts(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
+pub(super) fn part_area_shares(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
     let of_part = |part: &MeshPart| {
         let triangles = mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
         let area = |triangle: &[u32; 3]| {
@@ -189,7 +189,7 @@ pub(super) fn shares_of_parts(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
 
 /// Removes the words that all things share from the names of each thing. Such a word names the animal, as in
 /// `Bighorn_Body` and `Bighorn_Eye`.
-pub(super) fn without_common(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
+pub(super) fn without_common_words(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
     let has = |thing: &Vec<Vec<String>>, word: &String| thing.iter().any(|name| name.contains(word));
     let first = things.first().into_iter().flatten().flatten();
     let common: Vec<String> = first.filter(|word| things.iter().all(|thing| has(thing, word))).cloned().collect();
@@ -258,12 +258,12 @@ fn unmark_ambiguous(materials: &[Material], why: &mut [Option<BareReason>]) -> V
 }
 
 /// Describes the choice, such as `4 of 7 materials furred, 3 bare: Eyes (by name), Nose (small and glossy)`.
-fn chosen(materials: &[Material], why: &[Option<BareReason>], alike: &[String]) -> String {
+fn describe_choice(materials: &[Material], why: &[Option<BareReason>], alike: &[String]) -> String {
     let count = materials.len();
     let bare: Vec<String> = materials
         .iter()
         .zip(why)
-        .filter_map(|(material, why)| Some(format!("{} ({})", in_words(&material.full_name()), (*why)?.words())))
+        .filter_map(|(material, why)| Some(format!("{} ({})", readable_name(&material.full_name()), (*why)?.words())))
         .collect();
     let mut text = match (count, bare.len()) {
         (1, _) => "the only material furred".to_owned(),
@@ -271,14 +271,14 @@ fn chosen(materials: &[Material], why: &[Option<BareReason>], alike: &[String]) 
         (_, n) => format!("{} of {count} materials furred, {n} bare: {}", count - n, bare.join(", ")),
     };
     if !alike.is_empty() {
-        let names: Vec<String> = alike.iter().map(|name| in_words(name)).collect();
+        let names: Vec<String> = alike.iter().map(|name| readable_name(name)).collect();
         text += &format!("; furred because other materials have the same name: {}", names.join(", "));
     }
     text
 }
 
 /// Formats a name for people.
-fn in_words(name: &str) -> String {
+fn readable_name(name: &str) -> String {
     if name.is_empty() { "a material without a name".to_owned() } else { name.escape_debug().to_string() }
 }
 

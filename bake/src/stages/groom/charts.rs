@@ -22,7 +22,7 @@ struct ChartTriangle {
 
 impl ChartTriangle {
     /// Returns the position on the plane of the triangle for a point of the tile.
-    fn position_at(&self, p: Vec2) -> Vec3 {
+    fn position_on_plane(&self, p: Vec2) -> Vec3 {
         let w = barycentric(&self.uv, p).unwrap_or(Vec3::X);
         self.places[0] * w.x + self.places[1] * w.y + self.places[2] * w.z
     }
@@ -158,7 +158,7 @@ impl Grid {
     fn conflicts(&self, a: &ChartTriangle, b: &ChartTriangle) -> bool {
         let elsewhere = |a: &ChartTriangle, b: &ChartTriangle| {
             let near = b.uv.iter().zip(&b.places).filter(|(uv, _)| a.distance(**uv) < self.margin);
-            near.map(|(uv, place)| a.position_at(*uv).distance(*place)).any(|gap| gap > self.margin)
+            near.map(|(uv, place)| a.position_on_plane(*uv).distance(*place)).any(|gap| gap > self.margin)
         };
         overlap(&a.uv, &b.uv, 0.0) || (overlap(&a.uv, &b.uv, self.margin) && (elsewhere(a, b) || elsewhere(b, a)))
     }

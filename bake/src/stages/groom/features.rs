@@ -4,7 +4,7 @@
 //! Materials are split along these parts on import, so that everything that works by material handles them. Each rule
 //! needs several cues, and doubtful parts keep their material: a bald body is worse than a furred claw.
 
-use super::bare::{combined_meaning, shares_of_parts, without_common};
+use super::bare::{combined_meaning, part_area_shares, without_common_words};
 use super::names::{NameMeaning, are_names_of_eyes, are_names_of_snout, meaning_of_words, words};
 use super::pairs::{are_round_pairs, weld};
 use super::patches::{FaceMesh, Patch};
@@ -31,19 +31,19 @@ const GROUND: f64 = 0.1;
 pub fn split_features(model: &mut Model) {
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     // If several rules detect a triangle, the last one wins.
-    let mut found: BTreeMap<usize, Feature> = named(model, &rest);
-    found.extend(shaped(model, &rest));
+    let mut found: BTreeMap<usize, Feature> = named_triangles(model, &rest);
+    found.extend(shaped_triangles(model, &rest));
     if !found.is_empty() {
         assign_materials(model, &found);
     }
 }
 
 /// Returns the triangles that nodes or meshes name as bare and whose material other parts use as well.
-fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
+fn named_triangles(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     let parts = &model.mesh.parts;
-    let names = without_common(parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
+    let names = without_common_words(parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
     let says_nothing = |m: &Material| meaning_of_words(&words(&m.name)) == NameMeaning::Nothing;
-    let shares = shares_of_parts(&model.mesh, rest);
+    let shares = part_area_shares(&model.mesh, rest);
     let is_bare =
         |i: usize| matches!(combined_meaning(&names[i]), NameMeaning::Bare { most } if shares[i] <= f64::from(most));
     let mut found = BTreeMap::new();
@@ -53,18 +53,18 @@ fn named(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
         if silent && is_bare(i) && !of_material().all(is_bare) {
             let tells = |name: &&String| matches!(meaning_of_words(&words(name)), NameMeaning::Bare { .. });
             let name = part.names.iter().find(tells).or(part.names.first()).cloned().unwrap_or_default();
-            found.extend(range(part).map(|triangle| (triangle, Feature::Named(name.clone()))));
+            found.extend(triangle_range(part).map(|triangle| (triangle, Feature::Named(name.clone()))));
         }
     }
     found
 }
 
 /// Returns the triangles that are bare by shape, position and colour.
-fn shaped(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
+fn shaped_triangles(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> {
     let mut found = BTreeMap::new();
     let names: Vec<Vec<String>> = model.materials.iter().map(|m| words(&m.name)).collect();
     let mut shares = vec![0.0; model.materials.len()];
-    for (part, share) in model.mesh.parts.iter().zip(shares_of_parts(&model.mesh, rest)) {
+    for (part, share) in model.mesh.parts.iter().zip(part_area_shares(&model.mesh, rest)) {
         shares[part.material] += share;
     }
     let is_open = |m: &usize| {
@@ -176,7 +176,7 @@ fn assign_materials(model: &mut Model, found: &BTreeMap<usize, Feature>) {
             let known = numbers.iter().find(|(of, known, _)| *of == part.material && Some(known) == feature);
             known.map_or(part.material, |(.., number)| *number)
         };
-        let mut run: Vec<usize> = range(part).collect();
+        let mut run: Vec<usize> = triangle_range(part).collect();
         run.sort_by_key(|triangle| (found.contains_key(triangle), material(triangle)));
         for run in run.chunk_by(|a, b| material(a) == material(b)) {
             let (first_triangle, triangle_count) = (triangles.len(), run.len());
@@ -197,12 +197,12 @@ fn materials_of(
 ) -> Vec<(usize, Feature, usize)> {
     let mut numbers: Vec<(usize, Feature, usize)> = Vec::new();
     for part in parts {
-        for feature in range(part).filter_map(|triangle| found.get(&triangle)) {
+        for feature in triangle_range(part).filter_map(|triangle| found.get(&triangle)) {
             if numbers.iter().any(|(of, known, _)| *of == part.material && known == feature) {
                 continue;
             }
             let Some(material) = materials.get(part.material).cloned() else { continue };
-            let mut of_it = parts.iter().filter(|p| p.material == part.material).flat_map(range);
+            let mut of_it = parts.iter().filter(|p| p.material == part.material).flat_map(triangle_range);
             let is_first = numbers.iter().all(|(of, ..)| *of != part.material);
             let number = if is_first && of_it.all(|triangle| found.contains_key(&triangle)) {
                 part.material
@@ -218,7 +218,7 @@ fn materials_of(
 }
 
 /// Returns the indices of the triangles of a part.
-fn range(part: &MeshPart) -> std::ops::Range<usize> {
+fn triangle_range(part: &MeshPart) -> std::ops::Range<usize> {
     part.first_triangle..part.first_triangle + part.triangle_count
 }
 

@@ -59,7 +59,7 @@ fn animal(is_black: impl Fn(f32) -> bool) -> Model {
 }
 
 /// Returns the full names of a model's materials after splitting, each with its number of triangles.
-fn told_apart(mut model: Model) -> Vec<(String, usize)> {
+fn split_materials(mut model: Model) -> Vec<(String, usize)> {
     let sorted = |model: &Model| {
         let mut triangles = model.mesh.triangles.clone();
         triangles.sort_unstable();
@@ -79,7 +79,7 @@ fn told_apart(mut model: Model) -> Vec<(String, usize)> {
 }
 
 fn names(model: Model) -> Vec<String> {
-    told_apart(model).into_iter().filter(|(_, count)| *count > 0).map(|(name, _)| name).collect()
+    split_materials(model).into_iter().filter(|(_, count)| *count > 0).map(|(name, _)| name).collect()
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn a_dark_tip_before_the_eyes_is_a_nose() {
 
 #[test]
 fn the_tip_of_a_tail_stays_with_its_material() {
-    let told = told_apart(animal(|height| !(-0.985..0.985).contains(&height)));
+    let told = split_materials(animal(|height| !(-0.985..0.985).contains(&height)));
     let names: Vec<&str> = told.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["Black", "Brown", "Eyes", "Black/nose"]);
     assert_eq!(told[0].1, told[3].1, "both ends are alike");

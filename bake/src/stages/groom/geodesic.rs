@@ -14,7 +14,7 @@ use std::collections::BinaryHeap;
 /// connected.
 ///
 /// * `seeds`: vertices with their initial distances, at least 0
-pub(super) fn ways(skin: &WeldedMesh, seeds: &[(u32, f32)], reach: f32) -> Vec<f32> {
+pub(super) fn geodesic_distances(skin: &WeldedMesh, seeds: &[(u32, f32)], reach: f32) -> Vec<f32> {
     let faces_of = VertexFaces::new(skin);
     let mut ways = vec![f32::INFINITY; skin.len()];
     // For non-negative floats the bit patterns sort like the values.
@@ -122,7 +122,7 @@ mod tests {
     fn geodesic_distances_on_a_sheet_are_straight_lines() {
         let skin = sheet(20);
         let middle = (0..skin.len() as u32).find(|p| skin.positions[*p as usize].length() < 1e-4).unwrap_or_default();
-        let found = ways(&skin, &[(middle, 0.0)], 0.8);
+        let found = geodesic_distances(&skin, &[(middle, 0.0)], 0.8);
         for (p, way) in skin.positions.iter().zip(&found) {
             if p.length() < 0.799 {
                 assert!((way - p.length()).abs() < 1e-3, "{p}: {way} instead of {}", p.length());
@@ -141,6 +141,6 @@ mod tests {
         let mut skin = sheet(4);
         let [a, b, _] = skin.faces[0];
         skin.faces.extend([[a, a, b], [a, a, a]]);
-        assert!(ways(&skin, &[(a, 0.0)], 10.0).iter().all(|way| way.is_finite()));
+        assert!(geodesic_distances(&skin, &[(a, 0.0)], 10.0).iter().all(|way| way.is_finite()));
     }
 }

@@ -57,12 +57,12 @@ impl JointValues {
     }
 
     /// Whether any joint has a value for that key.
-    pub fn say(&self, key: fn(&JointGroom) -> Option<f32>) -> bool {
+    pub fn has_key(&self, key: fn(&JointGroom) -> Option<f32>) -> bool {
         self.joints.iter().any(|joint| key(joint).is_some())
     }
 
     /// Returns the mean over the joints of a vertex by their weights. Joints without a value count as `elsewhere`.
-    pub fn mix(&self, skin: Option<&SkinVertex>, key: fn(&JointGroom) -> Option<f32>, elsewhere: f32) -> f32 {
+    pub fn blend(&self, skin: Option<&SkinVertex>, key: fn(&JointGroom) -> Option<f32>, elsewhere: f32) -> f32 {
         let Some(skin) = skin else { return elsewhere };
         // Add weighted differences, so that without any joint value the result is exactly `elsewhere`.
         let differences = skin.joints.iter().zip(skin.weights).filter_map(|(joint, weight)| {

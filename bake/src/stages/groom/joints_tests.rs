@@ -39,7 +39,7 @@ fn follows(a: (u16, f32), b: (u16, f32)) -> SkinVertex {
 fn lengths(tables: &str) -> [f32; 4] {
     let (values, warnings) = values(tables);
     assert_eq!(warnings, Vec::<String>::new(), "{tables}");
-    [0, 1, 2, 3].map(|joint| values.mix(Some(&follows((joint, 1.0), (0, 0.0))), |t| t.length, 1.0))
+    [0, 1, 2, 3].map(|joint| values.blend(Some(&follows((joint, 1.0), (0, 0.0))), |t| t.length, 1.0))
 }
 
 #[test]
@@ -62,14 +62,14 @@ fn joint_tables_apply_to_descendants_and_nearer_tables_win() {
 #[test]
 fn joint_values_are_blended_by_skin_weights() {
     let (values, _) = values("[[groom.joint]]\nname = \"Head\"\nlength = 0.5\nwetness = 1\n");
-    let mix = |a, b, elsewhere| values.mix(Some(&follows(a, b)), |t| t.length, elsewhere);
+    let mix = |a, b, elsewhere| values.blend(Some(&follows(a, b)), |t| t.length, elsewhere);
     assert_eq!(mix((0, 0.75), (1, 0.25), 1.0), 0.875);
     assert_eq!(mix((1, 0.75), (2, 0.25), 1.0), 0.5, "the ear says what the head says");
     let third = 1.0 / 3.0;
     assert_eq!(mix((0, 1.0), (0, 0.0), third), third, "untouched to the last bit");
-    assert_eq!(values.mix(None, |t| t.length, third), third, "a vertex without joints");
+    assert_eq!(values.blend(None, |t| t.length, third), third, "a vertex without joints");
     assert_eq!(mix((77, 1.0), (0, 0.0), third), third, "a joint that the skeleton has not got");
-    assert!(values.say(|t| t.wetness) && !values.say(|t| t.density));
+    assert!(values.has_key(|t| t.wetness) && !values.has_key(|t| t.density));
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn rounded_weights_do_not_make_a_length_negative() {
         let weights = [first, 0.3 * (1.0 - first), 0.7 * (1.0 - first), 1.2e-7];
         let vertex = SkinVertex { joints: [1, 2, 3, 1], weights };
         below += usize::from(weights.iter().fold(1.0, |left, weight| left - weight) < 0.0);
-        assert!(values.mix(Some(&vertex), |t| t.length, 1.0) >= 0.0, "{weights:?}");
+        assert!(values.blend(Some(&vertex), |t| t.length, 1.0) >= 0.0, "{weights:?}");
     }
     assert!(below > 10, "{below} vertices would have had a negative length");
 }
@@ -101,7 +101,7 @@ fn tables_without_effect_are_reported() {
     let groom = Recipe::parse("r.toml", tables).unwrap().groom;
     let mut warnings = Vec::new();
     let values = JointValues::new(&groom.joint, None, &mut warnings);
-    assert!(!values.say(|t| t.length));
+    assert!(!values.has_key(|t| t.length));
     assert!(matches!(&warnings[..], [one] if one.contains("no skeleton")), "{warnings:?}");
     let mut warnings = Vec::new();
     JointValues::new(&[], None, &mut warnings);

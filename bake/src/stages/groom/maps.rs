@@ -266,7 +266,7 @@ impl<'a> Maps<'a> {
         let mut lay = LayoutMaps::default();
         let by_body = self.body.as_ref().and_then(|body| body.density.as_ref());
         let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
-        let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.say(|t| t.density);
+        let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.has_key(|t| t.density);
         if says || by_body.is_some() || !self.marks.density.is_empty() {
             // Images and vertex colours are logarithmic: equal steps of a value multiply the density by equal factors.
             let hairs = |map: &ScalarMap, v: f32| {
@@ -275,7 +275,7 @@ impl<'a> Maps<'a> {
             let each = |part: &MeshPart, m: &MaterialMaps<'a>, v: usize| {
                 let on_body = by_body.filter(|_| m.silent.density).and_then(|density| density.get(v)).copied();
                 let mapped = hairs(m.density, self.scalar(at, part, m.density, v)?.unwrap_or(0.5));
-                let of_joints = self.joints.mix(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped));
+                let of_joints = self.joints.blend(mesh.skin.get(v), |t| t.density, on_body.unwrap_or(mapped));
                 Ok(blend_marks(&self.marks.density, at.input(v), of_joints))
             };
             lay.density = Some(self.average(mesh, 1.0, each)?);
@@ -308,22 +308,22 @@ impl<'a> Maps<'a> {
             length: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.length.then(|| on_body(|body| &body.length, v)).flatten();
                 let mapped = self.scalar(at, part, m.length, v)?.unwrap_or(1.0);
-                let of_joints = self.joints.mix(skin(v), |t| t.length, by_body.unwrap_or(mapped));
+                let of_joints = self.joints.blend(skin(v), |t| t.length, by_body.unwrap_or(mapped));
                 Ok(blend_marks(&self.marks.length, at.input(v), of_joints))
             })?,
             lean: self.average(mesh, 0.0, |part, m, v| {
                 let by_body = m.silent.lean.then(|| on_body(|body| &body.lean, v)).flatten();
                 let mapped = self.scalar(at, part, m.lean, v)?.unwrap_or(0.0);
-                let of_joints = self.joints.mix(skin(v), |t| t.lean, by_body.unwrap_or(mapped));
+                let of_joints = self.joints.blend(skin(v), |t| t.lean, by_body.unwrap_or(mapped));
                 Ok(blend_marks(&self.marks.lean, at.input(v), of_joints))
             })?,
             wetness: self.average(mesh, 0.0, |part, m, v| {
                 let mapped = if at_vertices(m.wetness) { self.scalar(at, part, m.wetness, v)? } else { None };
-                Ok(self.joints.mix(skin(v), |t| t.wetness, mapped.unwrap_or(0.0)))
+                Ok(self.joints.blend(skin(v), |t| t.wetness, mapped.unwrap_or(0.0)))
             })?,
             bareness: self.average(mesh, 0.0, |part, m, v| {
                 let mapped = if at_vertices(m.bare) { self.scalar(at, part, m.bare, v)? } else { None };
-                Ok(self.joints.mix(skin(v), |t| t.bare, mapped.unwrap_or(0.0)))
+                Ok(self.joints.blend(skin(v), |t| t.bare, mapped.unwrap_or(0.0)))
             })?,
         })
     }
@@ -362,7 +362,7 @@ impl<'a> Maps<'a> {
             let index = known.iter().position(|k| *k == pair).unwrap_or(known.len());
             if index == known.len() {
                 known.push(pair);
-                textures.images.push(self.join(pair.0, pair.1)?);
+                textures.images.push(self.combined_image(pair.0, pair.1)?);
             }
             textures.of_material.push(Some(index));
         }
@@ -370,7 +370,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Combines the maps of bareness and wetness into one image. Its width and height are the larger of the two.
-    fn join(&self, bare: Option<&ScalarMap>, wetness: Option<&ScalarMap>) -> Result<Image, BakeError> {
+    fn combined_image(&self, bare: Option<&ScalarMap>, wetness: Option<&ScalarMap>) -> Result<Image, BakeError> {
         let source = |map: Option<&ScalarMap>| -> Result<_, BakeError> {
             match map {
                 Some(ScalarMap::Image { path, channel }) => Ok(Some((self.images.get(path)?, channel.index()))),

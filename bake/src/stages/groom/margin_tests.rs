@@ -29,7 +29,7 @@ fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
 
 /// Returns the x coordinate, metres, and the hair length after shortening for each vertex of the strip. Hair has full
 /// length before.
-fn faded(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
+fn shortened_lengths(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     let (mesh, rest) = strip(bare);
     let mut length = vec![1.0; mesh.positions.len()];
     BareDistances::new(&mesh, &rest, &[true, false], margin_m).shorten(&mut length);
@@ -42,13 +42,13 @@ const JOINED: [Vec3; 3] = [Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01), Vec3::new(-0.1
 
 #[test]
 fn length_grows_smoothly_over_the_margin() {
-    for (x, length) in faded(&[JOINED], 0.2) {
+    for (x, length) in shortened_lengths(&[JOINED], 0.2) {
         let t = (x / 0.2).min(1.0);
         let expected = t * t * (3.0 - 2.0 * t);
         assert!((length - expected).abs() < 0.01, "{length} at {x} m, expected {expected}");
         assert!(x < 0.21 || length == 1.0, "{length} at {x} m");
     }
-    for (_, length) in faded(&[], 0.2) {
+    for (_, length) in shortened_lengths(&[], 0.2) {
         assert_eq!(length, 1.0);
     }
 }
@@ -57,7 +57,7 @@ fn length_grows_smoothly_over_the_margin() {
 fn margin_applies_to_disconnected_bare_parts() {
     // The bare part is separated by a gap of 2 cm and slightly higher.
     let apart = JOINED.map(|p| p + Vec3::new(-0.02, 0.005, 0.0));
-    let at_rim = faded(&[apart], 0.2)[0];
+    let at_rim = shortened_lengths(&[apart], 0.2)[0];
     assert!(at_rim.1 > 0.0 && at_rim.1 < 0.05, "{at_rim:?}");
 }
 
@@ -66,9 +66,9 @@ fn bare_parts_below_the_surface_do_not_shorten_hair() {
     // The teeth are 1.5 cm behind a cheek.
     let teeth = [Vec3::new(0.4, -0.015, 0.0), Vec3::new(0.4, -0.015, 0.01), Vec3::new(0.41, -0.015, 0.0)];
     let near = |all: Vec<(f32, f32)>| all.into_iter().filter(|(x, _)| (*x - 0.4).abs() < 0.012).collect::<Vec<_>>();
-    assert!(faded(&[teeth], 0.05).iter().all(|(_, length)| *length == 1.0));
+    assert!(shortened_lengths(&[teeth], 0.05).iter().all(|(_, length)| *length == 1.0));
     let above = teeth.map(|p| Vec3::new(p.x, 0.01, p.z));
-    assert!(near(faded(&[above], 0.05)).iter().all(|(_, length)| *length < 0.3));
+    assert!(near(shortened_lengths(&[above], 0.05)).iter().all(|(_, length)| *length < 0.3));
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //! components and corners of a coarse mesh.
 
 use super::body::{Body, WeldedMesh, furred_faces};
-use super::geodesic::ways;
+use super::geodesic::geodesic_distances;
 use crate::decision::metres_in_words;
 use crate::recipe::CombMarkParams;
 use crate::stages::cells::closest_barycentric;
@@ -130,7 +130,7 @@ impl MarkSurface {
         // The shift ensures that, even on a coarse mesh, some vertex has full weight.
         let least = corners.iter().map(|p| straight(*p)).fold(f32::INFINITY, f32::min);
         let shift = (least - reach::FULL * reach).max(0.0);
-        let mut ways = ways(skin, &corners.map(|p| (p, straight(p) - shift)), reach);
+        let mut ways = geodesic_distances(skin, &corners.map(|p| (p, straight(p) - shift)), reach);
         // Vertices of other connected components, such as an ear inserted into the head, use the straight distance.
         let piece = skin.pieces[corners[0] as usize];
         for (place, way) in ways.iter_mut().enumerate().filter(|(place, _)| skin.pieces[*place] != piece) {

@@ -45,7 +45,7 @@ fn at(model: &Model, place: Vec3) -> usize {
 }
 
 /// Returns the point on the sphere's equator at that angle from the front, radians.
-fn round(angle: f32) -> Vec3 {
+fn on_equator(angle: f32) -> Vec3 {
     Vec3::new(angle.sin(), 0.0, angle.cos())
 }
 
@@ -54,7 +54,7 @@ fn mark_value_holds_at_its_position_and_fades_outwards() {
     let model = ball();
     let (values, warnings) = spread(&model, "{ name = \"a\", at = [0, 0, 1.02], length = 0.25, reach_m = 1 }", &[]);
     assert_eq!((warnings, values.lean.len(), values.has_color()), (Vec::new(), 0, false));
-    let length = |angle: f32| blend_marks(&values.length, at(&model, round(angle)), 0.75);
+    let length = |angle: f32| blend_marks(&values.length, at(&model, on_equator(angle)), 0.75);
     assert!((length(0.0) - 0.25).abs() < 1e-3 && (length(0.2) - 0.25).abs() < 0.02, "{} {}", length(0.0), length(0.2));
     assert!((length(0.62) - 0.5).abs() < 0.06, "half the way between: {}", length(0.62));
     assert_eq!([length(1.3), length(3.1)], [0.75; 2]);
@@ -66,7 +66,7 @@ fn mark_value_holds_at_its_position_and_fades_outwards() {
         let here = blend_marks(&values.length, at(&model, turned(0.5, about)), 0.75);
         assert!((here - length(0.5)).abs() < 0.05, "{about}: {here} and {}", length(0.5));
     }
-    let (places, front) = (&model.mesh.positions, at(&model, round(0.0)));
+    let (places, front) = (&model.mesh.positions, at(&model, on_equator(0.0)));
     let seam: Vec<usize> = (0..places.len()).filter(|v| places[*v] == places[front]).collect();
     assert!(seam.len() == 2 && values.length[seam[0]] == values.length[seam[1]], "{seam:?}");
 }
@@ -77,11 +77,11 @@ fn overlapping_marks_are_blended() {
     let list = "{ name = \"a\", at = [0, 0, 1], length = 1, density = 4, reach_m = 1.2 }, \
                 { name = \"b\", at = [1, 0, 0], length = 0, reach_m = 1.2 }";
     let (values, _) = spread(&model, list, &[]);
-    let length = |angle: f32| blend_marks(&values.length, at(&model, round(angle)), 0.5);
+    let length = |angle: f32| blend_marks(&values.length, at(&model, on_equator(angle)), 0.5);
     let quarter = std::f32::consts::FRAC_PI_2;
     assert!(length(0.0) > 0.999 && length(quarter) < 0.001, "{} {}", length(0.0), length(quarter));
     assert!((length(quarter / 2.0) - 0.5).abs() < 0.03, "{}", length(quarter / 2.0));
-    assert_eq!(blend_marks(&values.density, at(&model, round(quarter)), 1.0), 1.0, "b says nothing of density");
+    assert_eq!(blend_marks(&values.density, at(&model, on_equator(quarter)), 1.0), 1.0, "b says nothing of density");
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn mark_colour_replaces_the_model_colour() {
     assert_eq!(color(Vec3::Z), [1.0; 4]);
     let far = color(Vec3::NEG_Z);
     assert!(far.iter().zip([0.25, 0.125, 0.0625, 1.0]).all(|(f, e)| (f - e).abs() < 1.0 / 255.0), "{far:?}");
-    let [r, g, b, _] = color(round(0.62));
+    let [r, g, b, _] = color(on_equator(0.62));
     assert!((r - 0.625).abs() < 0.08 && (g - 0.5625).abs() < 0.1 && b < g, "{r} {g} {b}");
 }
 

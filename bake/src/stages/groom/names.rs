@@ -114,14 +114,14 @@ pub(super) fn meaning_of_words<W: AsRef<str>>(words: &[W]) -> NameMeaning {
     let is_inside = words.iter().any(|word| INSIDE.contains(word));
     let limits = words.iter().filter_map(|word| {
         let of_mouth = (is_inside && is_one_of(word, MOUTH.words)).then_some(MOUTH.most);
-        kind(word).map(|kind| kind.most).or(of_mouth)
+        bare_word_kind(word).map(|kind| kind.most).or(of_mouth)
     });
     limits.reduce(f32::min).map_or(NameMeaning::Nothing, |most| NameMeaning::Bare { most })
 }
 
 /// Whether words from [`words`] name eyes or parts of eyes.
 pub(super) fn are_names_of_eyes(words: &[String]) -> bool {
-    let is_eye = |word: &String| kind(word).is_some_and(|kind| kind.words == EYES);
+    let is_eye = |word: &String| bare_word_kind(word).is_some_and(|kind| kind.words == EYES);
     matches!(meaning_of_words(words), NameMeaning::Bare { .. }) && words.iter().any(is_eye)
 }
 
@@ -131,7 +131,7 @@ pub(super) fn are_names_of_snout(words: &[String]) -> bool {
 }
 
 /// Returns the kind of bare part that a word names.
-fn kind(word: &str) -> Option<&'static BareWords> {
+fn bare_word_kind(word: &str) -> Option<&'static BareWords> {
     let of = |word: &str| BARE.iter().find(|kind| is_one_of(word, kind.words));
     let without_place = || {
         let cut =

@@ -16,7 +16,7 @@ const POINTS: usize = 4;
 const NAMED: usize = 5;
 
 /// Returns the position of a tuft.
-fn place_of(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
+fn tuft_position(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
     let Some(joint) = &params.joint else {
         let at = params.at.ok_or("at and joint are missing, expected a position near the skin or a joint's name")?;
         return Ok(at.into());
@@ -52,7 +52,7 @@ pub(super) fn tuft_of(
     body: &SurfaceIndex<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<HairGroup, String> {
-    let at = place_of(params, ground, warnings)?;
+    let at = tuft_position(params, ground, warnings)?;
     let mut of_material = vec![params.material.is_none(); body.triangles.len()];
     if let Some(pattern) = &params.material {
         for part in parts_of(pattern, ground)? {
@@ -62,7 +62,7 @@ pub(super) fn tuft_of(
     let sides: &[f32] = if params.mirrored() { &[1.0, -1.0] } else { &[1.0] };
     let places = sides.iter().map(|side| (at * Vec3::new(*side, 1.0, 1.0), *side));
     let reach_m = 2.0 * ground.radius_m;
-    let about = |(middle, side)| hairs_about(params, body, middle, reach_m, side, |t| of_material[t as usize]);
+    let about = |(middle, side)| tuft_hairs(params, body, middle, reach_m, side, |t| of_material[t as usize]);
     let hairs: Vec<_> = places.flat_map(about).collect();
     if hairs.is_empty() {
         return Err(format!("no skin is near {at}, expected a position on the model"));
@@ -85,7 +85,7 @@ pub(super) fn tuft_of(
 
 /// Returns the hairs of a tuft, each with its root and points. The centre of the tuft is the point nearest to `middle`
 /// on the triangles that `of` accepts. `side` is −1 for the mirrored tuft.
-fn hairs_about(
+fn tuft_hairs(
     params: &TuftParams,
     body: &SurfaceIndex<'_>,
     middle: Vec3,

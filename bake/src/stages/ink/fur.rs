@@ -42,7 +42,7 @@ struct Stroke {
 }
 
 /// Parameters of one view of the strokes.
-struct View {
+struct TileView {
     side: usize,
     /// Texels per tile width.
     scale: Vec2,
@@ -69,8 +69,8 @@ pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     let height = strands.height.max(1e-6);
     let scale = side as f32;
     let looks = [
-        View { side, scale: Vec2::splat(scale), periodic_v: true, densities: TOP_DENSITIES, path: path_from_above },
-        View {
+        TileView { side, scale: Vec2::splat(scale), periodic_v: true, densities: TOP_DENSITIES, path: path_from_above },
+        TileView {
             side,
             scale: Vec2::new(scale, scale / height),
             periodic_v: false,
@@ -164,7 +164,7 @@ fn path_from_side(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
 }
 
 /// Draws strokes until each density has inked its share of the tile. Denser planes include the ink of sparser ones.
-fn draw(strands: &Strands, order: &[usize], view: &View, lean: Vec2, seed: u64) -> [Plane; 4] {
+fn draw(strands: &Strands, order: &[usize], view: &TileView, lean: Vec2, seed: u64) -> [Plane; 4] {
     let mut ink = Plane::empty(view.side);
     let mut touched = Stamp { ink: Plane::empty(view.side), texels: Vec::new() };
     let mut sum = 0.0f64;
@@ -199,7 +199,7 @@ struct Stamp {
 }
 
 impl Stamp {
-    fn stroke(&mut self, view: &View, stroke: &Stroke) {
+    fn stroke(&mut self, view: &TileView, stroke: &Stroke) {
         let long: f32 = stroke.path.windows(2).map(|w| w[0].distance(w[1])).sum();
         let mut gone = 0.0;
         for w in stroke.path.windows(2) {
@@ -211,7 +211,7 @@ impl Stamp {
 
     /// Inks the texels near a straight segment. `part` gives the beginning and end of the segment as shares of the
     /// stroke's length.
-    fn piece(&mut self, view: &View, stroke: &Stroke, (a, b): (Vec2, Vec2), part: (f32, f32)) {
+    fn piece(&mut self, view: &TileView, stroke: &Stroke, (a, b): (Vec2, Vec2), part: (f32, f32)) {
         let n = view.side as i64;
         let along = b - a;
         // Seen from the side, texels are not square, so half a texel is measured across the stroke.

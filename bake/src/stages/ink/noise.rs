@@ -4,7 +4,7 @@ use crate::noise::{hash, smooth};
 use glam::{UVec2, Vec2};
 
 /// Returns the random gradient of a lattice point, each component in -1..1.
-fn slope(seed: u64, x: u32, y: u32) -> Vec2 {
+fn lattice_gradient(seed: u64, x: u32, y: u32) -> Vec2 {
     let h = hash(seed, u64::from(y) << 32 | u64::from(x));
     let component = |shift: u32| ((h >> shift) & 0xff_ffff) as f32 / (1 << 23) as f32 - 1.0;
     Vec2::new(component(0), component(24))
@@ -18,7 +18,7 @@ pub(super) fn gradient(seed: u64, p: Vec2, cells: UVec2) -> f32 {
     let f = q - cell;
     let wrap = |i: f32, n: u32| (i as i64).rem_euclid(i64::from(n.max(1))) as u32;
     let at = |i: u32, j: u32| {
-        let slope = slope(seed, wrap(cell.x + i as f32, cells.x), wrap(cell.y + j as f32, cells.y));
+        let slope = lattice_gradient(seed, wrap(cell.x + i as f32, cells.x), wrap(cell.y + j as f32, cells.y));
         slope.dot(f - Vec2::new(i as f32, j as f32))
     };
     let w = f.map(smooth);

@@ -172,7 +172,7 @@ pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
 /// repeats.
 fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
     let n = plane.side;
-    let normal = plane.equalised().map(normal_of_rank);
+    let normal = plane.equalised().map(normal_quantile);
     // Weight of the unshifted copy: 0 at the borders, 1 from a quarter of the side on.
     let weight = |i: usize, wanted: bool| {
         let from_border = (i as f32 + 0.5).min(n as f32 - i as f32 - 0.5) / n as f32;
@@ -201,7 +201,7 @@ fn tile(plane: &Plane, wanted: [bool; 2]) -> Plane {
 
 /// Returns the quantile of the standard normal distribution at `rank`, 0..1 (Abramowitz and Stegun 26.2.23; error below
 /// 5e-4).
-fn normal_of_rank(rank: f32) -> f32 {
+fn normal_quantile(rank: f32) -> f32 {
     let p = rank.min(1.0 - rank).max(1e-7);
     let t = (-2.0 * libm::logf(p)).sqrt();
     let value =

@@ -127,8 +127,8 @@ fn scan_errors_name_the_image_and_its_size() {
 }
 
 #[test]
-fn normal_of_rank_has_known_values() {
+fn normal_quantile_has_known_values() {
     for (rank, value) in [(0.5, 0.0), (0.841_345, 1.0), (0.158_655, -1.0), (0.977_25, 2.0), (0.001_35, -3.0)] {
-        assert!((normal_of_rank(rank) - value).abs() < 2e-3, "{rank}: {}", normal_of_rank(rank));
+        assert!((normal_quantile(rank) - value).abs() < 2e-3, "{rank}: {}", normal_quantile(rank));
     }
 }

@@ -45,7 +45,7 @@ fn tiles_have_no_seams() {
 }
 
 #[test]
-fn greys_are_balanced_and_thresholds_even() {
+fn greys_have_mean_one_half_and_thresholds_are_uniform() {
     for [a, b, _, threshold] in [wash(&small(), None), paper(&small())] {
         for plane in [a, b] {
             assert!(
@@ -113,7 +113,7 @@ fn densities_of_fur_are_nested_and_grow() {
 }
 
 #[test]
-fn upright_and_hardly_any_hair_still_gives_strokes() {
+fn a_single_upright_strand_still_gives_strokes() {
     let upright = HairParams { lean: 0.0, frizz: 0.0, density: 1, ..natural().hair };
     let strands = simulate(&upright, &ColorParams::default(), &VolumeParams { height: 0.01 }).unwrap();
     let [above, beside] = fur(&strands, 64, 1);

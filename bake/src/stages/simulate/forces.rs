@@ -21,7 +21,7 @@ const RELAXATION: f32 = 7.0;
 
 /// Purposes of a strand's random numbers. The first two numbers are used by [`stratified`].
 #[derive(Clone, Copy)]
-enum Draw {
+enum RandomUse {
     Length = 2,
     Tilt,
     Phase,
@@ -92,7 +92,7 @@ impl<'a> Grower<'a> {
 
     /// Returns the brightness of a strand, in -1..1.
     pub(super) fn brightness(&self, strand: u32) -> f32 {
-        let own = 2.0 * self.draw(strand, Draw::Brightness) - 1.0;
+        let own = 2.0 * self.draw(strand, RandomUse::Brightness) - 1.0;
         match self.locks {
             // Hairs of one lock look alike, and wet hairs even more so.
             Some(locks) => {
@@ -106,11 +106,11 @@ impl<'a> Grower<'a> {
 
     /// Returns the offset of a strand's colour band, in -1..1. Negative values are towards the root, positive ones
     /// towards the tip.
-    pub(super) fn stray(&self, strand: u32) -> f32 {
-        2.0 * self.draw(strand, Draw::Stray) - 1.0
+    pub(super) fn band_offset(&self, strand: u32) -> f32 {
+        2.0 * self.draw(strand, RandomUse::Stray) - 1.0
     }
 
-    fn draw(&self, strand: u32, what: Draw) -> f32 {
+    fn draw(&self, strand: u32, what: RandomUse) -> f32 {
         uniform(self.own_seed, u64::from(strand) << 8 | what as u64)
     }
 
@@ -120,7 +120,7 @@ impl<'a> Grower<'a> {
 
     /// Returns the arc length of a strand, in tile widths. The longest strands are the rarest.
     pub(super) fn length(&self, strand: u32) -> f32 {
-        let x = self.draw(strand, Draw::Length);
+        let x = self.draw(strand, RandomUse::Length);
         let share = 1.0 - self.params.length_variation * (1.0 - x * x.sqrt());
         self.height * share.max(0.01)
     }
@@ -149,14 +149,14 @@ impl<'a> Grower<'a> {
         let length = self.length(strand);
         let step = length / segments as f32;
         let follow = Self::relaxation_factor(step, length);
-        let tilt = vector(self.own_seed, u64::from(strand) << 8 | Draw::Tilt as u64) * self.forces.disorder;
-        let frizz_seed = hash(self.own_seed, u64::from(strand) << 8 | Draw::Frizz as u64);
+        let tilt = vector(self.own_seed, u64::from(strand) << 8 | RandomUse::Tilt as u64) * self.forces.disorder;
+        let frizz_seed = hash(self.own_seed, u64::from(strand) << 8 | RandomUse::Frizz as u64);
         let root = self.root(strand);
         let mut position = root.extend(0.0);
         let leader = self.leader.unwrap_or(self);
         let mut axis_of_lock = self.locks.map(|locks| LockAxis::new(leader, locks, locks.lock_at(root)));
         let mut phase = self.curl_phase(strand, position);
-        let hand = if self.draw(strand, Draw::Hand) < 0.15 { -1.0 } else { 1.0 };
+        let hand = if self.draw(strand, RandomUse::Hand) < 0.15 { -1.0 } else { 1.0 };
         let mut axis = (self.lean(0.0) + tilt).normalize_or(Vec3::Z);
         for (j, point) in points.iter_mut().enumerate() {
             *point = position;
@@ -199,7 +199,7 @@ impl<'a> Grower<'a> {
     /// Returns the phase of a curl, radians. Neighbouring curls turn together, as in a lock, with a little disorder.
     fn curl_phase(&self, strand: u32, root: Vec3) -> f32 {
         let together = noise_in_tile(hash(self.seed, u64::MAX), root, 3).x * TAU;
-        together + (self.draw(strand, Draw::Phase) - 0.5) * 1.4
+        together + (self.draw(strand, RandomUse::Phase) - 0.5) * 1.4
     }
 
     fn style_force(&self, position: Vec3, t: f32) -> Vec3 {

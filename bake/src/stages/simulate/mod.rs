@@ -229,7 +229,7 @@ fn grow_kind(grower: &Grower<'_>, shades: &Shades, variation: f32) -> Strands {
     lists.into_par_iter().enumerate().for_each(|(i, (points, radii, colors))| {
         grower.grow(i as u32, points);
         let brightness = 1.0 + variation * grower.brightness(i as u32);
-        let stray = grower.stray(i as u32);
+        let stray = grower.band_offset(i as u32);
         for (j, (radius, color)) in radii.iter_mut().zip(colors).enumerate() {
             let t = j as f32 / (per_strand - 1) as f32;
             *radius = params.root_radius + (params.tip_radius - params.root_radius) * t;

@@ -122,7 +122,7 @@ fn wet_hair_gathers_into_locks() {
 }
 
 #[test]
-fn wet_hair_is_darker_and_lower_and_lying_hair_is_flat() {
+fn wet_and_lying_hair_is_lower_and_wet_hair_darker() {
     let heights = |style| {
         let strands = grow(|p| p.style = style);
         strands.points.iter().map(|p| p.z).sum::<f32>() / strands.points.len() as f32

@@ -73,7 +73,7 @@ impl Transmittance {
     /// Converts the `sums` of the next layer inwards to texels of all levels. If `skin` is given, the layer is opaque
     /// and has that colour. Its directions are those of the hair in `sums`, or their mean in texels without hair.
     pub(super) fn layer(&mut self, sums: &mut Vec<Sums>, texels: u32, skin: Option<Vec3>) -> Vec<LevelBytes> {
-        weigh(sums, &mut self.drawn);
+        to_weighted_opacity(sums, &mut self.drawn);
         let above = self.levels.last().map_or(1.0, |level| level.exact[0]);
         if skin.is_some() {
             fill_surface_directions(sums);
@@ -121,7 +121,7 @@ impl Transmittance {
 
 /// Replaces depth, depth·colour, depth·direction by Wα, WαC, WαT, where W is the weight of the texel. Stores W in the
 /// eighth component. All of these can be averaged linearly.
-fn weigh(sums: &mut [Sums], outside: &mut [f32]) {
+fn to_weighted_opacity(sums: &mut [Sums], outside: &mut [f32]) {
     sums.par_iter_mut().zip(outside).with_min_len(1024).for_each(|(s, outside)| {
         let w = *outside + HIDDEN;
         let depth = s[0];

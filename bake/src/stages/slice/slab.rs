@@ -24,18 +24,18 @@ use rayon::prelude::*;
 
 /// Direction through the tile: `(p, q)`, numbers of tiles along u and v after which a line returns to its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Slab {
+pub struct FinSlice {
     step: [i8; 2],
     /// Offset (m, n) to the neighbouring tile that is one period away across the slab: −q·m + p·n = 1.
     neighbour: [i8; 2],
 }
 
 /// Slabs of a fin texture, in the order of its array layers. Their directions are 45° apart.
-pub const SLABS: [Slab; 4] = [
-    Slab { step: [1, 0], neighbour: [0, 1] },
-    Slab { step: [1, 1], neighbour: [0, 1] },
-    Slab { step: [0, 1], neighbour: [-1, 0] },
-    Slab { step: [-1, 1], neighbour: [0, -1] },
+pub const FIN_SLICES: [FinSlice; 4] = [
+    FinSlice { step: [1, 0], neighbour: [0, 1] },
+    FinSlice { step: [1, 1], neighbour: [0, 1] },
+    FinSlice { step: [0, 1], neighbour: [-1, 0] },
+    FinSlice { step: [-1, 1], neighbour: [0, -1] },
 ];
 
 /// Fine texels per texel and axis. The number is reduced if the fine texture would exceed [`MAX_FINE`] texels per side.
@@ -45,7 +45,7 @@ const MAX_FINE: u32 = 1024;
 /// background, so it needs a finer resolution. The whole texture is still smaller than one layer of the shells.
 const TEXELS_PER_SHELL_TEXEL: u32 = 2;
 
-impl Slab {
+impl FinSlice {
     /// Returns the length of one period, tile widths.
     pub fn period(self) -> f32 {
         let [p, q] = self.step.map(f32::from);
@@ -60,9 +60,9 @@ impl Slab {
 
 /// Returns the slab most parallel to `direction`, which may have any length, and whether the two have opposite
 /// directions.
-pub fn slab_along(direction: Vec2) -> (usize, bool) {
+pub fn fin_slice_along(direction: Vec2) -> (usize, bool) {
     let mut best = (0, 0.0f32);
-    for (index, slab) in SLABS.iter().enumerate() {
+    for (index, slab) in FIN_SLICES.iter().enumerate() {
         let along = slab.direction().dot(direction);
         if along.abs() > best.1.abs() {
             best = (index, along);
@@ -103,7 +103,7 @@ pub fn fin_textures(
     FinParams { depth: Some(depth), ..FinParams::default() }.validate()?;
     let (width, height) = size(strands, slice);
     let direction_format = TextureFormat::from(pack.direction_format);
-    let slabs: Vec<_> = SLABS
+    let slabs: Vec<_> = FIN_SLICES
         .par_iter()
         .map(|slab| {
             levels(draw(strands, *slab, depth, (width, height), slice.filter_width), (width, height), direction_format)
@@ -133,7 +133,7 @@ fn size(strands: &Strands, slice: &SliceParams) -> (u32, u32) {
 }
 
 /// Draws one slab at the texture's size. Returns sums of opacity, opacity times colour, and opacity times direction.
-fn draw(strands: &Strands, slab: Slab, depth: f32, (width, height): (u32, u32), filter_width: f32) -> Vec<Sums> {
+fn draw(strands: &Strands, slab: FinSlice, depth: f32, (width, height): (u32, u32), filter_width: f32) -> Vec<Sums> {
     let samples = (MAX_FINE / width.max(height)).clamp(1, SUPERSAMPLES);
     let (w, h) = ((width * samples) as usize, (height * samples) as usize);
     let mut raster = Raster { width: w, height: h, sums: vec![[0.0; 8]; w * h], weights: Default::default() };

@@ -31,7 +31,7 @@ fn hair(root: Vec3, tip: Vec3) -> Strands {
 fn slab(strands: &Strands, index: usize, depth: f32) -> (Levels, Levels) {
     let params = slice(32);
     let size = size(strands, &params);
-    levels(draw(strands, SLABS[index], depth, size, params.filter_width), size, FORMAT)
+    levels(draw(strands, FIN_SLICES[index], depth, size, params.filter_width), size, FORMAT)
 }
 
 fn alpha(level: &(u32, u32, Vec<u8>)) -> Vec<f32> {
@@ -51,7 +51,7 @@ fn column(level: &(u32, u32, Vec<u8>)) -> f32 {
 }
 
 #[test]
-fn edges_select_the_slab_parallel_to_them() {
+fn edges_select_the_most_parallel_fin_slice() {
     for (direction, expected) in [
         (Vec2::new(1.0, 0.1), (0, false)),
         (Vec2::new(-3.0, 0.1), (0, true)),
@@ -63,9 +63,9 @@ fn edges_select_the_slab_parallel_to_them() {
         (Vec2::new(1.0, -1.0), (3, true)),
         (Vec2::ZERO, (0, false)),
     ] {
-        assert_eq!(slab_along(direction), expected, "{direction}");
+        assert_eq!(fin_slice_along(direction), expected, "{direction}");
     }
-    for slab in SLABS {
+    for slab in FIN_SLICES {
         let ([p, q], [m, n]) = (slab.step.map(i32::from), slab.neighbour.map(i32::from));
         assert_eq!(p * n - q * m, 1, "{slab:?}: its neighbour is not one period away");
     }
@@ -89,7 +89,7 @@ fn slabs_wrap_at_tile_borders() {
     let mut moved = strands.clone();
     // The strands are shifted by whole tiles, so the hair is the same.
     moved.points.iter_mut().for_each(|p| *p += Vec3::new(3.0, -2.0, 0.0));
-    for index in 0..SLABS.len() {
+    for index in 0..FIN_SLICES.len() {
         let (a, b) = (slab(&strands, index, 0.3), slab(&moved, index, 0.3));
         let differing = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 2).count();
         // Rounding may move a hair near the face of the slab in or out of it.
@@ -116,7 +116,7 @@ fn lean_is_visible_in_the_parallel_slab() {
     assert!((rows(2) - 0.15).abs() < 0.02, "half of its lean of 0.3 between the quarters, not {}", rows(2));
     assert!(rows(1) > 0.05 && rows(1) < rows(2), "at 45 degrees less of it, not {}", rows(1));
     // Directions are in the tile frame for all slabs.
-    for index in 0..SLABS.len() {
+    for index in 0..FIN_SLICES.len() {
         let (color, direction) = slab(&strands, index, 1.0);
         let (at, _) = alpha(&color[0]).iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
         let texel: [u8; 4] = direction[0].2[4 * at..4 * at + 4].try_into().unwrap();
@@ -129,7 +129,7 @@ fn lean_is_visible_in_the_parallel_slab() {
 #[test]
 fn mips_keep_the_covered_share() {
     let strands = coat();
-    for index in 0..SLABS.len() {
+    for index in 0..FIN_SLICES.len() {
         let (color, direction) = slab(&strands, index, 0.05);
         let shares: Vec<_> = color.iter().map(|level| mean(&alpha(level))).collect();
         assert!(shares[0] > 0.02, "there is hair: {shares:?}");
@@ -151,7 +151,7 @@ fn coverage_does_not_depend_on_resolution() {
     let share = |texels: u32| {
         let params = slice(texels);
         let size = size(&strands, &params);
-        let sums = draw(&strands, SLABS[0], 0.05, size, params.filter_width);
+        let sums = draw(&strands, FIN_SLICES[0], 0.05, size, params.filter_width);
         sums.iter().map(|s| s[0]).sum::<f32>() / sums.len() as f32
     };
     let [coarse, fine] = [16, 128].map(share);

@@ -105,7 +105,7 @@ fn sample_line(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
 }
 
 /// Returns the wanted direction of each furred face, with a length of up to 1.
-pub(super) fn wishes(
+pub(super) fn wanted_directions(
     skin: &FurredMesh,
     mesh: &Mesh,
     input_vertex: &[u32],

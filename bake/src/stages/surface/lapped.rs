@@ -119,7 +119,7 @@ struct PatchBuilder<'a> {
 }
 
 /// Reason why faces cannot be one patch.
-enum Refusal {
+enum PatchError {
     /// Faces that are not a disc, or of which too many exceed the bounds.
     Shape,
     /// Equations without a reliable solution.
@@ -127,16 +127,16 @@ enum Refusal {
 }
 
 impl PatchBuilder<'_> {
-    fn solve(&self, faces: &[u32]) -> Result<Vec<(u32, DVec2)>, Refusal> {
+    fn solve(&self, faces: &[u32]) -> Result<Vec<(u32, DVec2)>, PatchError> {
         if let [face] = faces {
             return Ok(self.lay_flat(*face as usize));
         }
         let system = PatchSystem::new(self.topology, faces, self.frames_of(faces));
         if system.euler_characteristic() != 1 {
-            return Err(Refusal::Shape);
+            return Err(PatchError::Shape);
         }
         let rounds = if self.params.comb_weight < 1.0 { ROUNDS } else { 0 };
-        let uvs = system.solve(self.params.comb_weight, rounds).ok_or(Refusal::Equations)?;
+        let uvs = system.solve(self.params.comb_weight, rounds).ok_or(PatchError::Equations)?;
         let maps: Vec<(f64, DMat2)> =
             (0..faces.len()).map(|k| (self.topology.areas[faces[k] as usize], system.jacobian(k, &uvs))).collect();
         let area: f64 = maps.iter().map(|(area, _)| area).sum();
@@ -148,12 +148,12 @@ impl PatchBuilder<'_> {
             let (largest, least) = singular_values(map * scale);
             // The comparison is written so that NaN is rejected.
             if !(least >= LEAST_SQUEEZE && largest * LEAST_SQUEEZE <= 1.0) {
-                return Err(Refusal::Shape);
+                return Err(PatchError::Shape);
             }
             odd += if self.params.bounds.allow(map * scale) { 0.0 } else { face_area };
         }
         if odd > ODD_SHARE * area {
-            Err(Refusal::Shape)
+            Err(PatchError::Shape)
         } else {
             Ok(system.points().iter().copied().zip(uvs.into_iter().map(|uv| uv * scale)).collect())
         }
@@ -204,7 +204,7 @@ impl PatchBuilder<'_> {
             match self.solve(&faces) {
                 Ok(points) => out.push(Solved { faces, points }),
                 Err(refusal) => {
-                    unsolved += usize::from(matches!(refusal, Refusal::Equations));
+                    unsolved += usize::from(matches!(refusal, PatchError::Equations));
                     let second = split(self.topology, self.frames, &self.params.reach, &faces);
                     for side in [false, true] {
                         let part: Vec<u32> =

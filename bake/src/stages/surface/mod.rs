@@ -95,7 +95,7 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
     weld::smooth_normals_over_seams(&mut mesh, &repaired.topology.faces, &furred_triangles);
 
     let skin = FurredMesh::new(repaired.topology, &furred_triangles);
-    let wishes = comb::wishes(&skin, &mesh, &input_vertex, &params.comb, &mut warnings);
+    let wishes = comb::wanted_directions(&skin, &mesh, &input_vertex, &params.comb, &mut warnings);
     let smoothing_m = f64::from(params.comb_smoothing) * f64::from(params.tile_size_m);
     let field = field::comb_field(&skin.topology, &wishes, smoothing_m);
     let frames = face_frames(&skin, &mesh, &input_vertex, &field, params);

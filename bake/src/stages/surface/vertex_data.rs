@@ -12,7 +12,7 @@ use pelage_import::mesh::{Mesh, RestPose};
 use std::collections::HashMap;
 
 /// Per-vertex results for the split mesh.
-pub(super) struct Emitted {
+pub(super) struct SplitVertices {
     pub(super) tile_uvs: Vec<Vec2>,
     pub(super) tangents: Vec<Vec4>,
 }
@@ -76,7 +76,7 @@ pub(super) fn patches(
     skin: &FurredMesh,
     lapped: &Lapped,
     field: Option<&[DVec3]>,
-) -> Emitted {
+) -> SplitVertices {
     // First patch that uses each vertex; bare triangles count as one more patch.
     let bare = lapped.patches as u32;
     let mut face_of = vec![NONE; mesh.triangles.len()];
@@ -107,7 +107,7 @@ pub(super) fn patches(
         Some(field) => field_tangents(mesh, skin, field, &tile_uvs),
         None => frames::tangents(mesh, &tile_uvs),
     };
-    Emitted { tile_uvs, tangents }
+    SplitVertices { tile_uvs, tangents }
 }
 
 /// Returns tangents along S = T × N, where T is the mean of the comb field around each point. This makes lighting
@@ -156,12 +156,12 @@ pub(super) fn model_uvs(
     furred: &[bool],
     tile_m: f32,
     warnings: &mut Vec<String>,
-) -> Emitted {
+) -> SplitVertices {
     let scale = frames::tile_scale(mesh, rest, furred, tile_m, warnings);
     let mut tile_uvs: Vec<Vec2> = mesh.uvs.iter().map(|uv| *uv * scale).collect();
     for original in frames::split_by_handedness(mesh, rest, &mut tile_uvs, warnings) {
         input_vertex.push(input_vertex[original as usize]);
     }
     let tangents = frames::tangents(mesh, &tile_uvs);
-    Emitted { tile_uvs, tangents }
+    SplitVertices { tile_uvs, tangents }
 }

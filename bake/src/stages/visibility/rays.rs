@@ -13,21 +13,21 @@ const MAX_TILES: f32 = 8.0;
 
 /// Segment of a strand: a tapered cylinder.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+struct StrandSegment {
     from: Vec3,
     to: Vec3,
     radii: [f32; 2],
     strand: u32,
 }
 
-impl Boundable for Piece {
+impl Boundable for StrandSegment {
     fn aabb(&self) -> Aabb {
         let radius = self.radii[0].max(self.radii[1]) + 1e-6;
         Aabb::new((self.from.min(self.to) - radius).into(), (self.from.max(self.to) + radius).into())
     }
 }
 
-impl Piece {
+impl StrandSegment {
     /// Returns whether a ray with unit direction hits the segment: the distance between the closest points is below the
     /// segment's radius there.
     fn is_hit(&self, origin: Vec3, way: Vec3, reach: f32) -> bool {
@@ -50,7 +50,7 @@ impl Piece {
 /// All strands of a tile in an acceleration structure for ray tracing.
 pub(super) struct StrandTree {
     /// Segments in the order of the tree's leaves.
-    pieces: Vec<Piece>,
+    pieces: Vec<StrandSegment>,
     tree: Option<CwBvh>,
     /// Lower corner of the bounds of one tile's strands, without neighbouring tiles; [`Self::high`] is the upper
     /// corner.
@@ -64,7 +64,7 @@ impl StrandTree {
         let mut pieces = Vec::new();
         for strand in 0..strands.len() {
             let range = strands.range(strand);
-            pieces.extend((range.start..range.end.saturating_sub(1)).map(|i| Piece {
+            pieces.extend((range.start..range.end.saturating_sub(1)).map(|i| StrandSegment {
                 from: strands.points[i],
                 to: strands.points[i + 1],
                 radii: [strands.radii[i], strands.radii[i + 1]],

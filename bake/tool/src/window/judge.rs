@@ -2,7 +2,7 @@
 
 use crate::environment::Sky;
 use crate::truth::{ReferenceTracer as TrueView, encode};
-use crate::view::View;
+use crate::view::PictureView;
 use pelage_stage::LookStyle;
 use pelage_truth::compare::{CompareParams, compare};
 use pelage_truth::{Portion, TracedPicture};
@@ -30,13 +30,13 @@ impl ReferenceSource for Tracer {
             return Err("found ink, which has no reference picture; expected fur or bare skin".into());
         }
         let sky = Sky::of(&asked.look).map_err(|failure| failure.to_string())?;
-        let view = View {
+        let view = PictureView {
             look: asked.look.clone(),
             sky: sky.map(Arc::new),
             camera: Some(asked.camera),
             clip: asked.clip.clone(),
             time_s: asked.time_s,
-            ..View::default()
+            ..PictureView::default()
         };
         let kept = self.grown.as_ref().is_some_and(|(before, _)| same_strands(before, asked));
         if !kept {

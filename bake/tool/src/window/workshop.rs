@@ -204,7 +204,7 @@ impl Workshop for Studio {
         Ok(path)
     }
 
-    fn judge(&self) -> Box<dyn ReferenceSource> {
+    fn reference_source(&self) -> Box<dyn ReferenceSource> {
         Box::new(Tracer::default())
     }
 }

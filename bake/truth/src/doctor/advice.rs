@@ -1,6 +1,6 @@
 //! Advice: detail that a package has in excess or lacks on a screen, and the recipe line that would change it.
 
-use super::prognosis::{Advice, Prognosis, Saved, View};
+use super::prognosis::{Advice, Prognosis, Saved, PrognosisView};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::metric::LEAST_HAIR_TEXELS;
 use pelage_formats::{FormatError, Manifest, Package, TextureFormat};
@@ -16,7 +16,7 @@ use pelage_import::BakeError;
 /// As [`super::diagnose`].
 pub(super) fn advise(
     package: &Package<'_>,
-    view: &View,
+    view: &PrognosisView,
     found: &Prognosis,
     fault: &dyn Fn(FormatError) -> BakeError,
 ) -> Result<Vec<Advice>, BakeError> {
@@ -105,7 +105,7 @@ const LEAST_GAP_PX: f64 = 0.5;
 
 fn layers(
     manifest: &Manifest,
-    view: &View,
+    view: &PrognosisView,
     found: &Prognosis,
     textures: u64,
     knows_visibility: bool,
@@ -256,7 +256,7 @@ const TEXELS_A_PIXEL: u64 = 8;
 
 fn base_color(
     package: &Package<'_>,
-    view: &View,
+    view: &PrognosisView,
     found: &Prognosis,
     fault: &dyn Fn(FormatError) -> BakeError,
 ) -> Result<Option<Advice>, BakeError> {

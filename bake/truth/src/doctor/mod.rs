@@ -15,7 +15,7 @@ pub mod raster;
 
 pub use advice::is_harmless;
 pub use fit::fitted;
-pub use prognosis::{Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis, Saved, View};
+pub use prognosis::{Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis, Saved, PrognosisView};
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{PlantingMesh, Roots, SurfaceWalk};
@@ -58,7 +58,7 @@ impl Vertex {
 /// [`BakeError::Package`] for damaged sections. [`BakeError::Params`] if eye and target of the camera coincide.
 pub fn diagnose(
     package: &Package<'_>,
-    view: &View,
+    view: &PrognosisView,
     fault: &dyn Fn(FormatError) -> BakeError,
 ) -> Result<Prognosis, BakeError> {
     let manifest = package.manifest();
@@ -200,7 +200,7 @@ fn raster_size((width, height): (u32, u32)) -> ((u32, u32), f64) {
 }
 
 /// Returns the matrix from world to clip space; w is the distance along the view.
-fn camera(view: &View) -> Result<Mat4, BakeError> {
+fn camera(view: &PrognosisView) -> Result<Mat4, BakeError> {
     let forward = (view.target - view.eye).try_normalize().ok_or_else(|| BakeError::Params {
         what: "camera",
         reason: format!("eye and target are both at {}, expected different points", view.eye),
@@ -238,7 +238,7 @@ fn vertices(package: &Package<'_>, fault: &dyn Fn(FormatError) -> BakeError) -> 
 fn fins(
     package: &Package<'_>,
     vertices: &[Vertex],
-    view: &View,
+    view: &PrognosisView,
     clip: &dyn Fn(Vec3) -> Vec4,
     raster: &mut Raster,
     fault: &dyn Fn(FormatError) -> BakeError,
@@ -288,7 +288,7 @@ struct NearestFur {
 }
 
 impl NearestFur {
-    fn of(vertices: &[Vertex], furred: &[bool], view: &View) -> Self {
+    fn of(vertices: &[Vertex], furred: &[bool], view: &PrognosisView) -> Self {
         let forward = (view.target - view.eye).normalize_or_zero();
         let furry = || vertices.iter().zip(furred).filter(|(_, f)| **f).map(|(v, _)| v);
         let depths = furry().map(|v| (v.position - view.eye).dot(forward)).filter(|z| *z > 0.0);
@@ -317,7 +317,7 @@ fn sizes(manifest: &pelage_formats::Manifest, near: &NearestFur, layers_drawn: u
 
 fn memory(
     package: &Package<'_>,
-    view: &View,
+    view: &PrognosisView,
     layers: u32,
     fault: &dyn Fn(FormatError) -> BakeError,
 ) -> Result<Memory, BakeError> {
@@ -390,7 +390,7 @@ struct PassInput<'a> {
     fins: PixelCounts,
     shells: PixelCounts,
     times: f64,
-    view: &'a View,
+    view: &'a PrognosisView,
     skinned: bool,
     /// Whether the package stores hair-to-hair shadows.
     knows_visibility: bool,

@@ -55,7 +55,7 @@ fn prognosis(texels: u32, sets: &[&str], pixels: u32, distance_m: f32, instances
     let baked = package(texels, sets);
     let package = Package::open(&baked, &Limits::default()).unwrap();
     let eye = Vec3::new(0.3, 0.8, 1.0).normalize() * distance_m;
-    let view = View { eye, target: Vec3::ZERO, fov_y_rad: 0.6, size: (pixels, pixels), instances, shadow_map: 512 };
+    let view = PrognosisView { eye, target: Vec3::ZERO, fov_y_rad: 0.6, size: (pixels, pixels), instances, shadow_map: 512 };
     diagnose(&package, &view, &|source| BakeError::Package { file: "torus".into(), source }).unwrap()
 }
 
@@ -161,7 +161,7 @@ fn doctor_cameras_match_the_runtime() {
         Vec3::new(0.3, 0.8, 1.0),
     ] {
         let eye = target + 2.0 * towards.normalize();
-        let view = View { eye, target, fov_y_rad: 0.6, size: (500, 300), instances: 1, shadow_map: 0 };
+        let view = PrognosisView { eye, target, fov_y_rad: 0.6, size: (500, 300), instances: 1, shadow_map: 0 };
         let ours = camera(&view).unwrap();
         let projection = Projection::Perspective { fov_y_rad: 0.6, aspect: 5.0 / 3.0, near_m: 0.1, far_m: 10.0 };
         let theirs = projection.clip_from_view(true) * Camera::look_at(eye, target, projection).view_from_world;
@@ -208,7 +208,7 @@ fn objects_behind_the_camera_are_not_counted() {
     let baked = package(0, &[]);
     let package = Package::open(&baked, &Limits::default()).unwrap();
     let fault = |source| BakeError::Package { file: "torus".into(), source };
-    let view = View {
+    let view = PrognosisView {
         eye: Vec3::new(0.0, 0.0, 5.0),
         target: Vec3::new(0.0, 0.0, 6.0),
         fov_y_rad: 0.6,
@@ -221,5 +221,5 @@ fn objects_behind_the_camera_are_not_counted() {
     assert!(
         found.passes.iter().find(|p| p.name == "shadow_width").is_some_and(|p| !p.runs && p.reason == "switched off")
     );
-    assert!(diagnose(&package, &View { target: view.eye, ..view }, &fault).is_err());
+    assert!(diagnose(&package, &PrognosisView { target: view.eye, ..view }, &fault).is_err());
 }

@@ -63,7 +63,7 @@ impl GuideInterpolator {
         let reach = if near[GUIDES_PER_HAIR].0.is_finite() { last } else { 1.5 * last };
         let mut follow = GuideWeights::default();
         for (i, (distance, index)) in near[..GUIDES_PER_HAIR].iter().enumerate() {
-            if !distance.is_finite() || self.part(nearest, *index as usize) {
+            if !distance.is_finite() || self.is_parted(nearest, *index as usize) {
                 continue;
             }
             let d = distance.sqrt().max(1e-6 * reach);
@@ -83,7 +83,7 @@ impl GuideInterpolator {
 
     /// Whether hair parts between two guides. This is the case if, at some point, their offsets from their roots differ
     /// by too much.
-    pub fn part(&self, a: usize, b: usize) -> bool {
+    pub fn is_parted(&self, a: usize, b: usize) -> bool {
         let limit = PARTING_THRESHOLD * 0.5 * (self.lengths[a] + self.lengths[b]);
         let (one, other) = (&self.shapes[a], &self.shapes[b]);
         one.iter().zip(other).any(|(p, q)| ((*p - one[0]) - (*q - other[0])).length() > limit)
@@ -142,7 +142,7 @@ mod tests {
         let fall = |x: f32| Vec3::new(if x < 0.0 { -1.0 } else { 1.0 }, -0.5, 0.0);
         let grid = (-3..3).flat_map(|i| (0..6).map(move |j| (i as f32 + 0.5, j as f32)));
         let guides = GuideInterpolator::new(grid.map(|(x, z)| straight(x, z, fall(x))).collect());
-        assert!(guides.part(0, 30) && !guides.part(0, 1));
+        assert!(guides.is_parted(0, 30) && !guides.is_parted(0, 1));
         for x in [-0.4, -0.05, 0.05, 0.4] {
             let hair = hair(&guides, Vec3::new(x, 0.0, 2.5));
             assert!(hair[4].distance(fall(x)) < 1e-5, "at {x}: {hair:?}");

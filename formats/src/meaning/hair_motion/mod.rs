@@ -329,7 +329,7 @@ fn advance(
     let mut solved = 0;
     while solved < step.solver.solved && (solved == 0 || max_length_error(pearls, &lengths, held) > step.solver.within)
     {
-        hold_lengths(pearls, &started, &lengths, held);
+        restore_lengths(pearls, &started, &lengths, held);
         solved += 1;
     }
 
@@ -385,7 +385,7 @@ fn smallest_rotation(from: Vec3, to: Vec3) -> Quat {
 /// Tensions act along the segments' directions at the beginning of the step (SHAKE, Ryckaert 1977), so that hair that
 /// carries its own weight stays in place. If a segment has turned too far, its tension acts along its current
 /// direction.
-fn hold_lengths(pearls: &mut [Particle], started: &[Vec3], lengths: &[f32], held: usize) {
+fn restore_lengths(pearls: &mut [Particle], started: &[Vec3], lengths: &[f32], held: usize) {
     let now = |pearls: &[Particle], k: usize| direction(pearls[k].place - pearls[k - 1].place, Vec3::Y);
     let then = |k: usize| direction(started[k] - started[k - 1], Vec3::Y);
     let along = |pearls: &[Particle], k: usize| {

@@ -62,7 +62,7 @@ impl Section {
     }
 
     /// Returns the derivative of [`Section::deviation`] with respect to the entry angle.
-    fn turned_slope(&self, p: u32, gamma: f64) -> f64 {
+    fn deviation_slope(&self, p: u32, gamma: f64) -> f64 {
         let (sin, cos) = (libm::sin(gamma), libm::cos(gamma));
         2.0 * f64::from(p) * cos / (self.across * self.across - sin * sin).max(1e-12).sqrt() - 2.0
     }
@@ -70,7 +70,7 @@ impl Section {
     /// Returns the contribution of path `p` for light that enters at angle `gamma`.
     fn contribution(&self, p: u32, gamma: f64) -> PathContribution {
         let (sin, cos) = (libm::sin(gamma), libm::cos(gamma).max(0.0));
-        let bundled = self.turned_slope(p, gamma).abs().max(1e-6);
+        let bundled = self.deviation_slope(p, gamma).abs().max(1e-6);
         PathContribution { light: 0.5 * self.share(p, cos) * cos / bundled, length: f64::from(p) * self.chord(sin) }
     }
 
@@ -140,7 +140,7 @@ impl Section {
                 low = gamma;
             }
             // Do a Newton step if it stays in the bracket, else bisect.
-            let next = gamma - found / self.turned_slope(p, gamma);
+            let next = gamma - found / self.deviation_slope(p, gamma);
             let next = if next > low && next < high { next } else { 0.5 * (low + high) };
             if (next - gamma).abs() < 1e-15 {
                 return Some(next);
@@ -191,7 +191,7 @@ impl Section {
 
     /// Returns the glints of this section with their light as published in Marschner 2003. There, the scale is a
     /// property of the fibre (0.5 to 5), independent of the light in the caustic.
-    pub fn glints_as_printed(&self, glint: &GlintShape) -> Option<Glints> {
+    pub fn published_glints(&self, glint: &GlintShape) -> Option<Glints> {
         let (gamma, bend) = self.caustic().map_or((0.0, 0.0), |(gamma, _)| (gamma, self.caustic_bend(gamma)));
         let bundled = if bend > 0.0 { MOST_BUNDLED.min(2.0 * (2.0 * glint.width / bend).sqrt()) } else { MOST_BUNDLED };
         let light = glint.scale * self.share(2, libm::cos(gamma)) * bundled;

@@ -67,8 +67,8 @@ pub struct CutGaussianLight {
 
 impl CutGaussianLight {
     /// Returns the integral of the light over all directions.
-    pub fn whole(&self) -> f64 {
-        let k = sharpness_of_half(self.mean);
+    pub fn integral(&self) -> f64 {
+        let k = cut_gaussian_sharpness(self.mean);
         if k < 1e-9 { TAU * (1.0 + HORIZON_SINE) } else { TAU * -libm::expm1(-k * (1.0 + HORIZON_SINE)) / k }
     }
 }
@@ -185,7 +185,7 @@ impl<'a> Light<'a> {
                 if along <= 0.0 {
                     continue;
                 }
-                let terms = self.terms_at(from.1 * middle.1, end_of_half(from, middle));
+                let terms = self.terms_at(from.1 * middle.1, cut_azimuth(from, middle));
                 let (below, between) =
                     interpolation_index((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
                 let [a, b] = [&self.around.sections[below], &self.around.sections[below + 1]];
@@ -219,8 +219,8 @@ impl BroadTables {
         let mut texels = Vec::with_capacity(size.texels());
         for m in 0..size.means {
             let mean = mean_at(m as f64 / (size.means - 1) as f64);
-            let whole = CutGaussianLight { towards: DVec3::Y, mean }.whole();
-            let light = Light::new(fibre, &around, sharpness_of_half(mean));
+            let whole = CutGaussianLight { towards: DVec3::Y, mean }.integral();
+            let light = Light::new(fibre, &around, cut_gaussian_sharpness(mean));
             for o in 0..size.to {
                 let theta_o = angle_at(o, size.to);
                 // Each row holds the light about one θj, at all azimuths.
@@ -240,12 +240,12 @@ impl BroadTables {
 
     /// Returns width and height of an image of all texels. It consists of images over θj and φ, arranged vertically by
     /// θo and horizontally by mean cosine.
-    pub fn edges(size: BroadSize) -> [usize; 2] {
+    pub fn image_size(size: BroadSize) -> [usize; 2] {
         [size.means * size.from, size.to * size.phi]
     }
 
     /// Returns the image described at [`Self::edges`], row by row.
-    pub fn picture(&self) -> Vec<[f32; 4]> {
+    pub fn image(&self) -> Vec<[f32; 4]> {
         let BroadSize { means, to, from, phi } = self.size;
         let at = |(row, column): (usize, usize)| {
             let (o, f, m, j) = (row / phi, row % phi, column / from, column % from);
@@ -263,7 +263,7 @@ impl BroadTables {
         let mean = light.mean;
         let size = &self.size;
         let places = [
-            (mean_place(mean), size.means),
+            (mean_cosine_coordinate(mean), size.means),
             (0.5 + angle(angles.to) / PI, size.to),
             (angles.phi.abs() / PI, size.phi),
             (0.5 + angle(angles.from) / PI, size.from),
@@ -287,7 +287,7 @@ impl BroadTables {
             let left = self.means.transmittance(cos_d, self.eta, sigma);
             let again = self.means.multiple_reflection_share();
             let sum = r + tt * libm::exp(-sigma * length) + left * left * within * (1.0 - again + again * left);
-            light.whole() * sum
+            light.integral() * sum
         })
     }
 }
@@ -301,7 +301,7 @@ fn mean_cos_d(tip: DVec3, towards: DVec3, mean: f64, eye: DVec3) -> f64 {
 }
 
 /// Returns the mean cosine of the angle between a [`CutGaussianLight`] and its axis; `sharpness` is its κ, 0 or more.
-pub fn mean_of_half(sharpness: f64) -> f64 {
+pub fn cut_gaussian_mean_cosine(sharpness: f64) -> f64 {
     let wide = 1.0 + HORIZON_SINE;
     if sharpness < 1e-3 {
         return LEAST_MEAN + sharpness * wide * wide / 12.0;
@@ -312,20 +312,20 @@ pub fn mean_of_half(sharpness: f64) -> f64 {
 }
 
 /// Returns the κ of a [`CutGaussianLight`] with mean cosine `mean`, clamped to at least [`LEAST_MEAN`].
-pub fn sharpness_of_half(mean: f64) -> f64 {
+pub fn cut_gaussian_sharpness(mean: f64) -> f64 {
     // 1 − `mean` is at most 1/κ, and approaches it for large κ.
     let mean = mean.clamp(LEAST_MEAN, 1.0 - 1e-6);
     let (mut low, mut high) = (0.0, 1.0 / (1.0 - mean));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if mean_of_half(middle) < mean { low = middle } else { high = middle }
+        if cut_gaussian_mean_cosine(middle) < mean { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
 
 /// Returns the azimuth, relative to a light's axis, at which the light is cut off, radians. `from` is the inclination
 /// of the incident light and `middle` that of the axis, each as sine and cosine.
-fn end_of_half(from: (f64, f64), middle: (f64, f64)) -> f64 {
+fn cut_azimuth(from: (f64, f64), middle: (f64, f64)) -> f64 {
     let (sines, cosines) = (from.0 * middle.0 + HORIZON_SINE, from.1 * middle.1);
     if sines >= cosines {
         return PI;
@@ -370,7 +370,7 @@ fn mean_at(share: f64) -> f64 {
 }
 
 /// Returns the coordinate of mean cosine `mean` on its axis of the tables, 0..=1.
-pub fn mean_place(mean: f64) -> f64 {
+pub fn mean_cosine_coordinate(mean: f64) -> f64 {
     ((1.0 - ((1.0 - mean.clamp(LEAST_MEAN, 1.0)) / (1.0 - LEAST_MEAN)).sqrt()) / LAST_MEAN).clamp(0.0, 1.0)
 }
 

@@ -21,7 +21,7 @@ fn off(
             let way = |theta: f64, phi: f64| {
                 DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
             };
-            let light = CutGaussianLight { towards: way(theta_j, phi), mean: mean_of_half(sharpness) };
+            let light = CutGaussianLight { towards: way(theta_j, phi), mean: cut_gaussian_mean_cosine(sharpness) };
             let found = tables.scatter(sigmas, DVec3::Y, &light, way(theta_o, 0.0));
             let expected = expected(number, light.towards, way(theta_o, 0.0));
             for (found, expected) in found.into_iter().zip(expected) {
@@ -37,7 +37,7 @@ fn off(
 fn table_image_holds_all_texels() {
     let size = BroadSize { means: 2, to: 3, from: 4, phi: 5 };
     let tables = BroadTables::new(&Fibre::default(), size);
-    let (picture, [width, height]) = (tables.picture(), BroadTables::edges(size));
+    let (picture, [width, height]) = (tables.image(), BroadTables::image_size(size));
     assert_eq!((picture.len(), width, height), (size.texels(), 8, 15));
     // Texel with the second mean cosine, the third θo, the fourth φ and the second θj.
     let index = ((3 + 2) * 5 + 3) * 4 + 1;
@@ -78,7 +78,7 @@ fn everywhere(count: usize) -> impl Iterator<Item = DVec3> {
 
 /// For wide lights, the tables agree with a sum over all directions above the cutoff.
 #[test]
-fn nothing_shines_from_far_below_a_light() {
+fn broad_tables_match_a_sum_over_directions_above_the_cutoff() {
     const DIRECTIONS: usize = 2500;
     let tables = fibres().map(|fibre| BroadTables::new(&fibre, BroadSize::default()));
     for (sharpness, sigmas) in [(0.0, [0.0; 3]), (0.0, [0.1, 0.3, 2.0]), (1.5, [0.1, 0.3, 2.0])] {
@@ -97,19 +97,19 @@ fn nothing_shines_from_far_below_a_light() {
 
 /// Means and mean squares of cosines agree with a sum over directions of the light.
 #[test]
-fn mean_square_half_angles_match_the_light() {
+fn means_and_mean_squares_match_a_sum_over_directions() {
     for sharpness in [0.0, 0.3, 1.0, 3.0, 10.0, 50.0] {
         let lit = || {
             everywhere(20_000).filter(|way| way.y > -HORIZON_SINE).map(|way| (way, (sharpness * (way.y - 1.0)).exp()))
         };
         let whole: f64 = lit().map(|(_, light)| light).sum();
         let mean = lit().map(|(way, light)| light * way.y).sum::<f64>() / whole;
-        assert!((mean_of_half(sharpness) - mean).abs() < 1e-3, "{sharpness}: {mean}");
-        assert!((sharpness_of_half(mean_of_half(sharpness)) - sharpness).abs() < 1e-3 * (1.0 + sharpness));
+        assert!((cut_gaussian_mean_cosine(sharpness) - mean).abs() < 1e-3, "{sharpness}: {mean}");
+        assert!((cut_gaussian_sharpness(cut_gaussian_mean_cosine(sharpness)) - sharpness).abs() < 1e-3 * (1.0 + sharpness));
         for cosine in [-1.0, -0.3, 0.0, 0.6, 1.0_f64] {
             let other = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
             let expected = lit().map(|(way, light)| light * way.dot(other).powi(2)).sum::<f64>() / whole;
-            let found = mean_square(mean_of_half(sharpness), cosine);
+            let found = mean_square(cut_gaussian_mean_cosine(sharpness), cosine);
             assert!((found - expected).abs() < 0.006, "{sharpness} {cosine}: {found}, expected {expected}");
         }
     }

@@ -28,7 +28,7 @@ impl GaussianLight {
     }
 
     /// Returns the integral of the radiance over all directions.
-    pub fn whole(&self) -> f64 {
+    pub fn integral(&self) -> f64 {
         let k = self.sharpness;
         if k < 1e-9 { 2.0 * TAU } else { TAU * -libm::expm1(-2.0 * k) / k }
     }

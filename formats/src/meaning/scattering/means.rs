@@ -63,7 +63,7 @@ impl FibreMeans {
             let section = fibre.section(cos);
             let mut sides = [[0.0; PATHS]; 2];
             for p in 0..3 {
-                let ways = section.mean_ways(p, &phis, REFERENCE_SIGMA);
+                let ways = section.mean_contributions(p, &phis, REFERENCE_SIGMA);
                 let [back, on] = halves(&ways.iter().map(|way| way.light).collect::<Vec<_>>());
                 (sides[0][p as usize], sides[1][p as usize]) = (on, back);
                 if p == 2 {

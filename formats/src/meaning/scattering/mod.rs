@@ -227,7 +227,7 @@ impl FibreSection {
     }
 
     /// Returns [`FibreSection::mean_contribution`] of path `p` at many azimuths.
-    pub fn mean_ways(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<PathContribution> {
+    pub fn mean_contributions(&self, p: u32, phis: &[f64], sigma: f64) -> Vec<PathContribution> {
         let Some(scale) = self.rough else {
             return phis.iter().map(|phi| self.mean_contribution(p, *phi, sigma)).collect();
         };

@@ -42,7 +42,7 @@ pub fn stretched(sin_h: f64) -> f64 {
 }
 
 /// Inverse of [`stretched`].
-fn drawn_in(place: f64) -> f64 {
+fn unstretched(place: f64) -> f64 {
     DRAWN_OUT * place / (1.0 - (1.0 - DRAWN_OUT) * place.abs())
 }
 
@@ -73,7 +73,7 @@ impl ScatteringTables {
             let d = 2.0 * libm::atan(2.0 * share(j) - 1.0);
             let rest = fibre.section(libm::cos(d)).rest(0.0);
             for i in 0..size {
-                let h = libm::asin(drawn_in(2.0 * share(i) - 1.0).clamp(-1.0, 1.0));
+                let h = libm::asin(unstretched(2.0 * share(i) - 1.0).clamp(-1.0, 1.0));
                 // Angles beyond a quarter turn are not directions. Clamping them extends the lobe evenly, for
                 // interpolation between texels.
                 let [from, to] = [h - d, h + d].map(|theta| theta.clamp(-0.5 * PI, 0.5 * PI));
@@ -87,7 +87,7 @@ impl ScatteringTables {
         let mut around = Vec::with_capacity(size * size);
         for j in 0..size {
             let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
-            let [r, tt, trt] = from_fn(|p| section.mean_ways(p as u32, &phis, REFERENCE_SIGMA));
+            let [r, tt, trt] = from_fn(|p| section.mean_contributions(p as u32, &phis, REFERENCE_SIGMA));
             around.extend((0..size).map(|i| [r[i].light, tt[i].light, trt[i].light, tt[i].length].map(|x| x as f32)));
         }
         Self { size, eta: fibre.eta, along, around, means: FibreMeans::new(fibre) }

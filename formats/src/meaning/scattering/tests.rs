@@ -105,12 +105,12 @@ fn exiting_light_matches_the_analytic_roots() {
 }
 
 #[test]
-fn printed_glints_do_not_conserve_light() {
+fn published_glints_do_not_conserve_light() {
     let glint = GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() };
     let off = |degrees: f64| {
         let section = Section::new(1.55, cos_deg(degrees));
         let light =
-            |phi| section.glinting(phi, section.glints_as_printed(&glint).as_ref()).map(|way| way.light).sum::<f64>();
+            |phi| section.glinting(phi, section.published_glints(&glint).as_ref()).map(|way| way.light).sum::<f64>();
         around(4000, light) / section.energy(2)
     };
     let found = [0.0, 20.0, 40.0, 46.0, 50.0].map(off);
@@ -312,7 +312,7 @@ fn even(i: u32) -> [f64; 5] {
 const ROOT: f64 = 1.134_724_138_401_519_4;
 
 #[test]
-fn a_white_fibre_vanishes_in_even_light() {
+fn white_fibre_is_invisible_under_uniform_light() {
     for (along, scale) in [(3.0_f64, 0.05), (7.5, 0.12), (15.0, 0.5)] {
         let fibre = Fibre { along: along.to_radians(), ..Fibre::default() };
         for degrees in [0.0_f64, 30.0, -60.0, 80.0, 89.0] {
@@ -338,7 +338,7 @@ fn a_white_fibre_vanishes_in_even_light() {
 }
 
 #[test]
-fn near_field_average_equals_the_far_field() {
+fn near_field_averaged_over_offsets_equals_the_far_field() {
     let fibre = Fibre::default();
     let AzimuthalScattering::Rough(scale) = fibre.around else { return };
     let sigma = [0.1, 0.5, 2.0];
@@ -408,7 +408,7 @@ fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DV
         let (sin, cos) = (libm::sin(theta), libm::cos(theta));
         let angles = Angles { from: (sin, cos), ..Angles::between(tip, light.towards, eye) };
         let (along, section) = (fibre.along(&angles), fibre.section(angles.cos_d()));
-        let ways: [Vec<_>; 3] = from_fn(|p| section.mean_ways(p as u32, &phis, sigma));
+        let ways: [Vec<_>; 3] = from_fn(|p| section.mean_contributions(p as u32, &phis, sigma));
         let rest = section.rest(sigma);
         for (j, phi) in phis.iter().enumerate() {
             let from = tip * sin + (across * libm::cos(start + phi) + beside * libm::sin(start + phi)) * cos;
@@ -443,7 +443,7 @@ fn gaussian_lights_scatter_as_the_integral_over_their_directions() {
         let light = GaussianLight { towards: towards.normalize(), sharpness };
         let found = BroadlyLitFibre::new(&fibre).scatter([0.2; 3], tip, &light, eye)[0];
         let expected = by_grid(&fibre, 0.2, tip, &light, eye);
-        let off = (found - expected) / light.whole();
+        let off = (found - expected) / light.integral();
         assert!(off.abs() < 2e-5, "{fibre:?} {towards} {degrees}: {found}, expected {expected}");
     }
     // Under uniform light, a white fibre is as bright as its surroundings. Seen from afar, it gains a little light

@@ -171,7 +171,7 @@ impl SceneFile {
         for (i, ((model, place), package)) in scene.models.iter().zip(places).zip(whose).enumerate() {
             let clip = playing(&source, i, model, &packages[package].name, &animations[package])?;
             let morphs = weights(&source, i, model, &packages[package].name, &animations[package])?;
-            let carried = carried(&source, i, model, clip, &animations[package])?;
+            let carried = cycle_displacement(&source, i, model, clip, &animations[package])?;
             actors.push(Actor { package, place, clip, fade_to: None, cycle_displacement: carried, morphs });
         }
         Ok(LoadedScene { packages, actors, names, camera })
@@ -341,7 +341,7 @@ fn playing(
 }
 
 /// Returns the displacement of a model per cycle of its clip; zero without root motion.
-fn carried(
+fn cycle_displacement(
     source: &TomlText<'_>,
     i: usize,
     model: &SceneModel,

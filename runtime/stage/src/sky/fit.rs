@@ -70,7 +70,7 @@ impl Panorama {
         let (even, lobes) = chosen.lights();
         let mut lobes: Vec<LightLobe> = lobes.map(lobe).filter(|lobe| lobe.radiance != [0.0; 3]).collect();
         // Brightest first, so that truncation drops the least important lobes.
-        lobes.sort_by(|a, b| brightness(b.whole()).total_cmp(&brightness(a.whole())));
+        lobes.sort_by(|a, b| brightness(b.integral()).total_cmp(&brightness(a.integral())));
         let sun_light = sun.map_or(0.0, |sun| brightness(DVec3::from(sun.color.map(f64::from))) * std::f64::consts::PI);
         let mut environment = Environment { even: even.as_vec3().into(), sun: None, lobes };
         let rest = without.total();

@@ -31,10 +31,10 @@ impl App {
         // After a long pause between frames, the clip continues where it was: the step is clamped.
         let seconds = since.as_secs_f32().min(0.25);
         if self.playing {
-            self.show.go_on(seconds, self.speed);
+            self.show.advance(seconds, self.speed);
             self.changed();
         } else if self.sequence.is_none() {
-            self.show.go_on(seconds, 0.0);
+            self.show.advance(seconds, 0.0);
         }
         if std::mem::take(&mut self.settles) {
             return Ok(FrameOutcome { drew: false, wait: Some(Duration::ZERO) });

@@ -96,7 +96,7 @@ impl App {
         if next == 0 {
             self.show.set_time(0.0);
         } else {
-            self.show.go_on(1.0 / FPS, 1.0);
+            self.show.advance(1.0 / FPS, 1.0);
         }
         let path = self.folder.join(format!("{stem}.{next:04}.png"));
         if let Err(reason) = self.write_picture(&path) {

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Display time of a message.
-const SAID: Duration = Duration::from_secs(6);
+const MESSAGE_DURATION: Duration = Duration::from_secs(6);
 
 /// State of the application, without the window itself.
 pub struct App {
@@ -141,7 +141,7 @@ impl App {
 
     /// Returns the last message, as long as it is displayed.
     pub fn said(&self) -> Option<&str> {
-        self.said.as_ref().filter(|(_, when)| when.elapsed() < SAID).map(|(text, _)| text.as_str())
+        self.said.as_ref().filter(|(_, when)| when.elapsed() < MESSAGE_DURATION).map(|(text, _)| text.as_str())
     }
 
     pub(super) fn moved(&mut self) {

@@ -19,19 +19,19 @@ const fn line(keys: &'static str, does: &'static str, key: Key, act: Act) -> Lin
     Line { keys, does, act: Some((key, act)) }
 }
 
-const fn told(keys: &'static str, does: &'static str) -> Line {
+const fn help_line(keys: &'static str, does: &'static str) -> Line {
     Line { keys, does, act: None }
 }
 
 /// Lines of the help, in order.
 pub const KEYS: &[Line] = &[
-    told("drag", "goes around"),
-    told("right drag, Shift drag", "goes sideways"),
-    told("wheel, pinch", "moves closer or away, towards the pointer"),
-    told("Ctrl drag", "turns the light"),
-    told("Alt drag", "turns the head"),
-    told("W A S D, Q E", "flies; faster with Shift"),
-    told("arrows", "go around"),
+    help_line("drag", "goes around"),
+    help_line("right drag, Shift drag", "goes sideways"),
+    help_line("wheel, pinch", "moves closer or away, towards the pointer"),
+    help_line("Ctrl drag", "turns the light"),
+    help_line("Alt drag", "turns the head"),
+    help_line("W A S D, Q E", "flies; faster with Shift"),
+    help_line("arrows", "go around"),
     line("F", "frames everything", Key::F, App::frame),
     line("R", "resets the camera", Key::R, App::reset_camera),
     line("Space", "plays or stops the clip", Key::Space, App::toggle_playing),
@@ -44,8 +44,8 @@ pub const KEYS: &[Line] = &[
     line("Page Up", "opens the previous file", Key::PageUp, |app| app.open_next(true)),
     line("P", "saves the picture", Key::P, App::save_picture),
     line("F12", "saves the window", Key::F12, App::save_window),
-    told("Ctrl S", "saves the recipe"),
-    told("Ctrl Z, Ctrl Shift Z", "undoes a change, redoes it"),
+    help_line("Ctrl S", "saves the recipe"),
+    help_line("Ctrl Z, Ctrl Shift Z", "undoes a change, redoes it"),
     line("N", "shows or hides the panels", Key::N, |app| app.panels = !app.panels),
     line("H, F1", "this list", Key::H, |app| app.help = !app.help),
     Line { keys: "", does: "", act: Some((Key::F1, |app| app.help = !app.help)) },

@@ -32,7 +32,7 @@ pub(super) fn furred_places(body: &Body<'_>, skin: &WeldedMesh) -> Vec<bool> {
 
 /// Returns the proximity of each welded vertex to a small bare part, along the surface. It is 1 at the border of the
 /// part, and 0 from [`REACH`] on.
-pub(super) fn nearness(body: &Body<'_>, skin: &WeldedMesh) -> Vec<f32> {
+pub(super) fn proximity(body: &Body<'_>, skin: &WeldedMesh) -> Vec<f32> {
     let furred = furred_faces(body);
     let bare: Vec<[u32; 3]> = skin.faces.iter().zip(&furred).filter(|(_, furred)| !**furred).map(|(f, _)| *f).collect();
     let small = small_parts(skin, &bare);

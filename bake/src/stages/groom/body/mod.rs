@@ -81,9 +81,9 @@ impl BodyGroom {
         }
         let thick = relative_thickness(&skin, &furred);
         let parts = parts_of_places(body, &skin, |p| (p - center) / radius_m);
-        let bare = bare::nearness(body, &skin);
+        let bare = bare::proximity(body, &skin);
 
-        let grown: Vec<PartGroom> = thick.iter().zip(&parts).map(|(thick, parts)| growth(*thick, parts)).collect();
+        let grown: Vec<PartGroom> = thick.iter().zip(&parts).map(|(thick, parts)| mixed_groom(*thick, parts)).collect();
         let channel = |value: fn(&PartGroom) -> f32| skin.spread(&grown.iter().map(value).collect::<Vec<_>>(), SPREAD);
         let (mut length, mut lean, mut density) = (channel(|g| g.length), channel(|g| g.lean), channel(|g| g.density));
         let near = |value: &mut [f32], bare_value: &dyn Fn(f32) -> f32| {
@@ -105,8 +105,8 @@ impl BodyGroom {
         // normals are smooth.
         let has_names = has_specific_parts(&parts);
         for (place, length) in length.iter_mut().enumerate() {
-            let trunk = if has_names { trunk(&parts[place]) } else { thick[place] };
-            *length *= 1.0 + (UNDERSIDE - 1.0) * trunk * (1.0 - bare[place]) * underside(skin.normals[place]);
+            let trunk = if has_names { trunk_weight(&parts[place]) } else { thick[place] };
+            *length *= 1.0 + (UNDERSIDE - 1.0) * trunk * (1.0 - bare[place]) * underside_weight(skin.normals[place]);
         }
         let (_, longest) = of_furred(&length);
         length.iter_mut().for_each(|v| *v = 1.0 + share * ((*v / longest).min(1.0) - 1.0));
@@ -229,10 +229,10 @@ fn split_muzzle(skin: &WeldedMesh, joint: Vec3, parts: &mut [[f32; PARTS]]) {
 ///
 /// * `thick`: relative thickness of the body, 0..=1
 /// * `parts`: weight of each part
-fn growth(thick: f32, parts: &[f32; PARTS]) -> PartGroom {
+fn mixed_groom(thick: f32, parts: &[f32; PARTS]) -> PartGroom {
     let mut sum = PartGroom { length: 0.0, lean: 0.0, density: 0.0, by_thickness: 0.0 };
     for region in Region::ALL {
-        let (weight, here) = (parts[region as usize], region.growth());
+        let (weight, here) = (parts[region as usize], region.groom());
         let thin = here.by_thickness * (1.0 - thick);
         sum.length += weight * here.length * (1.0 - thin * (1.0 - SHORTEST));
         sum.lean += weight * here.lean.max(thin * THIN_LEAN);
@@ -242,12 +242,12 @@ fn growth(thick: f32, parts: &[f32; PARTS]) -> PartGroom {
 }
 
 /// Returns the total weight of the parts of the trunk.
-fn trunk(parts: &[f32; PARTS]) -> f32 {
+fn trunk_weight(parts: &[f32; PARTS]) -> f32 {
     Region::ALL.iter().filter(|r| r.is_trunk()).map(|r| parts[*r as usize]).sum()
 }
 
 /// Returns how far a normal points down, 0..=1, with a smooth transition.
-fn underside(normal: Vec3) -> f32 {
+fn underside_weight(normal: Vec3) -> f32 {
     smooth_step(0.2, 0.8, -normal.y)
 }
 
@@ -284,8 +284,8 @@ fn reported_parts(
     let of = |regions: &'static [Region]| move |p: usize| regions.iter().map(|r| parts[p][*r as usize]).sum::<f32>();
     let found = [
         mean("neck", &of(&[Region::Neck, Region::Mane])),
-        mean("back", &|p| trunk(&parts[p]) * (skin.normals[p].y).max(0.0)),
-        mean("belly", &|p| trunk(&parts[p]) * underside(skin.normals[p])),
+        mean("back", &|p| trunk_weight(&parts[p]) * (skin.normals[p].y).max(0.0)),
+        mean("belly", &|p| trunk_weight(&parts[p]) * underside_weight(skin.normals[p])),
         mean("legs", &of(&[Region::UpperLeg, Region::LowerLeg])),
         mean("feet", &of(&[Region::Foot])),
         mean("head", &of(&[Region::Head, Region::Face])),

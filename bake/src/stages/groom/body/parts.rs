@@ -60,7 +60,7 @@ impl Region {
 
     /// Returns the groom of the part. The values are common to photographs of dogs, wolves, horses, cattle, foxes and
     /// cats.
-    pub(super) fn growth(self) -> PartGroom {
+    pub(super) fn groom(self) -> PartGroom {
         let grows = |length, lean, density, by_thickness| PartGroom { length, lean, density, by_thickness };
         match self {
             Self::Muzzle => grows(0.2, 0.5, 2.0, 0.0),

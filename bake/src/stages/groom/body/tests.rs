@@ -7,7 +7,7 @@ use pelage_formats::{Animation, Joint, Node, SkinVertex};
 use pelage_import::mesh::{Mesh, MeshPart, RestPose};
 
 /// Builds a closed surface of revolution about z through rings (z, radius). Each end is closed by a point.
-fn turned(rings: &[(f32, f32)]) -> Mesh {
+fn surface_of_revolution(rings: &[(f32, f32)]) -> Mesh {
     const AROUND: u32 = 24;
     let mut mesh = Mesh::default();
     for (z, radius) in rings {
@@ -46,7 +46,7 @@ fn turned(rings: &[(f32, f32)]) -> Mesh {
 fn barrel_with_rod() -> Mesh {
     let barrel = (0..=10).map(|i| (0.1 * i as f32, 0.3));
     let rod = (1..=20).map(|i| (1.0 + 0.05 * i as f32, 0.03));
-    turned(&barrel.chain(rod).collect::<Vec<_>>())
+    surface_of_revolution(&barrel.chain(rod).collect::<Vec<_>>())
 }
 
 fn ball() -> Mesh {
@@ -54,7 +54,7 @@ fn ball() -> Mesh {
         let (sin, cos) = libm::sincosf(std::f32::consts::PI * i as f32 / 24.0);
         (-cos, sin)
     };
-    turned(&(1..24).map(ring).collect::<Vec<_>>())
+    surface_of_revolution(&(1..24).map(ring).collect::<Vec<_>>())
 }
 
 /// Grooms a mesh whose second material is bare.
@@ -65,7 +65,7 @@ fn groom(mesh: &Mesh, animation: Option<&Animation>, share: f32) -> Option<BodyG
 }
 
 /// Returns the mean of a value over the vertices between two z coordinates.
-fn between(mesh: &Mesh, values: &[f32], low: f32, high: f32) -> f32 {
+fn mean_between(mesh: &Mesh, values: &[f32], low: f32, high: f32) -> f32 {
     let there: Vec<f32> =
         mesh.positions.iter().zip(values).filter(|(p, _)| (low..=high).contains(&p.z)).map(|(_, v)| *v).collect();
     assert!(!there.is_empty());
@@ -258,7 +258,7 @@ fn vertices_are_welded_and_distances_are_geodesic() {
 
 #[test]
 fn smoothing_stays_within_bounds_and_keeps_the_sum() {
-    let mesh = turned(&(0..=60).map(|i| (i as f32 / 60.0, 0.1)).collect::<Vec<_>>());
+    let mesh = surface_of_revolution(&(0..=60).map(|i| (i as f32 / 60.0, 0.1)).collect::<Vec<_>>());
     let rest = RestPose { positions: mesh.positions.clone(), normals: Vec::new() };
     let skin = WeldedMesh::new(&mesh, &rest, Vec3::ZERO, 1.0);
     let step: Vec<f32> = skin.positions.iter().map(|p| if p.z < 0.5 { 0.0 } else { 1.0 }).collect();
@@ -279,7 +279,7 @@ fn smoothing_stays_within_bounds_and_keeps_the_sum() {
 fn thin_parts_have_short_dense_hair_that_lies_flat() {
     let mesh = barrel_with_rod();
     let by_body = groom(&mesh, None, 1.0).unwrap();
-    let on = |values: &[f32]| [between(&mesh, values, 0.3, 0.7), between(&mesh, values, 1.5, 1.9)];
+    let on = |values: &[f32]| [mean_between(&mesh, values, 0.3, 0.7), mean_between(&mesh, values, 1.5, 1.9)];
     let [thick, thin] = on(&by_body.length);
     assert!(thick > 0.9 && thin < 0.3, "{thick} {thin}");
     assert_eq!(by_body.length.iter().copied().fold(0.0, f32::max), 1.0, "the longest hair keeps its length");
@@ -309,7 +309,7 @@ fn thin_parts_have_short_dense_hair_that_lies_flat() {
 #[test]
 fn uniform_bodies_get_no_groom() {
     assert_eq!(groom(&ball(), None, 1.0), None);
-    assert_eq!(groom(&turned(&(0..=40).map(|i| (0.05 * i as f32, 0.2)).collect::<Vec<_>>()), None, 1.0), None);
+    assert_eq!(groom(&surface_of_revolution(&(0..=40).map(|i| (0.05 * i as f32, 0.2)).collect::<Vec<_>>()), None, 1.0), None);
     let mut bare = barrel_with_rod();
     assert_eq!(groom(&bare, None, 0.0), None, "not asked for");
     bare.parts[0].material = 1;
@@ -331,7 +331,7 @@ fn names_win_over_thickness() {
     let of = |(end, rod): (&str, &str)| {
         let (mesh, rig) = rigged(end, rod);
         let by_body = groom(&mesh, Some(&rig), 1.0).unwrap();
-        (between(&mesh, &by_body.length, 1.5, 1.9), by_body.decision(1.0, 0.1).chosen)
+        (mean_between(&mesh, &by_body.length, 1.5, 1.9), by_body.decision(1.0, 0.1).chosen)
     };
     let [(tail, said), (paw, _), (bone, unnamed)] = [("Shin", "Tail"), ("Neck", "Paw.L"), ("Spine2", "Stick")].map(of);
     assert!(tail > 0.95, "a tail is thin and long-haired: {tail}");
@@ -342,13 +342,13 @@ fn names_win_over_thickness() {
 
 #[test]
 fn muzzles_are_split_from_forward_facing_heads() {
-    let mut mesh = turned(&(0..=20).map(|i| (0.1 * i as f32, 0.3)).collect::<Vec<_>>());
+    let mut mesh = surface_of_revolution(&(0..=20).map(|i| (0.1 * i as f32, 0.3)).collect::<Vec<_>>());
     let follows = |joint| SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] };
     mesh.skin = mesh.positions.iter().map(|p| follows(u16::from(p.z > 1.0))).collect();
     let mut rig = rig(&[("Spine", None), ("Head", Some(0))]);
     rig.nodes[1].translation = [0.0, 0.0, 1.0];
     let forward = groom(&mesh, Some(&rig), 1.0).unwrap();
-    let ends = [between(&mesh, &forward.length, 1.2, 1.4), between(&mesh, &forward.length, 1.8, 2.0)];
+    let ends = [mean_between(&mesh, &forward.length, 1.2, 1.4), mean_between(&mesh, &forward.length, 1.8, 2.0)];
     assert!(ends[1] < 0.7 * ends[0], "{ends:?}");
     assert!(forward.decision(1.0, 0.1).chosen.contains("muzzle"));
     // The joint of an upright head is below it.
@@ -361,7 +361,7 @@ fn muzzles_are_split_from_forward_facing_heads() {
 fn hair_is_short_beside_small_bare_parts_only() {
     // The barrel has a few bare triangles in its middle.
     let bared = |count: usize| {
-        let mut mesh = turned(&(0..=40).map(|i| (0.05 * i as f32, 0.3)).collect::<Vec<_>>());
+        let mut mesh = surface_of_revolution(&(0..=40).map(|i| (0.05 * i as f32, 0.3)).collect::<Vec<_>>());
         let first = mesh.triangles.len() / 2;
         let all = mesh.triangles.len();
         let part = |first_triangle, triangle_count, material| MeshPart {
