@@ -29,7 +29,7 @@ pub fn mismatches(manifest: &Manifest, text: &str) -> Vec<Mismatch> {
         ("hair.density", recipe.hair.density.to_string(), guard_hairs.to_string(), "strands in the tile"),
         ("slice.layers", recipe.slice.layers.to_string(), fur.layers.to_string(), "layers"),
         ("slice.tile_texels", recipe.slice.tile_texels.to_string(), fur.tile_texels.to_string(), "texels each way"),
-        ("surface.tile_size_m", tile_size_m.to_string(), fur.tile_size_m.to_string(), "metres of tile"),
+        ("surface.tile_size_m", tile_size_m.to_string(), fur.tile_size_m.to_string(), "metres per tile"),
     ];
     let is_named = |key: &str| {
         let (table, key) = key.split_once('.').unwrap_or_default();

@@ -61,7 +61,13 @@ fn at(time_s: f32) -> Mat4 {
 }
 
 /// Draws `frames` frames and returns the leaned vertices.
-fn leaned_on_gpu(gpu: &Gpu, frames: u32, fps: f32, at: &dyn Fn(f32) -> Mat4, wind: Wind) -> Option<Vec<GeometryVertex>> {
+fn leaned_on_gpu(
+    gpu: &Gpu,
+    frames: u32,
+    fps: f32,
+    at: &dyn Fn(f32) -> Mat4,
+    wind: Wind,
+) -> Option<Vec<GeometryVertex>> {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&package()).unwrap();
     for frame in 0..frames {

@@ -107,7 +107,13 @@ impl Scene {
 
     /// Returns the final points of each guide as computed by the Rust counterpart, in model space, relative to the
     /// guide's root.
-    fn expected_points(&self, frames: u32, fps: f32, at: &dyn Fn(u32) -> (Mat4, Vec<Capsule>), wind: Wind) -> Vec<Vec3> {
+    fn expected_points(
+        &self,
+        frames: u32,
+        fps: f32,
+        at: &dyn Fn(u32) -> (Mat4, Vec<Capsule>),
+        wind: Wind,
+    ) -> Vec<Vec3> {
         let springs = Springs {
             drag_per_s: MOTION.drag_per_s,
             shape_hz: MOTION.shape_hz,
@@ -188,7 +194,8 @@ fn gpu_hair_motion_matches_the_cpu() {
         (transform, vec![Capsule { from, to, radius_m: 0.072 }, Capsule { from: ball, to: ball, radius_m: 0.08 }])
     };
     for (fps, frames) in [(60.0, 30), (30.0, 15), (144.0, 60)] {
-        let (found, expected) = (scene.points_on_gpu(&gpu, frames, fps, &at, WIND), scene.expected_points(frames, fps, &at, WIND));
+        let (found, expected) =
+            (scene.points_on_gpu(&gpu, frames, fps, &at, WIND), scene.expected_points(frames, fps, &at, WIND));
         let off = found.iter().zip(&expected).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         let groomed = scene.points.iter().enumerate().flat_map(|(side, points)| {
             let frame = triangle_frame(scene.corners[side]);

@@ -6,18 +6,17 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-/// Returns the path of the `pelage` binary of this build's profile, which cargo builds once per test process.
-///
-/// Cargo provides a binary's path only to tests of its own package, and builds it only for them.
+/// Returns the path of the `pelage` binary in this build's profile. It is built with cargo once per test process,
+/// because cargo itself builds binaries only for tests of the same package.
 ///
 /// # Panics
 ///
-/// If cargo cannot build it: tests that need the binary are then meaningless.
+/// If cargo cannot build the binary, without which the tests are meaningless.
 pub fn pelage() -> PathBuf {
     folder().join(format!("pelage{}", std::env::consts::EXE_SUFFIX))
 }
 
-/// Returns the path of the `pelage-lab` binary: the same command with `chart`.
+/// Returns the path of the `pelage-lab` binary: `pelage` with the subcommand `chart`.
 ///
 /// # Panics
 ///
@@ -31,7 +30,7 @@ fn folder() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
         let test = std::env::current_exe().unwrap_or_else(|e| panic!("no path of the test: {e}"));
-        // `<target>/<profile>/deps/<test>`, or `<target>/<profile>/<chore>`.
+        // The running program is `<target>/<profile>/deps/<test>` or `<target>/<profile>/<chore>`.
         let folder = test.ancestors().skip(1).find(|f| f.file_name() != Some(OsStr::new("deps")));
         let folder = folder.unwrap_or_else(|| panic!("{} has no profile folder", test.display()));
         let profile = match folder.file_name().and_then(OsStr::to_str) {
@@ -40,8 +39,8 @@ fn folder() -> &'static Path {
         };
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let output = Command::new(cargo)
-            // The whole workspace and one small test, so that the features match those of `cargo test --workspace`.
-            // Only pelage is then left to compile.
+            // The whole workspace and one small test are selected, so that the features match those of `cargo test
+            // --workspace`. Only pelage itself is then left to compile.
             .args([
                 "build",
                 "--workspace",
@@ -54,7 +53,7 @@ fn folder() -> &'static Path {
                 "--profile",
                 profile,
             ])
-            // `tests/timed.sh` sets it for the test harness; with it, build scripts would run again.
+            // `tests/timed.sh` sets this variable for the test harness; with it, build scripts would run again.
             .env_remove("RUSTC_BOOTSTRAP")
             .current_dir(workspace())
             .output()
@@ -64,7 +63,7 @@ fn folder() -> &'static Path {
     })
 }
 
-/// Returns the folder of shared test packages, beside the binary; emptied if the binary is newer.
+/// Returns the folder of shared test packages beside the binary. It is emptied if the binary is newer.
 fn fixtures() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -102,10 +101,10 @@ pub fn walk(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// Result of a run.
+/// Output of a finished process.
 #[derive(Debug)]
 pub struct Run {
-    /// Exit code; `None` if a signal ended the process.
+    /// Exit code; `None` if the process was ended by a signal.
     pub code: Option<i32>,
     /// Complete stdout.
     pub stdout: String,
@@ -113,7 +112,7 @@ pub struct Run {
     pub stderr: String,
 }
 
-/// Temporary folder to run `pelage` in, removed when dropped.
+/// Temporary folder in which `pelage` runs; removed when dropped.
 #[derive(Debug)]
 pub struct Sandbox {
     folder: tempfile::TempDir,
@@ -131,13 +130,13 @@ impl Sandbox {
     ///
     /// # Panics
     ///
-    /// If the system refuses.
+    /// If the folder cannot be created.
     pub fn new() -> Self {
         let folder = tempfile::tempdir().unwrap_or_else(|e| panic!("no temporary folder: {e}"));
         Self { folder, program: pelage }
     }
 
-    /// Returns the sandbox with `pelage-lab` as its program.
+    /// Returns the sandbox, changed to run `pelage-lab`.
     #[must_use]
     pub fn with_lab(self) -> Self {
         Self { program: lab, ..self }
@@ -152,7 +151,7 @@ impl Sandbox {
     ///
     /// # Panics
     ///
-    /// If the system refuses.
+    /// If the file cannot be written.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path().join(name);
         let written = path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(&path, bytes));
@@ -170,7 +169,7 @@ impl Sandbox {
         std::fs::read(self.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    /// Lists the folder; see [`files`].
+    /// Returns the entries of the folder; see [`files`].
     pub fn files(&self) -> Vec<String> {
         files(self.path())
     }
@@ -179,16 +178,16 @@ impl Sandbox {
     pub fn command(&self, args: &[impl AsRef<OsStr>]) -> Command {
         let mut command = Command::new((self.program)());
         command.args(args).current_dir(self.path()).stdin(Stdio::null());
-        // Mesa's device selection looks there for a display. If it is unset, as in a container, the driver writes its
-        // own "error:" lines to stderr.
+        // Mesa's device selection looks in this folder for a display. If the variable is unset, as in a container, it
+        // prints "error:" lines to stderr.
         command.env("XDG_RUNTIME_DIR", self.path());
         command
     }
 
-    /// Bakes a package here, for tests that do not test the bake itself. `args` are those of `pelage bake`.
+    /// Bakes a package into this folder, for tests whose subject is not the bake. `args` are those of `pelage bake`.
     ///
-    /// The command's own cache reuses a bake by the same tool with the same files, settings and package name. Threads
-    /// and processes that want the same package wait for the first.
+    /// The command's cache reuses a bake with the same tool, files, settings and package name. Concurrent requests for
+    /// the same package wait for the first.
     ///
     /// # Panics
     ///
@@ -204,7 +203,7 @@ impl Sandbox {
         assert_eq!(run.code, Some(0), "{args:?}: {run:?}");
     }
 
-    /// Runs `pelage` in this folder. No run may panic, whatever its input.
+    /// Runs `pelage` in this folder. `pelage` must not panic, whatever its input.
     ///
     /// # Panics
     ///
@@ -230,7 +229,7 @@ pub fn run_to_end(mut command: Command) -> Run {
     run
 }
 
-/// Returns all entries of a folder as relative paths, sorted. Folders end in `/`; links to folders count as files.
+/// Returns the relative paths of everything in a folder, sorted. Folders end in `/`; links to folders count as files.
 pub fn files(folder: &Path) -> Vec<String> {
     fn list(folder: &Path, prefix: &str, out: &mut Vec<String>) {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {

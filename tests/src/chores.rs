@@ -1,4 +1,4 @@
-//! Building blocks of the chores, run through the real binary: bake a model, draw it, measure it, and combine pictures.
+//! Building blocks of the chores: bake a model, draw it and measure it with the real binary, and combine pictures.
 
 use crate::binary::{Run, Sandbox, run_to_end};
 use anyhow::{Context as _, ensure};
@@ -6,26 +6,26 @@ use image::{GenericImage as _, Rgb, RgbImage};
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// Background behind the models, and fill of empty cells of a sheet.
+/// Background colour of the pictures and of empty cells in a sheet.
 pub const BACKGROUND: Rgb<u8> = Rgb([204, 209, 217]);
 
-/// Temporary folder for packages and pictures.
+/// Temporary folder for packages and pictures, in which a chore runs the binary.
 #[derive(Debug, Default)]
 pub struct ChoreFolder {
     sandbox: Sandbox,
 }
 
-/// Baked package and the binary's report.
+/// Baked package and the report of the bake.
 #[derive(Clone, Debug)]
 pub struct Baked {
-    /// Path of the package in the workshop.
+    /// Path of the package in the [`ChoreFolder`].
     pub package: PathBuf,
     /// Output of `pelage bake --json`.
     pub report: Value,
 }
 
 impl ChoreFolder {
-    /// Runs the binary; paths in the arguments are relative to the caller's current folder.
+    /// Runs the binary. Paths in `arguments` are relative to the caller's current folder.
     ///
     /// # Errors
     ///
@@ -38,7 +38,7 @@ impl ChoreFolder {
         Ok(run)
     }
 
-    /// Bakes a model with options of `pelage bake`, as plain texels, which need no encoder.
+    /// Bakes a model with uncompressed texels, which need no encoder. `model` is the path and options of `pelage bake`.
     ///
     /// # Errors
     ///
@@ -53,7 +53,7 @@ impl ChoreFolder {
         Ok(Baked { package, report })
     }
 
-    /// Draws a package with options of `pelage render`, over [`BACKGROUND`].
+    /// Draws a package over [`BACKGROUND`], with options of `pelage render`.
     ///
     /// # Errors
     ///
@@ -70,7 +70,7 @@ impl ChoreFolder {
 }
 
 impl ChoreFolder {
-    /// Draws a sequence of pictures; otherwise like [`Self::draw`].
+    /// Draws a sequence of pictures, like [`Self::draw`].
     ///
     /// # Errors
     ///
@@ -97,7 +97,7 @@ impl ChoreFolder {
     }
 }
 
-/// Arranges pictures of one size row by row.
+/// Combines pictures of the same size into a sheet, row by row.
 ///
 /// # Errors
 ///

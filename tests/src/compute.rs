@@ -4,10 +4,10 @@ use pelage_runtime::wgpu;
 use pelage_stage::Gpu;
 use wgpu::util::DeviceExt;
 
-/// Value of the output before the shader runs. A case that still has it was not computed.
+/// Initial value of the output. A result that still has it was not computed.
 pub const SENTINEL: f32 = -98_765.25;
 
-/// Evaluates `expression`, a `vec4<f32>` in WGSL, for every case.
+/// Evaluates the WGSL expression `expression`, a `vec4<f32>`, for every case.
 ///
 /// * `library`: WGSL with the functions that the expression calls
 /// * `cases`: `N` vectors each, available to the expression as `in_0`, `in_1`, … of type `vec4<f32>`

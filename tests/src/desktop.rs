@@ -1,4 +1,4 @@
-//! Window of `pelage view` on a virtual display with simulated input: Xvfb, the real binary, xdotool.
+//! Tests of `pelage view` with the real binary, on a virtual display (Xvfb) with simulated input (xdotool).
 
 use crate::binary::pelage;
 use pelage_needs::Need;
@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Timeout for any single step. A bake is slow if two cores compile beside it.
+/// Timeout for any single step. A bake is slow while compilers use the cores.
 const PATIENCE: Duration = Duration::from_secs(90);
 
-/// Virtual display, closed when dropped.
+/// Virtual display; closed when dropped.
 #[derive(Debug)]
 pub struct Desktop {
     server: Child,
@@ -21,14 +21,14 @@ pub struct Desktop {
 
 impl Drop for Desktop {
     fn drop(&mut self) {
-        // The server may have exited already.
+        // The server may already have exited, so errors are ignored.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
 }
 
 impl Desktop {
-    /// Opens a display for the named test, or returns `None` with a message on stderr if the tools are missing.
+    /// Opens a display for the named test. If the tools are missing, returns `None` and prints a message to stderr.
     ///
     /// # Panics
     ///
@@ -70,14 +70,14 @@ impl Desktop {
         Self { server, display: format!(":{}", line.trim()) }
     }
 
-    /// Opens `pelage view` with the given arguments; `folder` receives the files that it saves.
+    /// Opens `pelage view` with the given arguments. The window saves its files in `folder`.
     ///
     /// # Panics
     ///
     /// If the binary cannot be started.
     pub fn view(&self, folder: &Path, args: &[impl AsRef<OsStr>]) -> ViewerWindow<'_> {
         let events = folder.join("events.jsonl");
-        // Removes the events of an earlier window.
+        // The event file of an earlier window is removed.
         let _ = std::fs::remove_file(&events);
         let mut command = Command::new(pelage());
         command.arg("view").args(args).arg("--events").arg(&events).current_dir(folder);
@@ -90,13 +90,13 @@ impl Desktop {
     }
 }
 
-/// Open window of `pelage view`, closed when dropped.
+/// Open window of `pelage view`; closed when dropped.
 #[derive(Debug)]
 pub struct ViewerWindow<'a> {
     desktop: &'a Desktop,
     child: Child,
     events: PathBuf,
-    /// Number of event lines read so far.
+    /// Number of lines read from the event file.
     read: usize,
     errors: PathBuf,
 }
@@ -109,11 +109,11 @@ impl Drop for ViewerWindow<'_> {
 }
 
 impl ViewerWindow<'_> {
-    /// Waits for the next event with the given name; skips the events before it.
+    /// Waits for the next event with the given name, and skips all events before it.
     ///
     /// # Panics
     ///
-    /// If the event does not arrive, or the window is gone.
+    /// If the event does not arrive, or the window has closed.
     pub fn wait_for(&mut self, name: &str) -> Value {
         self.wait_for_any(&[name])
     }
@@ -141,11 +141,11 @@ impl ViewerWindow<'_> {
         panic!("{names:?} did not happen; what did: {}", std::fs::read_to_string(&self.events).unwrap_or_default());
     }
 
-    /// Asserts that the window is open and its stderr mentions no panic.
+    /// Asserts that the window is open and that its stderr mentions no panic.
     ///
     /// # Panics
     ///
-    /// If it is not, with its stderr.
+    /// If this is not the case; the message contains the stderr.
     pub fn assert_alive(&mut self) {
         let ended = self.child.try_wait().unwrap_or_else(|e| panic!("{e}"));
         let said = || std::fs::read_to_string(&self.errors).unwrap_or_default();
@@ -153,7 +153,7 @@ impl ViewerWindow<'_> {
         assert!(!said().contains("panicked") && !said().contains("internal error"), "{}", said());
     }
 
-    /// Skips all events so far.
+    /// Skips all events that have been written so far.
     pub fn skip_events(&mut self) {
         self.read = std::fs::read_to_string(&self.events).unwrap_or_default().lines().count();
     }
@@ -171,7 +171,7 @@ impl ViewerWindow<'_> {
         String::from_utf8_lossy(&output.stdout).trim().to_owned()
     }
 
-    /// Gives the window the keyboard focus and returns its id. Without a window manager nothing else does.
+    /// Gives the window the keyboard focus, which nothing else does without a window manager. Returns the window's id.
     ///
     /// # Panics
     ///
@@ -192,7 +192,7 @@ impl ViewerWindow<'_> {
         self.xdotool(&["key", key]);
     }
 
-    /// Drags with a mouse button from one screen position to another, in steps.
+    /// Drags with the mouse button `button` between two screen positions, in steps.
     ///
     /// # Panics
     ///

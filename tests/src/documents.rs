@@ -1,4 +1,4 @@
-//! Reads the project's documents for tests: the files, the names in them, and their citations.
+//! Reads the project's documents for tests: their text, the names that they mention, and their citations.
 
 use crate::binary::workspace;
 use std::collections::BTreeSet;
@@ -9,18 +9,18 @@ use std::path::{Path, PathBuf};
 pub struct Document {
     /// Path relative to the repository root, with slashes.
     pub path: String,
-    /// Contents.
+    /// Text of the file.
     pub text: String,
 }
 
-/// Folders without files written by hand.
+/// Folders to skip, because people do not write their files.
 const SKIPPED: [&str; 5] = ["target", ".git", "out", "corpus", "node_modules"];
 
 /// Returns all text files of the repository with one of the given extensions, ordered by path.
 ///
 /// # Panics
 ///
-/// If a folder or file cannot be read: a skipped file would not be checked.
+/// If a folder or file cannot be read, because a file that is skipped would not be checked.
 pub fn documents(extensions: &[&str]) -> Vec<Document> {
     let mut found = Vec::new();
     collect(workspace(), extensions, &mut found);
@@ -45,7 +45,8 @@ fn collect(folder: &Path, extensions: &[&str], found: &mut Vec<Document>) {
     }
 }
 
-/// Returns the sections of the formula sheet that a text cites: "formulas 3.2", "formulas 4.6, 3.2", "formulas §6.1".
+/// Returns the section numbers of the formula sheet that a text cites, as in "formulas 3.2", "formulas 4.6, 3.2" or
+/// "formulas §6.1".
 pub fn cited_formulas(text: &str) -> Vec<String> {
     let mut cited = Vec::new();
     for (at, word) in text.match_indices("formulas") {
@@ -64,7 +65,7 @@ pub fn cited_formulas(text: &str) -> Vec<String> {
     cited
 }
 
-/// Returns the numbers of a document's headings: "4.2" of `### 4.2 Layer-wise shadow maps`.
+/// Returns the section numbers in a document's headings, such as "4.2" of `### 4.2 Layer-wise shadow maps`.
 pub fn numbered_headings(markdown: &str) -> BTreeSet<String> {
     let headings = markdown.lines().filter(|line| line.starts_with('#'));
     headings
@@ -74,7 +75,7 @@ pub fn numbered_headings(markdown: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// Returns the Markdown files that a text names, such as `FORMAT.md` or `bake/docs/artists.md`.
+/// Returns the names of Markdown files in a text, such as `FORMAT.md` or `bake/docs/artists.md`.
 pub fn named_documents(text: &str) -> Vec<String> {
     let part = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
     let words = text.split(|c: char| !part(c)).map(|word| word.trim_matches('.'));
@@ -84,15 +85,15 @@ pub fn named_documents(text: &str) -> Vec<String> {
 /// Returns the code spans of a document: text between single backticks, outside of code blocks.
 pub fn code_spans(markdown: &str) -> Vec<String> {
     let prose = without_code(markdown);
-    // A span may continue on the next line of its paragraph.
+    // A code span may continue on the next line of its paragraph.
     let paragraphs = prose.split("\n\n");
     paragraphs
         .flat_map(|p| p.split('`').skip(1).step_by(2).map(|span| span.replace('\n', " ")).collect::<Vec<_>>())
         .collect()
 }
 
-/// Returns the files and folders of the repository named between backticks: spans that begin with a top-level folder
-/// and contain no pattern.
+/// Returns the repository paths in the code spans of a document: those that begin with a top-level folder and contain
+/// no wildcard.
 pub fn named_paths(markdown: &str) -> Vec<String> {
     let top = ["assets/", "bake/", "formats/", "runtime/", "tests/", ".ci/"];
     let plain = |span: &String| !span.contains([' ', '*', '<', '{', '…', '$']);
@@ -100,8 +101,8 @@ pub fn named_paths(markdown: &str) -> Vec<String> {
     code_spans(markdown).into_iter().filter(|s| top.iter().any(|t| s.starts_with(t)) && plain(s)).map(path).collect()
 }
 
-/// Returns the targets of a document's links and pictures within the repository: a path from the document's folder and
-/// an anchor. Either may be empty.
+/// Returns the targets of a document's links and pictures within the repository. A target is a path relative to the
+/// document's folder, and an anchor. Either may be empty.
 pub fn links(markdown: &str) -> Vec<(String, String)> {
     let prose = without_code(markdown);
     let targets = prose.split("](").skip(1).filter_map(|rest| rest.split(')').next());
@@ -114,7 +115,7 @@ pub fn links(markdown: &str) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Returns the anchors of a Markdown document, derived from its headings as common hosts do.
+/// Returns the anchors of a Markdown document, which common hosts derive from its headings.
 pub fn anchors(markdown: &str) -> BTreeSet<String> {
     let anchor = |heading: &str| -> String {
         let text = heading.trim_start_matches('#').trim().to_lowercase();
@@ -132,7 +133,7 @@ pub fn long_lines(markdown: &str, columns: usize) -> Vec<(usize, String)> {
     numbered.map(|(i, line)| (i + 1, line.to_owned())).collect()
 }
 
-/// Replaces the lines of code blocks by empty lines.
+/// Replaces the lines of code blocks with empty lines.
 fn without_code(markdown: &str) -> String {
     let mut fenced = false;
     let mut out = String::with_capacity(markdown.len());

@@ -1,4 +1,4 @@
-//! Device shared by the GPU tests.
+//! Device that all GPU tests share.
 
 use pelage_needs::{Need, gpu_is_wanted, log_available};
 use pelage_runtime::wgpu;
@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 static SHARED: OnceLock<Gpu> = OnceLock::new();
 
-/// Returns the device for the named GPU test, shared by all tests of a process.
+/// Returns the device for the named GPU test. All tests of a process share it.
 ///
 /// A missing adapter is a failure, unless `PELAGE_NO_GPU=1` is set. In that case returns `None` and prints a message to
 /// stderr. The name must be in `tests/needs/register.txt`; `./run test` checks that the test had the device.

@@ -16,6 +16,6 @@ pub mod schema;
 pub mod silhouette;
 pub mod specks;
 
-/// Furry sphere of the runtime's examples, and its ground.
+/// Furry sphere and ground of the runtime's examples.
 #[path = "../../runtime/examples/support/mod.rs"]
 pub mod support;

@@ -1,4 +1,4 @@
-//! Pairs of pictures ranked by a person; they calibrate the error measure of a bake with limits.
+//! Pairs of pictures that a person has ranked. They calibrate the error measure of a bake with limits.
 
 use crate::binary::workspace;
 use pelage_bake::io;
@@ -6,22 +6,22 @@ use pelage_bake::picture::Picture;
 use pelage_truth::likeness::Likeness;
 use std::path::{Path, PathBuf};
 
-/// Pair of settings; the first looks closer to the reference picture than the second.
+/// Ranked pair of settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pair {
     /// Name of the animal.
     pub animal: String,
-    /// Setting that a person prefers, `layers_texels_fins`.
+    /// Setting whose picture is closer to the reference picture, `layers_texels_fins`.
     pub better: String,
-    /// Setting that looks worse.
+    /// Setting whose picture is less close, in the same format.
     pub worse: String,
 }
 
-/// Height of the fur in the stored pictures, pixels; the longest hair counts. A larger value does not change the error:
-/// beyond the hair both pictures are empty, and within the body both are covered.
+/// Height of the longest hair in the stored pictures, pixels. A larger value gives the same error: beyond the hair both
+/// pictures are empty, and within the body both are covered.
 pub const FUR_PX: f64 = 8.0;
 
-/// Returns the folder of the pictures.
+/// Returns the folder of the stored pictures.
 pub fn folder() -> PathBuf {
     workspace().join("tests/golden/likeness")
 }
@@ -51,7 +51,7 @@ pub fn settings(animal: &str) -> Vec<String> {
     all
 }
 
-/// Compares a drawn picture with the reference picture.
+/// Compares the picture `drawn` with the reference picture `truth`.
 ///
 /// * `fur_px`: height of the fur, pixels
 ///

@@ -1,4 +1,4 @@
-//! Packages derived from others: with fins, with fibres, with a different manifest.
+//! Packages derived from others: with fins, with fibres, or with a changed manifest.
 
 use crate::support::ktx2;
 use pelage_bake::recipe::FibreParams;
@@ -8,7 +8,7 @@ use pelage_runtime::formats::{
     TextureFormat,
 };
 
-/// Starts a package with the same sections under a new manifest; more sections can be added.
+/// Starts a package with a new manifest and the other sections of `package`. More sections can be added.
 fn writer_with_sections<'a>(package: &Package<'a>, manifest: Manifest) -> PackageWriter<'a> {
     let sections = package.sections().iter().enumerate().skip(1);
     sections.fold(PackageWriter::new(manifest), |writer, (i, section)| {
@@ -28,13 +28,13 @@ pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8
     writer_with_sections(&package, manifest).finish().expect("a valid package")
 }
 
-/// Returns the package with the given strands of the tile.
+/// Returns the package with the given tile strands.
 pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
     let package = open_package(bytes);
     writer_with_sections(&package, package.manifest().clone()).strands(strands).finish().expect("a valid package")
 }
 
-/// Returns a package without hair on guides, with hair of the given fibres added.
+/// Returns a package that has no hair on guides, extended by such hair with the given fibres.
 pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
     let package = open_package(bytes);
     let mut manifest = package.manifest().clone();
@@ -46,11 +46,11 @@ pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
     writer_with_sections(&package, manifest).texture(made.file).fibres(&info).finish().expect("a valid package")
 }
 
-/// Returns white, fully lit strands of five points each on a straight line.
+/// Returns white, fully lit strands, each with five points on a straight line.
 ///
 /// * `roots`: positions in the tile
-/// * `from`: height at which all strands begin, as a share of the fur's height
-/// * `tips`: tip of each strand: sideways offset in tile widths, and height as a share of the fur's height; tips of wet
+/// * `from`: height at which all strands begin, relative to the fur height
+/// * `tips`: tip of each strand: sideways offset in tile widths, and height relative to the fur height; tips of wet
 ///   strands, if any, follow those of dry ones
 /// * `radius`: radius in tile widths
 pub fn straight_strands(roots: &[[f32; 2]], from: f32, tips: &[[f32; 3]], radius: f32) -> StrandsData {
@@ -71,10 +71,11 @@ pub fn straight_strands(roots: &[[f32; 2]], from: f32, tips: &[[f32; 3]], radius
     StrandsData { points_per_strand: POINTS, roots: roots.to_vec(), points: tips.iter().flat_map(along).collect() }
 }
 
-/// Opacity of every texel of the fins' textures.
+/// Opacity of every texel in the fin textures, 0..=255.
 pub const ALPHA: u8 = 128;
 
-/// Returns the package with fins of uniform opacity on pairs of its first part's vertices. Ink data is removed.
+/// Returns the package with fins of uniform opacity, and without ink data. `edges` are pairs of vertices of its first
+/// part.
 pub fn with_fins(bytes: &[u8], edges: &[(u32, u32)]) -> Vec<u8> {
     let package = open_package(bytes);
     let mut manifest = package.manifest().clone();

@@ -1,4 +1,4 @@
-//! The reference pages generated from the code: recipes and their coats, looks, the command line and its JSON schemas.
+//! Reference pages that are generated from the code: recipes and coats, looks, the command line and its JSON schemas.
 
 use crate::binary::{Sandbox, workspace};
 use pelage_bake::recipe;
@@ -6,7 +6,7 @@ use pelage_stage::Look;
 use serde_json::Value;
 use std::path::PathBuf;
 
-/// Returns every page with its path.
+/// Returns the path and text of every page.
 ///
 /// # Panics
 /// If the binary does not describe its command line.

@@ -1,4 +1,4 @@
-//! Draws test pictures and compares them with stored ones.
+//! Draws test pictures and compares them with stored pictures.
 
 use crate::silhouette::half_to_f32;
 use pelage_runtime::formats::meaning::{linear_to_srgb, srgb_to_linear};
@@ -26,7 +26,8 @@ impl Picture {
         self.rgba.iter().map(|p| f64::from(p[channel])).sum::<f64>() / self.rgba.len() as f64
     }
 
-    /// Returns the picture shrunk by averaging `by`×`by` texels in linear light; `by` divides both sides.
+    /// Returns the picture reduced by averaging blocks of `by`×`by` texels in linear light. `by` must divide both
+    /// sides.
     pub fn shrunk(&self, by: u32) -> Self {
         let (width, height) = (self.size.0 / by, self.size.1 / by);
         let share = 1.0 / (by * by) as f32;
@@ -50,14 +51,14 @@ impl Picture {
     }
 }
 
-/// Draws instances with all passes over transparent black, in a picture of the size of the frame's viewport.
+/// Draws instances with all passes over transparent black. The picture has the size of the frame's viewport.
 pub fn draw(gpu: &Gpu, renderer: &mut Renderer, params: &FrameParams, instances: &[&Instance]) -> Picture {
     let passes: Vec<PassId> = PassId::all().collect();
     let bytes = draw_passes(gpu, renderer, params, instances, &passes);
     Picture { size: params.viewport.into(), rgba: bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect() }
 }
 
-/// Draws some passes over transparent black; the texels have the renderer's colour format.
+/// Draws the given passes over transparent black. The texels have the renderer's colour format.
 pub fn draw_passes(
     gpu: &Gpu,
     renderer: &mut Renderer,
@@ -76,17 +77,17 @@ pub fn draw_passes(
     targets.texels(gpu).expect("the device answers")
 }
 
-/// Pipeline statistics of draw calls.
+/// Pipeline statistics of a render pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PipelineStatistics {
-    /// Invocations of vertex shaders.
+    /// Number of vertex shader invocations.
     pub vertices: u64,
-    /// Invocations of fragment shaders.
+    /// Number of fragment shader invocations.
     pub fragments: u64,
 }
 
-/// Begins the application's pass, draws, submits everything, and returns the statistics of that pass. The device must
-/// have `PIPELINE_STATISTICS_QUERY`.
+/// Begins the application's render pass, draws in it, submits everything, and returns the statistics of the pass. The
+/// device must have `PIPELINE_STATISTICS_QUERY`.
 pub fn draw_with_statistics(
     gpu: &Gpu,
     targets: &Canvas,
@@ -124,7 +125,7 @@ pub fn draw_with_statistics(
 pub struct PictureDifference {
     /// Mean absolute difference over all channels, 0..=255.
     pub mean: f64,
-    /// Share of texels where a channel differs by more than 16.
+    /// Share of texels in which a channel differs by more than 16.
     pub share: f64,
 }
 
@@ -146,10 +147,11 @@ pub fn golden_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(format!("{name}.png"))
 }
 
-/// Compares with the stored picture `golden/NAME.png`, of at most 64 KiB. `Err` describes the difference; the actual
-/// picture, the expected picture and the difference are then in `target/golden/`.
+/// Compares a picture with the stored picture `golden/NAME.png`, which has at most 64 KiB. `Err` describes the
+/// difference; the actual picture, the expected picture and the difference are then in `target/golden/`.
 ///
-/// Only `PELAGE_WRITE_GOLDEN=1` writes a stored picture; a missing, unreadable or wrong-sized one is an error.
+/// A stored picture is written only with `PELAGE_WRITE_GOLDEN=1`. Otherwise it is an error if it is missing,
+/// unreadable, or of another size.
 ///
 /// The tolerance is a mean of 0.5 of 255, and 0.5 % of texels that differ by more than 16. It allows for different
 /// rounding in another version of the rasteriser, but not for fur that moved by a pixel.
@@ -183,7 +185,7 @@ pub fn compare_golden(name: &str, actual: &Picture) -> Result<(), String> {
     Err(format!("{name} differs from its golden: {found:?}; see {}", folder.display()))
 }
 
-/// Reads one array layer of a shadow map back, row-major from the top: the channels that its format has, others 0.
+/// Reads one array layer of a shadow map, row-major from the top. Channels that its format lacks are 0.
 ///
 /// Panics on formats that no shadow map has.
 pub fn read_map(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<[f32; 4]> {

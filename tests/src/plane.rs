@@ -1,4 +1,4 @@
-//! Plane with uniform fur, on which only the opacity of the layers is visible.
+//! Plane with uniform fur, lit so that only the opacity of the layers is visible.
 
 use crate::support::ktx2;
 use crate::support::sphere::{SphereParams, manifest};
@@ -8,25 +8,24 @@ use pelage_runtime::formats::{
     TextureFormat,
 };
 
-/// Optional groom of a plane.
+/// Groom of a plane.
 #[derive(Clone, Debug, Default)]
 pub struct PlaneGroom {
-    /// Lean of all vertices.
+    /// Lean of the hair at all vertices.
     pub lean: f32,
-    /// Outward slope of the normals at the corners.
+    /// Outward slope of the normals at the corners of the plane.
     pub outwards: f32,
     /// Bareness and wetness of all vertices.
     pub vertex: [u8; 2],
-    /// Groom texture over the whole plane: texels per row, and share of hair and wetness of each texel, row by row.
+    /// Groom texture over the whole plane: number of texels per row, and the amount of hair and wetness of each texel.
     pub texture: Option<(u32, Vec<[u8; 2]>)>,
-    /// Opacity of the layers of wet hair.
+    /// Opacity of the layers of wet hair, 0..=255.
     pub wet_opacity: Option<u8>,
-    /// Strands of the tile, and the number of tiles along an edge of the plane.
+    /// Strands of the tile, and the number of tiles along a side of the plane.
     pub strands: Option<(StrandsData, f32)>,
 }
 
-/// Returns a square of 0.2 m in the plane z = 0, facing +z, whose layers all have the same opacity (0..=255)
-/// everywhere.
+/// Returns a square of 0.2 m in the plane z = 0, facing +z. All texels of its layers have the same opacity, 0..=255.
 pub fn plane(layers: u32, opacity: u8) -> Vec<u8> {
     groomed_plane(layers, opacity, Shading::default(), &PlaneGroom::default())
 }

@@ -1,21 +1,21 @@
-//! Checker for the subset of JSON Schema that `bake/docs/schemas.json` uses.
+//! Validator for the subset of JSON Schema that `bake/docs/schemas.json` uses.
 
 use crate::binary::{Run, workspace};
 use serde_json::Value;
 use std::sync::LazyLock;
 
-/// Schemas of the results of all commands, by name.
+/// JSON schemas of the results of all commands, by name.
 static SCHEMAS: LazyLock<Value> = LazyLock::new(|| {
     let path = workspace().join("bake/docs/schemas.json");
     let text = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 });
 
-/// Parses the one JSON object that a run wrote to stdout and checks it against the schema `name`.
+/// Parses the JSON object that a run wrote to stdout, and validates it against the schema `name`.
 ///
 /// # Panics
 ///
-/// If it is not JSON or violates the schema.
+/// If the output is not JSON or violates the schema.
 #[track_caller]
 pub fn parse_answer(run: &Run, name: &str) -> Value {
     let value: Value = serde_json::from_str(&run.stdout).unwrap_or_else(|e| panic!("{e}: {run:?}"));
@@ -23,7 +23,7 @@ pub fn parse_answer(run: &Run, name: &str) -> Value {
     value
 }
 
-/// Checks a value against the schema `name`.
+/// Validates a value against the schema `name`.
 ///
 /// # Panics
 ///
@@ -33,7 +33,7 @@ pub fn assert_valid(name: &str, value: &Value) {
     check(&SCHEMAS, &SCHEMAS[name], value).unwrap_or_else(|e| panic!("{name}: {e}"));
 }
 
-/// Does the same as [`parse_answer`] for a run that succeeded.
+/// Same as [`parse_answer`], but also requires exit code 0.
 ///
 /// # Panics
 ///
@@ -44,13 +44,13 @@ pub fn parse_success(run: &Run, name: &str) -> Value {
     parse_answer(run, name)
 }
 
-/// Finds the first place where `value` violates `schema`, or a keyword that this checker does not know.
+/// Validates `value` against `schema`, and stops at the first violation or unknown keyword.
 ///
-/// * `root`: document that references are resolved in
+/// * `root`: document in which references are resolved
 ///
 /// # Errors
 ///
-/// JSON pointer and the expectation there.
+/// JSON pointer to the violation, and the expected value.
 pub fn check(root: &Value, schema: &Value, value: &Value) -> Result<(), String> {
     Checker { root }.check("", schema, value)
 }
@@ -89,13 +89,13 @@ impl Checker<'_> {
                 "type" if !texts().iter().any(|t| has_type(t, value)) => return fail(format!("expected type {rule}")),
                 "enum" if !texts().contains(value) => return fail(format!("expected one of {rule}")),
                 "const" if rule != value => return fail(format!("expected {rule}")),
-                // A rule about numbers or arrays does not apply to other types.
+                // Rules for numbers or arrays do not apply to values of other types.
                 "minimum" if number.is_some_and(|n| n < bound()) => return fail(format!("expected at least {rule}")),
                 "maximum" if number.is_some_and(|n| n > bound()) => return fail(format!("expected at most {rule}")),
                 "minItems" if length.is_some_and(|n| n < bound()) => return fail(format!("expected {rule} items")),
                 "maxItems" if length.is_some_and(|n| n > bound()) => return fail(format!("expected {rule} items")),
                 "type" | "enum" | "const" | "minimum" | "maximum" | "minItems" | "maxItems" => {}
-                // A rule about objects does not apply to null.
+                // Rules for objects do not apply to null.
                 "required" if !value.is_object() => {}
                 "required" => {
                     for key in texts() {

@@ -13,17 +13,17 @@ pub fn half_to_f32(bytes: [u8; 2]) -> f32 {
 /// Model to be measured.
 #[derive(Clone, Debug)]
 pub struct SilhouetteModel {
-    /// Name for messages.
+    /// Name of the model, for messages.
     pub name: &'static str,
     /// Path of the model.
     pub model: PathBuf,
-    /// Path of the recipe relative to the workspace root; `None` for the default.
+    /// Path of the recipe, relative to the workspace root; `None` uses default settings.
     pub recipe: Option<&'static str>,
     /// Size of the picture, pixels.
     pub size: (u32, u32),
 }
 
-/// Returns the project's own models, and the bunny if the test data are available to the named test.
+/// Returns the project's own models. If the test data is available to the named test, the bunny is included.
 pub fn silhouette_models(test: &str) -> Vec<SilhouetteModel> {
     let own = |name: &'static str, recipe, size| {
         let model = workspace().join(format!("assets/models/{name}.glb"));
@@ -41,9 +41,9 @@ pub fn silhouette_models(test: &str) -> Vec<SilhouetteModel> {
     cases
 }
 
-/// Bakes a package of a model with plain texels.
+/// Bakes a package with uncompressed texels.
 ///
-/// `recipe`: path relative to the workspace root; `set`: assignments to its keys.
+/// `recipe`: path relative to the workspace root; `set`: assignments to recipe keys.
 pub fn bake_plain(model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
     let sandbox = Sandbox::new();
     let mut args: Vec<OsString> =
@@ -51,7 +51,7 @@ pub fn bake_plain(model: &Path, recipe: Option<&str>, set: &[&str]) -> Vec<u8> {
     if let Some(path) = recipe {
         args.extend(["--recipe".into(), workspace().join(path).into()]);
     }
-    // Plain texels, so that compression errors do not count.
+    // Uncompressed texels exclude compression errors from the measurement.
     let plain = ["pack.shell_format=rgba8", "pack.direction_format=rg8", "pack.base_color_format=rgba8"];
     args.extend(plain.iter().chain(set).flat_map(|set| ["--set".into(), set.into()]));
     sandbox.fixture(&args);

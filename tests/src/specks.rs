@@ -1,4 +1,4 @@
-//! Measures how much ink of a drawing is in specks instead of strokes.
+//! Measures how much of a drawing's ink is in specks instead of strokes.
 
 use pelage_bake::mask::Mask;
 
@@ -30,31 +30,31 @@ pub fn components(mask: &Mask) -> Vec<Vec<usize>> {
     parts
 }
 
-/// Ink of a drawing, and its share in specks.
+/// Ink of a drawing, and the part of it that is in specks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Specks {
     /// Number of ink pixels.
     pub ink: usize,
-    /// Number of ink pixels in components whose bounding box has a diagonal below the limit.
+    /// Number of ink pixels in specks: components whose bounding box has a diagonal below the limit.
     pub short: usize,
-    /// Number of such components.
+    /// Number of specks.
     pub count: usize,
 }
 
 impl Specks {
-    /// Returns the pixels of short components per thousand ink pixels.
+    /// Returns the number of speck pixels per thousand ink pixels.
     pub fn per_mille(&self) -> f64 {
         1000.0 * self.short as f64 / self.ink.max(1) as f64
     }
 
-    /// Adds two counts.
+    /// Adds the counts of two drawings.
     #[must_use]
     pub fn sum(self, other: Self) -> Self {
         Self { ink: self.ink + other.ink, short: self.short + other.short, count: self.count + other.count }
     }
 }
 
-/// Counts the ink in components shorter than `shorter_than_px`, pixels.
+/// Counts the ink, and the ink in components whose diagonal is below `shorter_than_px`, pixels.
 pub fn specks(ink: &Mask, shorter_than_px: f64) -> Specks {
     let width = ink.width as usize;
     let parts = components(ink);
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn specks_are_short_parts_and_adrift_pixels_touch_no_body() {
         let mask = drawn(&["########", "........", "..##....", "........", ".#......"]);
-        // The bounding-box diagonals: long line 8.06, dash 2.24, dot 1.41.
+        // The bounding boxes have diagonals of 8.06 (long line), 2.24 (dash) and 1.41 (dot) pixels.
         let found = specks(&mask, 2.0);
         assert_eq!((found.ink, found.short, found.count), (11, 1, 1));
         assert_eq!(specks(&mask, 3.0).short, 3);

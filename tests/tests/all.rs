@@ -1,5 +1,5 @@
-//! Tests that use several crates, linked as one binary. Each module can be run alone: `cargo test --workspace --test
-//! all house::`. The window tests are a separate binary that runs alone, because simulated input needs an idle machine.
+//! Tests that use several crates, linked as one binary. A module can be run alone: `cargo test --workspace --test all
+//! house::`. The window tests are a separate binary that runs alone, because simulated input needs an idle machine.
 
 mod assets;
 mod house;

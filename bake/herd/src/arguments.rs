@@ -1,4 +1,4 @@
-//! Conversion of herd file tables to command-line arguments, and their validation.
+//! Converts the tables of a herd file to command-line arguments, and validates them.
 
 use super::file::{Fault, HerdFile, Sequence, TruthOptions, ViewRule};
 use pelage_import::BakeError;
@@ -7,15 +7,15 @@ use pelage_stage::TomlText;
 /// Validators of command-line arguments.
 #[derive(Clone, Copy)]
 pub struct ArgumentValidators<'a> {
-    /// Keys of looks without effect on a reference picture, such as `fur.layers`.
+    /// Look keys without effect on a reference picture, such as `fur.layers`.
     pub only_drawn: &'a [&'a str],
-    /// Returns the reason that `pelage` refuses a command line, if it does.
+    /// Returns the error message if `pelage` rejects a command line.
     pub refusal: &'a dyn Fn(&[String]) -> Option<String>,
-    /// Returns the reason that `bake --set` refuses a change, if it does.
+    /// Returns the error message if `bake --set` rejects an assignment.
     pub recipe: &'a dyn Fn(&str) -> Option<String>,
 }
 
-/// Key of a table, and its command-line argument.
+/// Table key and the command-line argument made from it.
 pub(super) type Word = (String, String);
 
 fn word(key: &str, option: &str, value: Option<impl ToString>) -> Option<Word> {
@@ -23,7 +23,7 @@ fn word(key: &str, option: &str, value: Option<impl ToString>) -> Option<Word> {
 }
 
 impl ViewRule {
-    /// Returns the options for `render`.
+    /// Returns the arguments for `render`.
     pub(super) fn words(&self) -> Vec<Word> {
         let words = [
             word("size", "size", self.size.as_ref()),
@@ -39,7 +39,7 @@ impl ViewRule {
         words.into_iter().flatten().chain(sets).collect()
     }
 
-    /// Returns [`Self::words`] without keys of the look that have no effect on a reference picture.
+    /// Returns [`Self::words`] without the look keys that have no effect on a reference picture.
     pub(super) fn reference_words(&self, only_drawn: &[&str]) -> Vec<Word> {
         let drawn = |word: &Word| word.0.strip_prefix("set.").is_some_and(|key| only_drawn.contains(&key));
         self.words().into_iter().filter(|word| !drawn(word)).collect()
@@ -47,7 +47,7 @@ impl ViewRule {
 }
 
 impl TruthOptions {
-    /// Returns the options for `reference`.
+    /// Returns the arguments for `reference`.
     pub(super) fn words(&self) -> Vec<Word> {
         let words = [
             word("samples", "samples", self.samples),
@@ -59,25 +59,25 @@ impl TruthOptions {
 }
 
 impl Sequence {
-    /// Returns the options for `render`, in addition to those of the view.
+    /// Returns the arguments for `render` that a sequence adds to those of its view.
     pub(super) fn words(&self) -> Vec<Word> {
         word("fps", "fps", self.fps).into_iter().collect()
     }
 }
 
-/// Returns the options of `bake` that change a recipe.
+/// Returns the `--set` arguments for `bake` from a table of recipe keys.
 pub(super) fn sets(table: &toml::Table) -> impl Iterator<Item = String> {
     assignments(table).into_iter().flat_map(|set| ["--set".to_owned(), set])
 }
 
-/// Flattens tables to command-line assignments: `hair.length_m=0.02`.
+/// Flattens a table to command-line assignments, such as `hair.length_m=0.02`.
 fn assignments(table: &toml::Table) -> Vec<String> {
     fn add(prefix: &str, table: &toml::Table, all: &mut Vec<String>) {
         for (key, value) in table {
             let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
             match value {
                 toml::Value::Table(inner) => add(&key, inner, all),
-                // Strings are written without their quotes.
+                // Command-line assignments contain strings without quotes.
                 toml::Value::String(word) => all.push(format!("{key}={word}")),
                 other => all.push(format!("{key}={other}")),
             }
@@ -85,7 +85,7 @@ fn assignments(table: &toml::Table) -> Vec<String> {
     }
     let mut all = Vec::new();
     add("", table, &mut all);
-    // Sorted, because whether tables keep their order depends on the build.
+    // The order of a TOML table depends on how the crate was built, so the assignments are sorted.
     all.sort();
     all
 }
@@ -95,18 +95,18 @@ fn key_of(assignment: &str) -> &str {
 }
 
 impl HerdFile {
-    /// Reads a herd file, and validates its values with the commands that take them.
+    /// Reads a herd file, and validates its values with the commands that they are passed to.
     ///
     /// # Errors
     ///
-    /// Same as [`Self::parse`]; also [`BakeError::Input`] with line and key for values that a command would refuse.
+    /// Same as [`Self::parse`]; also [`BakeError::Input`] with line and key for values that a command would reject.
     pub fn read(source: TomlText<'_>, judge: &ArgumentValidators<'_>) -> Result<Self, BakeError> {
         let file = Self::parse(source)?;
         let fault = file.words_fault(judge);
         fault.map_or(Ok(file), |(key, reason)| Err(Self::fault(source, &key, reason)))
     }
 
-    /// Returns the first value that a command would refuse.
+    /// Returns the key and error of the first value that a command would reject.
     fn words_fault(&self, judge: &ArgumentValidators<'_>) -> Option<Fault> {
         let recipes = self.recipes.iter().enumerate().map(|(i, rule)| (format!("recipe[{i}]"), &rule.set));
         let variants = self.variants.iter().enumerate().map(|(i, variant)| (format!("variant[{i}]"), &variant.set));
@@ -115,7 +115,7 @@ impl HerdFile {
             .or_else(|| self.trials(judge.only_drawn).into_iter().find_map(|trial| trial.fault(judge.refusal)))
     }
 
-    /// Returns trial commands that together contain all values of the file that a command line can validate.
+    /// Returns command lines to validate, which together contain every value that the command-line parser can check.
     fn trials(&self, only_drawn: &[&str]) -> Vec<Trial> {
         let render = ["render", "a.pelage", "-o", "a.png"];
         let reference = ["reference", "a.pelage", "-o", "a.png"];
@@ -146,7 +146,7 @@ impl HerdFile {
 /// Command line that validates values of one table.
 struct Trial {
     command: Vec<String>,
-    /// Table that its values come from.
+    /// Key of the table that the values come from.
     place: String,
     words: Vec<Word>,
 }
@@ -164,7 +164,7 @@ impl Trial {
             refusal(&command.iter().cloned().chain(words).collect::<Vec<_>>())
         };
         let alone = |word: &Word| refused(std::slice::from_ref(word)).map(|why| (format!("{place}.{}", word.0), why));
-        // Nearly all values are valid, and this checks all of them at once.
+        // Almost all values are valid, so all of a table are checked with one command line first.
         let together = refused(words)?;
         Some(words.iter().find_map(alone).unwrap_or_else(|| (place.clone(), together)))
     }

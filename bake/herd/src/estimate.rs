@@ -1,4 +1,4 @@
-//! Memory and time estimates of commands, before and after their first run.
+//! Estimates of the time and memory of commands: modelled before their first run, measured after it.
 
 use super::kind::Kind;
 use serde::{Deserialize, Serialize};
@@ -20,10 +20,11 @@ pub struct CommandCost {
 const MIB: f64 = 1024.0 * 1024.0;
 
 impl CommandCost {
-    /// Estimates the cost of a command that has never run. The figures are from the models of bake/docs/herd.md,
-    /// rounded up, on one core of two and lavapipe. The first run replaces them with measured values.
+    /// Estimates the cost of a command that has never run. The models are described in bake/docs/herd.md. They were
+    /// measured with one of two CPU cores and lavapipe, and rounded up. The first run replaces the estimate with
+    /// measured values.
     ///
-    /// * `model_bytes`: size of the model's file
+    /// * `model_bytes`: size of the model file
     /// * `pixels`: number of pixels of all pictures
     /// * `samples`: number of samples of all pixels, millions
     pub fn estimate(kind: Kind, model_bytes: u64, pixels: f64, samples: f64) -> Self {

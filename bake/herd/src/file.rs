@@ -7,11 +7,11 @@ use pelage_stage::{StageError, TomlText};
 use serde::{Deserialize, Deserializer};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Herd file, exactly as parsed: which outputs to make of which models.
+/// Parsed herd file: which outputs to make from which models.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HerdFile {
-    /// Title of the report.
+    /// Title of the HTML report.
     pub title: Option<String>,
     /// Models; at least one.
     #[serde(default, rename = "model")]
@@ -22,13 +22,13 @@ pub struct HerdFile {
     /// Variants, for models that are baked more than once.
     #[serde(default, rename = "variant")]
     pub variants: Vec<Variant>,
-    /// Pictures of each package.
+    /// Pictures to draw of each package.
     #[serde(default, rename = "view")]
     pub views: Vec<ViewRule>,
     /// Charts of speed against accuracy.
     #[serde(default, rename = "chart")]
     pub charts: Vec<Chart>,
-    /// Sequences: pictures over time.
+    /// Picture sequences to draw of each package.
     #[serde(default, rename = "sequence")]
     pub sequences: Vec<Sequence>,
     /// Compiled patterns of all tables.
@@ -36,7 +36,7 @@ pub struct HerdFile {
     pub rules: Rules,
 }
 
-/// List of words, written as one string or an array.
+/// List of strings, written in TOML as one string or as an array.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Words(pub Vec<String>);
 
@@ -55,7 +55,7 @@ impl<'de> Deserialize<'de> for Words {
     }
 }
 
-/// Returns the pattern of all models.
+/// Returns the pattern `**`, which matches all models.
 fn all() -> Words {
     Words(vec!["**".into()])
 }
@@ -64,7 +64,7 @@ fn all() -> Words {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelRule {
-    /// Patterns of their paths, relative to the herd file's folder.
+    /// Patterns of model paths, relative to the herd file's folder.
     pub files: Words,
     /// Patterns of files to exclude.
     #[serde(default)]
@@ -74,23 +74,23 @@ pub struct ModelRule {
     pub allow_outside: bool,
 }
 
-/// `[[recipe]]`: a rule. Of several rules that match, the last one's file is used, and the changes of all of them, in
-/// order.
+/// `[[recipe]]`: a rule that selects and changes the recipe of matching models. If several rules match a model, the
+/// file of the last one is used, and the changes of all are applied in order.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecipeRule {
     /// Patterns of the models that the rule applies to.
     #[serde(default = "all")]
     pub models: Words,
-    /// Recipe file, relative to the herd file's folder. `{name}` in it is replaced by the name of the model's file; the
-    /// rule's file then applies only if it exists.
+    /// Recipe file, relative to the herd file's folder. `{name}` is replaced by the stem of the model's file name. A
+    /// file with `{name}` is used only if it exists.
     pub file: Option<String>,
-    /// Keys of the recipe and their values.
+    /// Recipe keys to change, and their new values.
     #[serde(default)]
     pub set: toml::Table,
 }
 
-/// `[[variant]]`: models that match are baked once per variant, and not without one.
+/// `[[variant]]`: a model that matches variants is baked once for each of them, and not without a variant.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variant {
@@ -99,9 +99,9 @@ pub struct Variant {
     /// Patterns of the models that the variant applies to.
     #[serde(default = "all")]
     pub models: Words,
-    /// Recipe that replaces the one of the rules.
+    /// Recipe file that replaces the file chosen by the `[[recipe]]` rules.
     pub file: Option<String>,
-    /// Changes in addition to those of the rules.
+    /// Recipe changes, applied after those of the `[[recipe]]` rules.
     #[serde(default)]
     pub set: toml::Table,
 }
@@ -117,7 +117,7 @@ pub struct ViewRule {
     pub models: Words,
     /// Size in pixels: `"256x256"`.
     pub size: Option<String>,
-    /// Camera, as in `--camera`; by default the model is framed.
+    /// Camera, as in `--camera`; by default the camera frames the model.
     pub camera: Option<String>,
     /// Orbit, as in `--orbit`.
     pub orbit: Option<String>,
@@ -125,82 +125,82 @@ pub struct ViewRule {
     pub look_at: Option<String>,
     /// Look file, relative to the herd file's folder.
     pub look: Option<String>,
-    /// Keys of the look and their values.
+    /// Look keys to change, and their new values.
     #[serde(default)]
     pub set: toml::Table,
-    /// Animation clip.
+    /// Name of the animation clip.
     pub clip: Option<String>,
     /// Time in the clip, seconds.
     pub time: Option<f64>,
-    /// Number of frames to time.
+    /// Number of frames that `bench` times; no benchmark without it.
     pub bench: Option<u32>,
-    /// Ray-traced reference picture to compare with.
+    /// Options of the ray-traced reference picture that this view is compared with.
     pub truth: Option<TruthOptions>,
 }
 
-/// `[view.truth]`: the same view ray traced, and the difference of the picture from it.
+/// `[view.truth]`: traces a reference picture of the view and compares the rendered picture with it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruthOptions {
     /// Samples per pixel.
     pub samples: Option<u32>,
-    /// Number of parts that are traced separately.
+    /// Number of parts that the reference picture is divided into, each traced by its own command.
     pub parts: Option<u32>,
     /// Fibre model, as in `--fibre`.
     pub fibre: Option<String>,
-    /// Bounces, as in `--bounces`.
+    /// Maximum number of bounces, as in `--bounces`.
     pub bounces: Option<u32>,
-    /// Largest mean FLIP to accept.
+    /// Largest accepted mean FLIP between the picture and the reference picture.
     pub max_flip: Option<f64>,
 }
 
-/// `[[chart]]`: a chart of each matching model, or a single one without a model.
+/// `[[chart]]`: a chart for each matching model, or one chart without a model.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chart {
     /// Topic, as in `pelage chart`.
     pub topic: String,
-    /// Patterns of the models to chart; without it, one chart without a model.
+    /// Patterns of the models to chart; `None` makes one chart without a model.
     pub models: Option<Words>,
-    /// Number of shares in which its rows are measured.
+    /// Number of commands that the measurement of the chart's rows is divided among.
     pub shares: Option<u32>,
 }
 
-/// `[[sequence]]`: numbered pictures of each package.
+/// `[[sequence]]`: a sequence of numbered pictures of each package.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sequence {
-    /// Name of the sequence, used for its folder.
+    /// Name of the sequence and of its folder.
     pub name: String,
     /// Patterns of the models to draw.
     #[serde(default = "all")]
     pub models: Words,
-    /// View that supplies look and camera.
+    /// Name of the view whose look and camera are used.
     pub view: Option<String>,
-    /// Animation clip; replaces the view's.
+    /// Name of the animation clip; overrides the clip of the view.
     pub clip: Option<String>,
     /// Number of pictures.
     pub frames: u32,
     /// Pictures per second.
     pub fps: Option<u32>,
-    /// Number of shares in which they are drawn.
+    /// Number of commands that the pictures are divided among.
     pub shares: Option<u32>,
-    /// Whether the camera makes one full turn.
+    /// Whether the camera makes one full turn over the sequence.
     #[serde(default)]
     pub auto_rotate: bool,
-    /// Whether the light makes one full turn.
+    /// Whether the light makes one full turn over the sequence.
     #[serde(default)]
     pub turn_light: bool,
 }
 
-/// Largest number of parts or shares: with more, start-up would dominate.
+/// Largest number of parts or shares. With more, the start-up of the commands would take most of the time.
 const MOST_SHARES: u32 = 1000;
 
-/// Key, and the error at it.
+/// Key in the herd file, and the error found there.
 pub(super) type Fault = (String, String);
 
 impl HerdFile {
-    /// Parses a herd file. Errors that need knowledge of the commands are found by [`Self::read`].
+    /// Parses a herd file. [`Self::read`] also validates the values that are passed to commands.
     ///
     /// # Errors
     ///
@@ -213,13 +213,13 @@ impl HerdFile {
         file.numbers_fault().map_or(Ok(file), |found| Err(fault(found)))
     }
 
-    /// Creates an error at a key of the file, with its line.
+    /// Creates an error for a key of the file, with its line number.
     pub fn fault(source: TomlText<'_>, key: &str, reason: String) -> BakeError {
         input(source.fault(key, reason))
     }
 
-    /// Returns a warning for each entry without effect: patterns that match no model, and recipes by name that no model
-    /// has.
+    /// Returns warnings about unused entries: patterns that match no model, and recipe files with `{name}` that match
+    /// none.
     ///
     /// * `source`: source of the herd file, for messages
     /// * `models`: models that were found
@@ -256,7 +256,7 @@ impl HerdFile {
         idle.into_iter().map(|(key, reason)| Self::fault(source, &key, reason).to_string()).collect()
     }
 
-    /// Returns the recipe files that are named, each with its key and the patterns of its models.
+    /// Returns the recipe files of all rules, each with its key in the herd file and the patterns of its models.
     pub fn recipe_files(&self) -> impl Iterator<Item = (String, &String, &Patterns)> {
         let rules = self.recipes.iter().map(|rule| &rule.file).zip(&self.rules.recipes).enumerate();
         let variants = self.variants.iter().map(|variant| &variant.file).zip(&self.rules.variants).enumerate();
@@ -265,7 +265,7 @@ impl HerdFile {
         all.filter_map(|(key, (file, patterns))| Some((key, file.as_ref()?, patterns)))
     }
 
-    /// Returns the first invalid name.
+    /// Returns the key and error of the first invalid name.
     fn names_fault(&self) -> Option<Fault> {
         if self.models.is_empty() {
             return Some(("".into(), "found no models, expected [[model]] with files = \"animals/**/*.glb\"".into()));
@@ -288,7 +288,7 @@ impl HerdFile {
             .or_else(|| names("sequence", self.sequences.iter().map(|s| s.name.as_str()).collect()))
     }
 
-    /// Returns the first invalid number or unknown view.
+    /// Returns the key and error of the first invalid number or unknown view.
     fn numbers_fault(&self) -> Option<Fault> {
         let views: Vec<&str> = self.views.iter().map(|view| view.name.as_str()).collect();
         let shares = |key: String, shares: Option<u32>| {
@@ -324,13 +324,13 @@ impl HerdFile {
         None
     }
 
-    /// Returns the folders of its models, relative to the file's own, each with the key of the first patterns that
-    /// search there.
+    /// Returns the folders to search for models, relative to the herd file's folder. Each has the key of the first
+    /// patterns that need it.
     pub fn folders(&self) -> BTreeMap<String, String> {
         let of = |(i, models): (usize, &ModelRule)| {
             models.files.0.iter().map(|pattern| (base(pattern), format!("model[{i}].files"))).collect::<Vec<_>>()
         };
-        // Reversed, so that the first entry of a folder is kept.
+        // Later entries of a map replace earlier ones; the reversed order keeps the first key of a folder.
         self.models.iter().enumerate().rev().flat_map(of).collect()
     }
 }
@@ -348,7 +348,7 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// Compiles the patterns of a file, or returns the first invalid one.
+    /// Compiles the patterns of a file, or returns the key and error of the first invalid one.
     fn of(file: &HerdFile) -> Result<Self, Fault> {
         let rules = |table: &str, words: Vec<&Words>| {
             let patterns = |(i, words): (usize, &Words)| patterns(format!("{table}[{i}].models"), words);
@@ -377,7 +377,7 @@ impl Rules {
     }
 }
 
-/// Compiles a list of patterns, at least one.
+/// Compiles a list of patterns, which must not be empty.
 fn patterns(key: String, words: &Words) -> Result<Patterns, Fault> {
     if words.0.is_empty() {
         return Err((key, "found no pattern, expected at least one".into()));

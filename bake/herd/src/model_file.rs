@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Placeholder in a recipe's name for the name of the model's file, without its extension.
+/// Placeholder in the file name of a recipe; replaced by the stem of the model's file name.
 pub const NAME: &str = "{name}";
 
 /// Model on disk.
@@ -15,7 +15,7 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
-    /// Returns `file` with [`NAME`] replaced by the name of the model's file.
+    /// Returns `file` with [`NAME`] replaced by the stem of the model's file name.
     pub(super) fn expand_name(&self, file: &str) -> String {
         file.replace(NAME, &Path::new(&self.path).file_stem().unwrap_or_default().to_string_lossy())
     }

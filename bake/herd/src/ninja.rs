@@ -5,29 +5,29 @@ use super::plan::{Plan, Task};
 use super::shell::{shell_line, shell_word};
 use std::fmt::Write as _;
 
-/// Environment variables that set the number of threads of a command, besides its options. The value is one, because
-/// several commands run at once and software rendering would use all cores otherwise.
+/// Environment variables that set the number of threads of a command. Both are set to 1: several commands run at once,
+/// and software rendering would otherwise use all cores for each.
 pub const THREADS: [&str; 2] = ["RAYON_NUM_THREADS", "LP_NUM_THREADS"];
 
-/// Prefix of Ninja's status lines (`NINJA_STATUS`): finished and total commands.
+/// Format of Ninja's status lines (`NINJA_STATUS`): finished and total commands.
 pub const STATUS: &str = "[%f/%t] ";
 
-/// Concurrency limits.
+/// Limits on the number of concurrent commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ConcurrencyLimits {
     /// Number of concurrent commands, at least 1.
     pub jobs: u32,
-    /// Number of concurrent commands that need more memory than [`Self::light_bytes`], at least 1.
+    /// Number of concurrent heavy commands, which need more than [`Self::light_bytes`], at least 1.
     pub heavy: u32,
-    /// Largest memory of a command that is not heavy, bytes.
+    /// Largest memory of a light command, bytes.
     pub light_bytes: u64,
-    /// Memory of the largest command if it exceeds the total, bytes; 0 if all fit.
+    /// Memory of the largest command if it exceeds the available memory, bytes; 0 if every command fits.
     pub too_large: u64,
 }
 
 impl ConcurrencyLimits {
-    /// Computes the limits that cores and memory allow. Half of the memory is shared by light commands, the other half
-    /// by heavy ones.
+    /// Computes the limits from the numbers of cores and bytes available. Light commands may use half of the memory
+    /// together, heavy commands the other half.
     ///
     /// * `jobs`: maximum number of concurrent commands
     /// * `memory_bytes`: total memory
@@ -46,21 +46,21 @@ impl ConcurrencyLimits {
     }
 }
 
-/// Settings of a build file besides the plan.
+/// Settings of a build file.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings<'a> {
-    /// Absolute path of the program.
+    /// Absolute path of the `pelage` program.
     pub tool: &'a str,
-    /// Cache folder.
+    /// Cache folder of the commands.
     pub cache: Option<&'a str>,
-    /// Folder of Ninja's own files.
+    /// Folder for Ninja's log and the other files of the build.
     pub own: &'a str,
     /// Concurrency limits.
     pub room: ConcurrencyLimits,
 }
 
-/// Returns the build file of `tasks`. Inputs that none of the tasks makes must exist. The file has no target for all
-/// tasks: Ninja would check all of that target's inputs whenever one of them is made.
+/// Returns the text of a Ninja build file that runs `tasks`. Inputs that no task makes must already exist. The file has
+/// no target for all tasks: Ninja would check all of its inputs whenever one of them is made.
 pub fn build_file(tasks: &[&Task], settings: &Settings<'_>) -> String {
     let Settings { tool, cache, own, room } = settings;
     let mut text = format!(
@@ -86,7 +86,7 @@ pub fn build_file(tasks: &[&Task], settings: &Settings<'_>) -> String {
         let rule = if task.depfile.is_some() { "read" } else { "run" };
         let inputs: String = task.inputs.iter().map(|input| format!(" {}", path(input))).collect();
         let _ = writeln!(text, "build {}{aside}: {rule}{inputs} | {}", files.join(" "), path(tool));
-        // The first word is the tool's name, which the rule supplies.
+        // The rule supplies the tool's name, which is the first word of the command.
         let words = task.command(*cache);
         let _ = writeln!(text, "  words = {}\n  task = {}", value(&shell_line(&words[1..])), value(&task.name));
         let _ = task.depfile.iter().try_for_each(|depfile| writeln!(text, "  depfile = {}", value(depfile)));
@@ -97,7 +97,7 @@ pub fn build_file(tasks: &[&Task], settings: &Settings<'_>) -> String {
     text
 }
 
-/// Returns the tasks of a plan that may run concurrently: all but benchmarks, which need an idle machine.
+/// Returns all tasks of a plan except benchmarks, which need an idle machine.
 pub fn untimed(plan: &Plan) -> Vec<&Task> {
     plan.tasks.iter().filter(|task| task.kind != Kind::Bench).collect()
 }

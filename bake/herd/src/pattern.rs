@@ -2,7 +2,7 @@
 
 use fast_glob::glob_match;
 
-/// Patterns of which at least one must match, and exclusions of which none may.
+/// Inclusion and exclusion patterns. A path must match at least one of the former and none of the latter.
 #[derive(Clone, Debug, Default)]
 pub struct Patterns {
     fit: Vec<String>,
@@ -29,7 +29,7 @@ impl Patterns {
         Ok(Self { except: matchers(except)?, ..self })
     }
 
-    /// Returns true if a path matches, written relative to the herd file's folder, with slashes.
+    /// Returns true if the patterns match a path. It must be relative to the herd file's folder, with slashes.
     pub fn fits(&self, path: &str) -> bool {
         let any = |patterns: &[String]| patterns.iter().any(|pattern| glob_match(pattern, path));
         any(&self.fit) && !any(&self.except)
@@ -44,7 +44,7 @@ fn matcher(pattern: &str) -> Result<String, String> {
     let whole = if pattern.contains('/') { pattern.to_owned() } else { format!("**/{pattern}") };
     let whole = whole.strip_prefix("./").unwrap_or(&whole);
     for (open, close) in [('[', ']'), ('{', '}')] {
-        // Escaped or nested brackets are rare in paths; patterns with them are not checked.
+        // Paths rarely contain escaped or nested brackets, so patterns with them are not checked.
         if !whole.contains('\\') && whole.matches(open).count() > whole.matches(close).count() {
             return Err(format!("{pattern:?}: the bracket `{open}` is never closed by `{close}`"));
         }
@@ -55,11 +55,11 @@ fn matcher(pattern: &str) -> Result<String, String> {
 /// Returns the longest fixed folder prefix of a pattern; empty for the herd file's own folder.
 pub fn base(pattern: &str) -> String {
     let mut steps: Vec<&str> = pattern.split('/').collect();
-    // The last step is a name.
+    // The last component of a pattern is a file name.
     steps.pop();
     let plain = steps.iter().take_while(|step| !step.contains(['*', '?', '[', '{'])).count();
     let base = steps[..plain].join("/");
-    // The first step of an absolute pattern is empty.
+    // An absolute pattern has an empty first component.
     if base.is_empty() && pattern.starts_with('/') { "/".into() } else { base }
 }
 

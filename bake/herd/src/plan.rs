@@ -24,7 +24,7 @@ pub struct PlanInput<'a> {
     pub out: &'a str,
     /// Keys of looks without effect on a reference picture, such as `fur.layers`.
     pub only_drawn: &'a [&'a str],
-    /// Measured cost of earlier runs.
+    /// Measured cost of earlier runs, by task name.
     pub history: &'a History,
     /// Returns whether a file exists, relative to the herd file's folder.
     pub is_file: &'a dyn Fn(&str) -> bool,
@@ -38,21 +38,21 @@ pub struct Task {
     pub name: String,
     /// Kind of command.
     pub kind: Kind,
-    /// Index of its row; `None` for a chart without a model.
+    /// Index of its [`Row`] in the plan; `None` for a chart without a model.
     pub row: Option<usize>,
-    /// Name of its view.
+    /// Name of the view that it draws or traces, if any.
     pub view: Option<String>,
-    /// Arguments after `pelage`.
+    /// Command-line arguments after `pelage`.
     pub words: Vec<String>,
-    /// Input files known in advance; the depfile lists those that the command discovers itself.
+    /// Input files that are known in advance. The depfile lists further files that the command reads.
     pub inputs: Vec<String>,
     /// Output files.
     pub outputs: Vec<String>,
-    /// File of its record.
+    /// File for the command's JSON record.
     pub record: String,
     /// Depfile: lists all files that the command has read.
     pub depfile: Option<String>,
-    /// Whether the task is a part of a large job that several machines share.
+    /// Whether the task is part of a job that is divided among several machines.
     #[serde(skip)]
     pub part: bool,
     /// Expected time and memory.
@@ -60,7 +60,8 @@ pub struct Task {
 }
 
 impl Task {
-    /// Returns the whole command line, including the options for builds. Timings and `inspect` are never cached.
+    /// Returns the full command line, with the options `--record`, `--depfile` and `--cache` where they apply.
+    /// Benchmarks, chart rows and `inspect` are never cached.
     pub fn command(&self, cache: Option<&str>) -> Vec<String> {
         let mut words = vec!["pelage".to_owned()];
         words.extend(self.words.iter().cloned());
@@ -78,35 +79,35 @@ impl Task {
     }
 }
 
-/// Model in one variant: a row of the report.
+/// Model in one variant; a row of the report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
     /// Name of the model.
     pub name: String,
-    /// Name of the variant.
+    /// Name of the variant; `None` for a model without variants.
     pub variant: Option<String>,
     /// Path of the model, relative to the herd file's folder.
     pub model: String,
-    /// Path of the recipe.
+    /// Path of the recipe file, if any.
     pub recipe: Option<String>,
     /// Path of the package.
     pub package: String,
 }
 
-/// Whole plan of a herd.
+/// Plan of a herd: rows of the report, and the commands to run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Plan {
     /// Output folder, relative to the herd file's folder.
     pub out: String,
-    /// Rows: models in their variants.
+    /// Rows of the report: models, each in each of its variants.
     pub rows: Vec<Row>,
     /// Commands, in dependency order.
     pub tasks: Vec<Task>,
 }
 
 impl Plan {
-    /// Returns the folder of internal files of a herd.
+    /// Returns the folder for internal files of a herd with the output folder `out`.
     pub fn own_folder(out: &str) -> String {
         join(out, ".herd")
     }
@@ -116,7 +117,7 @@ impl Plan {
         file.strip_prefix(self.out.as_str()).unwrap_or(file).trim_start_matches('/')
     }
 
-    /// Returns the index of the task that makes each file.
+    /// Returns, for each output file, the index of the task that makes it.
     pub fn makers(&self) -> BTreeMap<&str, usize> {
         self.tasks.iter().enumerate().flat_map(|(i, task)| task.outputs.iter().map(move |o| (o.as_str(), i))).collect()
     }
@@ -131,11 +132,11 @@ pub(super) fn join(folder: &str, name: &str) -> String {
     }
 }
 
-/// Computes the commands of a herd.
+/// Plans the commands of a herd.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] in the herd file: no model matches, or two outputs have the same name.
+/// [`BakeError::Input`] in the herd file if no model matches, or two outputs have the same name.
 pub fn plan(input: &PlanInput<'_>) -> Result<Plan, BakeError> {
     if input.models.is_empty() {
         return Err(fault(input, "model", "no file matches these patterns, expected at least one model".into()));
@@ -181,8 +182,8 @@ fn fault(input: &PlanInput<'_>, key: &str, reason: String) -> BakeError {
     HerdFile::fault(input.source, key, reason)
 }
 
-/// Returns the names of models: their paths without leading `..` and the like, and without extensions unless these are
-/// needed to distinguish models.
+/// Returns a unique name for each model: its path without leading components such as `..`. The extension is removed if
+/// the name remains unique.
 fn names(models: &[ModelFile]) -> Vec<String> {
     let inside = |path: &str| {
         let steps: Vec<&str> = path.split('/').filter(|step| !matches!(*step, "" | "." | "..")).collect();
@@ -194,25 +195,25 @@ fn names(models: &[ModelFile]) -> Vec<String> {
     models.iter().map(|m| Some(stem(&m.path)).filter(|s| count[s] == 1).unwrap_or_else(|| inside(&m.path))).collect()
 }
 
-/// Builder of the tasks of one model in one variant.
+/// Creates the tasks of one model in one variant.
 struct Planner<'a, 'p> {
     input: &'a PlanInput<'a>,
     plan: &'p mut Plan,
     model: &'a ModelFile,
-    /// Base name of its files.
+    /// Name that its output files begin with.
     called: &'a str,
 }
 
-/// Model of a chart, as it is baked.
+/// Model that a chart is made of, and the arguments to bake it.
 struct ChartInput<'a> {
     row: usize,
-    /// Paths of the model and its recipe.
+    /// Paths of the model and recipe files.
     inputs: &'a [String],
-    /// Arguments that specify the recipe.
+    /// Command-line arguments that select and change the recipe.
     making: &'a [String],
 }
 
-/// Task before its record and depfile have names.
+/// Task whose record and depfile have not been named yet.
 #[derive(Default)]
 struct Draft {
     kind: Kind,
@@ -223,9 +224,9 @@ struct Draft {
     outputs: Vec<String>,
     /// Base path of its record and depfile in the herd's internal folder.
     place: String,
-    /// Whether it may read files that are not known in advance.
+    /// Whether the command may read files that are not known in advance; it then gets a depfile.
     finds_more: bool,
-    /// Whether it is a part of a large job that several machines share.
+    /// Whether it is part of a job that is divided among several machines.
     part: bool,
     pixels: f64,
     samples: f64,
@@ -235,7 +236,7 @@ fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|word| (*word).to_owned()).collect()
 }
 
-/// Returns the arguments without their keys.
+/// Returns the command-line arguments of `words`, without their keys.
 fn options(words: Vec<Word>) -> impl Iterator<Item = String> {
     words.into_iter().map(|(_, word)| word)
 }
@@ -286,7 +287,7 @@ impl Planner<'_, '_> {
         }
         let mut bake = words(&["bake", path, "-o", &package]);
         bake.extend(making.iter().cloned());
-        // One thread, because several commands run at once.
+        // Several commands run at once, so each bake uses one thread.
         bake.extend(words(&["--threads", "1"]));
         let inputs: Vec<String> = [path.to_owned()].into_iter().chain(recipe.clone()).collect();
         let row = self.plan.rows.len();
@@ -338,7 +339,7 @@ impl Planner<'_, '_> {
         Some(self.model.expand_name(file)).filter(|file| (self.input.is_file)(file))
     }
 
-    /// Returns the known inputs of a picture of a package.
+    /// Returns the input files of a picture that are known in advance: the package and the look file.
     fn view_inputs(view: &ViewRule, package: &str) -> Vec<String> {
         [package.to_owned()].into_iter().chain(view.look.clone()).collect()
     }
@@ -374,7 +375,7 @@ impl Planner<'_, '_> {
         self.add(Draft { words: command, inputs: vec![picture, traced], outputs: vec![map], ..compared }, Some(row));
     }
 
-    /// Adds the reference picture of a view, in one piece or in parts; returns its file.
+    /// Adds the tasks that trace the reference picture of a view, whole or in parts. Returns its file.
     fn truth(&mut self, view: &ViewRule, truth: &TruthOptions, row: usize, package: &str) -> String {
         let (input, called) = (self.input, self.called);
         let place = format!("truths/{called}.{}", view.name);
@@ -431,7 +432,7 @@ impl Planner<'_, '_> {
         let pattern = self.out(&format!("{folder}/%04d.png"));
         let (count, shares) = (sequence.frames, sequence.shares.unwrap_or(1));
         for share in 0..shares {
-            // Distributed as evenly as whole pictures allow.
+            // The pictures are distributed evenly: shares differ by at most one picture.
             let at = |share: u32| (u64::from(count) * u64::from(share) / u64::from(shares)) as u32;
             let (first, end) = (at(share), at(share + 1));
             let mut command = words(&["render", package, "-o", &pattern]);

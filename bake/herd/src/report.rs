@@ -1,4 +1,4 @@
-//! Report of a herd's results, on one page.
+//! HTML report of a herd's results, on one page.
 
 use super::kind::Kind;
 use super::plan::{Plan, Row, Task};
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 /// Template of the page, with placeholders for its data.
 const PAGE: &str = include_str!("report.html");
 
-/// Outcome of a command, from its record.
+/// Outcome of a command, read from its record.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub struct CommandOutcome {
     /// Exit code.
@@ -23,26 +23,26 @@ pub struct CommandOutcome {
     /// Whether the result is a cache hit.
     #[serde(default)]
     pub cached: bool,
-    /// Result of the command.
+    /// JSON result of the command.
     #[serde(default)]
     pub result: Value,
-    /// Error message, if it failed.
+    /// Error message if the command failed.
     pub error: Option<String>,
 }
 
-/// Exit code of a comparison whose difference exceeds its limit.
+/// Exit code of a comparison that exceeds its limit.
 const DIFFERENT: u8 = 7;
 
 /// State of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// Finished.
+    /// The command succeeded.
     Done,
-    /// Difference above its limit.
+    /// The comparison exceeded its limit.
     Differs,
-    /// Failed.
+    /// The command failed.
     Failed,
-    /// Not run, because a task that it depends on failed.
+    /// The command was not run, because a task that it depends on failed.
     Missing,
 }
 
@@ -51,18 +51,19 @@ pub enum State {
 pub struct Report<'a> {
     plan: &'a Plan,
     became: &'a [Option<CommandOutcome>],
-    /// State of each task.
+    /// State of each task, in the order of the plan.
     pub states: Vec<State>,
 }
 
 impl<'a> Report<'a> {
-    /// Computes the states of a plan's tasks from their outcomes, in its order; `None` for a task without a record.
+    /// Computes the states of all tasks from `became`: outcomes in the order of the plan, `None` for a task without a
+    /// record.
     pub fn new(plan: &'a Plan, became: &'a [Option<CommandOutcome>]) -> Self {
         let mut broken: BTreeSet<&str> = BTreeSet::new();
         let mut states = Vec::new();
         for (task, became) in plan.tasks.iter().zip(became) {
             let state = match became {
-                // Output made from missing inputs is left over from an earlier run.
+                // Outputs of a task with missing inputs are left over from an earlier run.
                 _ if task.inputs.iter().any(|input| broken.contains(input.as_str())) => State::Missing,
                 None => State::Missing,
                 Some(CommandOutcome { exit_code: 0, .. }) => State::Done,
@@ -82,7 +83,7 @@ impl<'a> Report<'a> {
         self.states.iter().filter(|found| **found == state).count()
     }
 
-    /// Returns the tasks that failed, then those with a difference: index, exit code and reason.
+    /// Returns the index, exit code and reason of each failed task, then of each comparison that exceeded its limit.
     pub fn failures(&self) -> Vec<(usize, u8, String)> {
         let of = |state: State| {
             let tasks = self.states.iter().enumerate().filter(move |(_, found)| **found == state);
@@ -94,12 +95,11 @@ impl<'a> Report<'a> {
         of(State::Failed).chain(of(State::Differs)).collect()
     }
 
-    /// Returns the page.
+    /// Returns the HTML page.
     ///
     /// * `title`: title of the report
     /// * `tool`: name and version of the tool
-    /// * `picture`: returns a small copy of a picture as a data URL, `data:image/jpeg;base64,…`; `None` if the file
-    ///   does not exist
+    /// * `picture`: returns a thumbnail as a data URL, `data:image/jpeg;base64,…`; `None` if the picture does not exist
     ///
     /// # Errors
     ///
@@ -146,7 +146,7 @@ impl<'a> Report<'a> {
             "sequences": self.sequences(picture),
         });
         let data = serde_json::to_string(&data).map_err(|error| BakeError::Internal(error.to_string()))?;
-        // Within a script no tag may begin.
+        // Escapes `<`: a `</script>` in the data would end the script element.
         let page = PAGE.replace("__HERD_TITLE__", &escape_html(title));
         Ok(page.replace("__HERD_DATA__", &data.replace('<', "\\u003c")))
     }
@@ -192,14 +192,14 @@ impl<'a> Report<'a> {
     }
 }
 
-/// Returns the name of a model with its variant.
+/// Returns the model's name and, if any, its variant, separated by a dot.
 fn row_title(row: &Row) -> String {
     row.variant.as_ref().map_or_else(|| row.name.clone(), |variant| format!("{}.{variant}", row.name))
 }
 
-/// Returns the reason that a task is not done.
+/// Returns the reason that a task failed.
 fn failure_reason(task: &Task, became: Option<&CommandOutcome>) -> String {
-    let Some(became) = became else { return "it left no record".into() };
+    let Some(became) = became else { return "the command left no record".into() };
     if let Some(error) = &became.error {
         return error.clone();
     }
@@ -218,7 +218,7 @@ fn escape_html(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-/// Data of a row.
+/// Builder of the JSON data of a row.
 struct RowData<'a, 'r> {
     report: &'r Report<'a>,
     tasks: &'r [usize],
@@ -319,7 +319,7 @@ impl RowData<'_, '_> {
         names.map(of).collect()
     }
 
-    /// Returns the time of a reference picture, all its parts included, seconds.
+    /// Returns the time to trace a reference picture, the sum over its parts, seconds.
     fn truth_seconds(&self, view: Option<&str>) -> f64 {
         let tasks = self.tasks.iter().filter(|i| {
             let task = &self.report.plan.tasks[**i];
@@ -329,10 +329,10 @@ impl RowData<'_, '_> {
     }
 }
 
-/// Returns the levels of detail from the result of `inspect`.
+/// Returns the levels of detail from the JSON result of `inspect`.
 fn levels(inspect: &Value) -> Vec<Value> {
     let what = |level: &Value| match level["step"].as_u64().unwrap_or(0) {
-        0 => "the coat alone".to_owned(),
+        0 => "the far layer alone".to_owned(),
         1 => "every layer".to_owned(),
         step => format!("one layer in {step}"),
     };
@@ -389,7 +389,7 @@ mod tests {
         });
         let baked = json!({ "bytes": 7, "warnings": ["odd"] });
         let fox = [became(0, baked), became(0, json!({ "adapter": "a" })), became(0, json!({})), became(7, flip)];
-        // The records of the wolf's pictures are left over from an earlier run.
+        // The bake of the wolf failed, so the records of its pictures are left over from an earlier run.
         let wolf = [became(3, Value::Null), became(0, json!({})), became(0, json!({})), None];
         let all: Vec<_> = fox.into_iter().chain(wolf).collect();
         let report = Report::new(&plan, &all);

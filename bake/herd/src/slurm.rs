@@ -1,6 +1,7 @@
-//! Slurm jobs of a plan: stages of shards, each an array job whose tasks run Ninja on a few commands.
+//! Slurm jobs of a plan. It is divided into stages, and each stage into shards. A stage is an array job, in which each
+//! task runs Ninja on the commands of one shard.
 //!
-//! A Slurm task takes about a second to start, often as long as a command, so a shard contains several commands. Ninja
+//! Starting a Slurm task takes about a second, often as long as a command, so a shard contains several commands. Ninja
 //! knows which commands of a shard are done, even after a node failure. No two shards write the same file, and each has
 //! its own log.
 
@@ -10,7 +11,7 @@ use super::plan::Plan;
 use super::shell::shell_word;
 use std::collections::BTreeMap;
 
-/// Shards that may run concurrently; a stage starts when the one before has finished.
+/// Stage of a plan. Its shards may run concurrently; the next stage starts when they have finished.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stage {
     /// Name of the stage.
@@ -19,7 +20,7 @@ pub struct Stage {
     pub shards: Vec<Shard>,
 }
 
-/// Commands that one task of an array job runs.
+/// Commands that are run by one task of an array job.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shard {
     /// Number within the stage.
@@ -28,27 +29,27 @@ pub struct Shard {
     pub tasks: Vec<usize>,
 }
 
-/// Shard of each task in an earlier run, by task name; Ninja's state is kept per shard.
+/// Shard number of each task in an earlier run, by task name. Ninja's state is kept per shard.
 pub type ShardsByTask = BTreeMap<String, usize>;
 
-/// Resources requested from Slurm.
+/// Resources that are requested from Slurm for each shard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Demand {
-    /// Memory of the largest command plus half, and 256 MiB.
+    /// Memory, MiB: that of the largest command plus half of it, plus 256.
     pub mebibytes: u64,
-    /// Three times the duration of all commands in sequence, plus five minutes for a slow start.
+    /// Time limit, minutes: three times the duration of all commands in sequence, plus five for a slow start.
     pub minutes: u64,
 }
 
-/// Names of the stages, in order: models and pictures; parts of large jobs; results assembled from the parts;
-/// benchmarks, alone on a node.
+/// Names of the stages, in order: models and pictures; parts of divided jobs; results assembled from the parts;
+/// benchmarks, each alone on a node.
 const STAGES: [&str; 4] = ["models", "parts", "wholes", TIMED];
 
-/// Stage whose shards need exclusive nodes.
+/// Name of the stage that needs exclusive nodes.
 pub const TIMED: &str = "timed";
 
-/// Divides a plan into stages, and those into shards of about `seconds` seconds. All commands of one model are in one
-/// shard of their stage. Commands with a shard in `known` stay there.
+/// Divides a plan into stages, and each stage into shards of about `seconds` seconds. All commands of a model in a
+/// stage are in one shard. A command that is listed in `known` stays in its shard.
 pub fn stages(plan: &Plan, seconds: f64, known: &ShardsByTask) -> Vec<Stage> {
     let makers = plan.makers();
     let mut stage_of = vec![0_usize; plan.tasks.len()];
@@ -58,7 +59,7 @@ pub fn stages(plan: &Plan, seconds: f64, known: &ShardsByTask) -> Vec<Stage> {
         stage_of[i] = match task.kind {
             Kind::Bench => 3,
             _ if task.part => 1,
-            // Results assembled from parts wait for all of them.
+            // A result that is assembled from parts belongs to the stage after them.
             _ if before == 1 => 2,
             _ => before,
         };
@@ -66,7 +67,7 @@ pub fn stages(plan: &Plan, seconds: f64, known: &ShardsByTask) -> Vec<Stage> {
     let stage = |(number, name): (usize, &'static str)| {
         let mut of_row: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
         for (i, task) in plan.tasks.iter().enumerate().filter(|(i, _)| stage_of[*i] == number) {
-            // Parts of one job go to different shards, to run in parallel.
+            // Parts of one job go to different shards, so that they run in parallel.
             let row = if number == 1 { Some(plan.rows.len() + i) } else { task.row };
             of_row.entry(row).or_default().push(i);
         }
@@ -92,20 +93,20 @@ pub fn stages(plan: &Plan, seconds: f64, known: &ShardsByTask) -> Vec<Stage> {
     STAGES.into_iter().enumerate().map(stage).filter(|stage| !stage.shards.is_empty()).collect()
 }
 
-/// Returns the shard of each task.
+/// Returns the shard number of each task, by task name.
 pub fn shards_by_task(plan: &Plan, stages: &[Stage]) -> ShardsByTask {
     let shards = stages.iter().flat_map(|stage| &stage.shards);
     let tasks = shards.flat_map(|shard| shard.tasks.iter().map(|task| (*task, shard.number)));
     tasks.map(|(task, shard)| (plan.tasks[task].name.clone(), shard)).collect()
 }
 
-/// Returns the resources of the shards of a stage; all tasks of an array request the same.
+/// Returns the resources for each shard of a stage. They are equal, because all tasks of an array job request the same.
 pub fn demand(plan: &Plan, stage: &Stage) -> Demand {
     let expected = |shard: &'_ Shard| shard.tasks.iter().map(|i| plan.tasks[*i].expected).collect::<Vec<_>>();
     let shards: Vec<_> = stage.shards.iter().map(expected).collect();
     let peak = shards.iter().flatten().map(|known| known.peak_bytes).max().unwrap_or(0);
     let seconds = shards.iter().map(|all| all.iter().map(|known| known.seconds).sum()).fold(0.0, f64::max);
-    // Many clusters count page cache as memory.
+    // The margin is needed because many clusters count the page cache as memory.
     Demand { mebibytes: ((peak + peak / 2) >> 20) + 256, minutes: (3.0 * seconds / 60.0).ceil() as u64 + 5 }
 }
 
@@ -116,20 +117,20 @@ pub struct Script<'a> {
     pub stage: &'a str,
     /// Absolute working directory of the commands.
     pub folder: &'a str,
-    /// Folder of its build files, relative to `folder`; files are named like `models-0.ninja`.
+    /// Folder of the stage's build files, relative to `folder`. They have names such as `models-0.ninja`.
     pub files: &'a str,
-    /// Number of retries of failed commands.
+    /// Number of times that failed commands are retried.
     pub retries: u32,
-    /// Further options of `sbatch`.
+    /// Additional options of `sbatch`.
     pub options: &'a [String],
-    /// Requested resources.
+    /// Resources to request for each task.
     pub demand: Demand,
-    /// Whether it needs exclusive nodes.
+    /// Whether the stage needs exclusive nodes.
     pub exclusive: bool,
 }
 
 impl Script<'_> {
-    /// Returns the script of an array job: task `$SLURM_ARRAY_TASK_ID` runs the build file of that number in `shards`.
+    /// Returns the script of an array job. The task `$SLURM_ARRAY_TASK_ID` runs the build file of that shard.
     pub fn text(&self) -> String {
         let Self { stage, folder, files, retries, options, demand, exclusive } = self;
         let (folder, files) = (shell_word(folder), shell_word(files));
@@ -215,7 +216,7 @@ mod tests {
             stages.iter().flat_map(|stage| &stage.shards).flat_map(|shard| shard.tasks.clone()).collect();
         all.sort_unstable();
         assert_eq!(all, (0..plan.tasks.len()).collect::<Vec<_>>());
-        // Known commands stay in their shards whatever their cost; new ones get new shards.
+        // Known commands stay in their shards even if their cost changes; new commands get new shards.
         let known = shards_by_task(&plan, &stages);
         plan.tasks.iter_mut().for_each(|task| task.expected.seconds = 1.0);
         assert_eq!(super::stages(&plan, 60.0, &known), stages);

@@ -115,8 +115,8 @@ fn packed(bytes: &[u8], offset: u64, stride: usize, size: usize, count: u64) -> 
     let Some(need) = need.filter(|need| *need <= have) else {
         let need = need.map_or("more than 2^64".to_owned(), |n| n.to_string());
         return Err(format!(
-            "{count} elements of {size} bytes every {stride} from byte {offset} need {need} bytes of the bufferView, \
-             which has {have}"
+            "{count} elements of {size} bytes, {stride} bytes apart from byte {offset} on, need {need} bytes of the \
+             bufferView, which has {have}"
         ));
     };
     if need == 0 {

@@ -169,7 +169,7 @@ fn instances<'a>(
             }
         };
         if let (Some(_), Some(rigid)) = (skin, primitives.iter().find(|p| p.influences.is_none())) {
-            source.warn(format!("{} is shown with a skin but has no joints; it follows its node", rigid.label));
+            source.warn(format!("{} has no joints, but its node has a skin; it follows the node", rigid.label));
         }
         instances.push(Instance { node: Some(node), skin, names, primitives });
     }

@@ -126,7 +126,7 @@ fn read_lines<'a>(
     let own = vectors(&source.accessor(&position, &[3], REAL)?.to_f32s(false));
     let placed: Vec<Vec3> = own.iter().enumerate().map(|(v, p)| place(v, *p).unwrap_or(Vec3::NAN)).collect();
     if let Some(v) = placed.iter().position(|p| !p.is_finite()) {
-        let reason = format!("element {v} is {}, {} in the scene, expected finite numbers", own[v], placed[v]);
+        let reason = format!("element {v} is {}, which is {} in the scene, expected finite numbers", own[v], placed[v]);
         return Err(position.fault(reason));
     }
     let indices = indices_of(source, at, own.len())?;

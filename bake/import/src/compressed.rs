@@ -39,7 +39,8 @@ pub(super) fn unpack_primitive<'a>(
         let (count, found) = (accessor.require("count")?.unsigned()?, usize::from(attribute.num_components()));
         if count != points as u64 || width != found {
             return Err(accessor.fault(format!(
-                "has {count} elements of {width} numbers, expected the {points} of {found} in the compressed data"
+                "has {count} elements of {width} numbers, expected {points} elements of {found} numbers, as in the \
+                 compressed data"
             )));
         }
         source.count_unpacked(at, (points * width * 4) as u64)?;

@@ -82,7 +82,7 @@ fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (u
     }
     let length = u32_at(8)? as usize;
     if length > bytes.len() {
-        return Err((8, format!("the header says {length} bytes, the file has {}: it is cut off", bytes.len())));
+        return Err((8, format!("the header says {length} bytes, but the file has {}: it is cut off", bytes.len())));
     }
     if length < 20 {
         return Err((8, format!("the header says {length} bytes, expected at least 20 (header and JSON chunk)")));
@@ -96,7 +96,7 @@ fn split_glb<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>, (u
         let body = (at + 8).checked_add(size).filter(|end| *end <= length).and_then(|end| bytes.get(at + 8..end));
         let left = length.saturating_sub(at + 8);
         body.map(|body| (kind, body))
-            .ok_or_else(|| (at, format!("a chunk says {size} bytes, {left} are left: it is cut off")))
+            .ok_or_else(|| (at, format!("a chunk says {size} bytes, but {left} are left: it is cut off")))
     };
     let (kind, json) = chunk(12)?;
     if &kind != b"JSON" {

@@ -23,7 +23,10 @@ pub fn decode_image(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
     let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
     let (pixels, width, height) = bounded_reader(bytes, format)?;
     if u64::from(width) * u64::from(height) > texels_left {
-        return Err(format!("of {width} x {height} texels takes the model's images past {MAX_TEXELS} texels"));
+        return Err(format!(
+            "is {width} x {height} texels and makes the model's images larger than {MAX_TEXELS} texels \
+             in total"
+        ));
     }
     let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
     Ok(Image { width, height, rgba })

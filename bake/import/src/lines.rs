@@ -121,7 +121,7 @@ fn read_primitive<'a>(
     for (i, p) in own.iter().enumerate() {
         let placed = world.transform_point3(*p);
         if !placed.is_finite() {
-            let reason = format!("element {i} is {p}, {placed} in the scene, expected finite numbers");
+            let reason = format!("element {i} is {p}, which is {placed} in the scene, expected finite numbers");
             return Err(position.fault(reason));
         }
         points.push(placed);

@@ -47,9 +47,10 @@ fn frame<'a>(bytes: &'a [u8], header: u8, tail: usize) -> Result<(Reader<'a>, &'
         return Err(format!("and begins with {found:#04x}, expected {header:#04x}"));
     }
     let split = rest.len().checked_sub(tail);
-    let (rest, tail) = rest.split_at(
-        split.ok_or_else(|| format!("and has {} bytes, expected at least {tail} after the first", bytes.len()))?,
-    );
+    let (rest, tail) = rest
+        .split_at(split.ok_or_else(|| {
+            format!("and has {} bytes, expected a header byte and at least {tail} more", bytes.len())
+        })?);
     Ok((Reader { rest }, tail))
 }
 

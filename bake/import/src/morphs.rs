@@ -92,7 +92,10 @@ pub(super) fn read<'a>(
             }
         }
         if *entries > MOST_ENTRIES {
-            return Err(target.fault(format!("takes the morph targets past {MOST_ENTRIES} moved vertices")));
+            return Err(target.fault(format!(
+                "makes the morph targets move more than {MOST_ENTRIES} vertices in \
+                 total"
+            )));
         }
     }
     for (v, row) in rows.iter_mut().enumerate() {

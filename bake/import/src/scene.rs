@@ -231,7 +231,7 @@ fn transform(at: &JsonNode<'_>, source: &mut Source<'_, '_>) -> Result<Transform
         }
         let trs = decompose(matrix);
         if shear(matrix, trs) > 1e-4 {
-            source.warn(format!("{} shears; where the model is animated, the shear is left out", matrix_at.place));
+            source.warn(format!("{} contains shear, which is left out where the model is animated", matrix_at.place));
         }
         return Ok((matrix, trs));
     }

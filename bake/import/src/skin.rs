@@ -101,7 +101,7 @@ impl Joints {
         }
         let first = self.list.len();
         if first + entries.len() > usize::from(u16::MAX) + 1 {
-            return Err(at.fault("takes the model past 65536 joints (those of all skins and one per rigid part)"));
+            return Err(at.fault("gives the model more than 65536 joints (those of all skins and one per rigid part)"));
         }
         self.list.extend(entries);
         self.first.insert(owner, first);

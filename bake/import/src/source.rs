@@ -109,7 +109,10 @@ impl<'a, 'r> Source<'a, 'r> {
         }
         let left = MAX_FILES - self.file_bytes;
         if let Some(bytes) = declared.filter(|bytes| *bytes > left) {
-            let reason = format!("declares {bytes} bytes and takes the files of the model past {MAX_FILES} bytes");
+            let reason = format!(
+                "declares {bytes} bytes, which makes the model's files larger than {MAX_FILES} bytes \
+                 in total"
+            );
             return Err(at.fault(reason));
         }
         let fetched = match declared {
@@ -141,9 +144,10 @@ impl<'a, 'r> Source<'a, 'r> {
         };
         if (bytes.len() as u64) < expected {
             let found = bytes.len();
-            return Err(
-                origin.fault(format!("buffer {index} holds {found} bytes, byteLength says {expected}: it is cut off"))
-            );
+            return Err(origin.fault(format!(
+                "buffer {index} holds {found} bytes, but byteLength says {expected}: it is cut \
+                     off"
+            )));
         }
         self.buffers.insert(index, bytes);
         Ok(index)
@@ -157,7 +161,10 @@ impl<'a, 'r> Source<'a, 'r> {
     pub fn count_unpacked(&mut self, at: &JsonNode<'_>, bytes: u64) -> Result<(), BakeError> {
         self.unpacked_bytes = self.unpacked_bytes.saturating_add(bytes);
         if self.unpacked_bytes > MAX_UNPACKED {
-            return Err(at.fault(format!("takes the model's decompressed data past {MAX_UNPACKED} bytes")));
+            return Err(at.fault(format!(
+                "makes the model's decompressed data larger than {MAX_UNPACKED} bytes in \
+                 total"
+            )));
         }
         Ok(())
     }
@@ -174,7 +181,11 @@ impl<'a, 'r> Source<'a, 'r> {
         if end > have {
             // The missing bytes may be unused, so this is only a warning: each accessor is checked against the
             // available bytes.
-            self.warn(format!("{} extends to byte {end} of buffer {index}, which has {have} bytes", at.place));
+            self.warn(format!(
+                "{} extends to byte {end} of buffer {index}, which has {have} bytes; it is read up to \
+                 there",
+                at.place
+            ));
         }
         let buffer = self.buffers.get(&index).map(Cow::as_ref).unwrap_or_default();
         Ok(buffer.get(offset as usize..end.min(have) as usize).unwrap_or_default())

@@ -136,8 +136,8 @@ pub fn groom_map(
     let own = input.recipe.groom.coordinates;
     if own.projection().is_some() {
         warnings.push(format!(
-            "groom.coordinates = {:?}: this map uses {:?}; a recipe that uses this map must use the same for all \
-             images of [groom]",
+            "groom.coordinates = {:?}, but this map uses {:?}; a recipe that uses this map must set the latter for \
+             all images of [groom]",
             own.word(),
             over.word()
         ));
@@ -195,8 +195,8 @@ impl MapLayout {
         let Surface { mesh, rest, .. } = &laid.surface;
         let parts = || mesh.parts.iter().filter(|part| is_furred(laid, part.material));
         if !parts().any(|part| part.has_uvs) {
-            let reason = "has no texture coordinates (TEXCOORD_0) where hair grows, which a map over the model's own \
-                 coordinates needs; write it over the atlas";
+            let reason = "has no texture coordinates (TEXCOORD_0) where hair grows, expected them for a map over the \
+                 model's own coordinates; write the map over the atlas instead";
             let place = parts().next().map_or("whole model".to_owned(), |part| part.source.clone());
             return Err(BakeError::Input { file: file.to_owned(), place, reason: reason.to_owned() });
         }

@@ -50,7 +50,12 @@ pub struct Layout<'a> {
 /// # Errors
 ///
 /// The errors of [`bake`](super::bake()) that this stage can raise.
-pub fn lay_out_model<'a>(file: &str, model: &Model, recipe: &'a Recipe, images: &'a MapImages) -> Result<Layout<'a>, BakeError> {
+pub fn lay_out_model<'a>(
+    file: &str,
+    model: &Model,
+    recipe: &'a Recipe,
+    images: &'a MapImages,
+) -> Result<Layout<'a>, BakeError> {
     let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let bounds = groom::bounds(&rest);
@@ -132,7 +137,11 @@ fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]
     let names: Vec<&str> = names.into_iter().collect();
     Some(Decision {
         what: "direction of combing",
-        chosen: format!("along the comb lines of the model: {}; \"direction\" ignores them", names.join(", ")),
+        chosen: format!(
+            "along the comb lines of the model ({}); surface.comb = \"direction\" ignores \
+             them",
+            names.join(", ")
+        ),
         line: format!("surface.comb = \"{}\"", CombSource::Marks.word()),
     })
 }

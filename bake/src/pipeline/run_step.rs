@@ -256,7 +256,10 @@ pub(super) fn pack(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
         BakeError::Params { what, reason } => BakeError::Input {
             file: input.file.to_owned(),
             place: "whole model".to_owned(),
-            reason: format!("the model's size determines {what}: {reason}; set it in the recipe, or see model.unit_m"),
+            reason: format!(
+                "{what} follows from the model's size: {reason}; set it in the recipe, or see \
+                 model.unit_m"
+            ),
         },
         other => other,
     })?;

@@ -93,9 +93,9 @@ pub fn coats_page(has_picture: impl Fn(&str) -> bool) -> String {
 }
 
 const INTRODUCTION: [&str; 4] = [
-    "A coat is a named kind of hair: `pelage bake fox.glb --set hair.coat=winter -o fox.pelage`, or `coat = \
-     \"winter\"` in the table `[hair]` of a recipe. It changes the defaults listed below; all other keys keep those \
-     of the [recipe reference](recipe.md), which are the coat `animal`.",
+    "A coat is a named kind of hair. Set it on the command line (`pelage bake fox.glb --set hair.coat=winter -o \
+     fox.pelage`) or in a recipe (`coat = \"winter\"` in the table `[hair]`). It changes the defaults listed below. \
+     All other keys keep the defaults of the [recipe reference](recipe.md), which describe the coat `animal`.",
     "Keys set in a recipe, wherever they are in the file, and keys set by `--set` override the coat. `--set \
      hair.coat=winter` after a recipe changes the keys that still have the value of the previous coat.",
     "Lengths follow from the model's size (`hair.length_per_radius`, `surface.tile_size_per_radius`); `hair.length_m` \

@@ -34,7 +34,7 @@ named_table! {
 
 fn check_mark(mark: &CombMarkParams) -> Result<(), String> {
     if mark.at.is_none() {
-        return Err("found no at, expected a position, [x, y, z] in metres".into());
+        return Err("found no `at`, expected a position, [x, y, z] in metres".into());
     }
     if mark.direction == Some([0.0; 3]) {
         return Err("direction: found [0, 0, 0], expected a direction".into());

@@ -25,7 +25,7 @@ fn comb_marks_survive_a_round_trip() {
 #[test]
 fn comb_mark_errors_name_key_and_reason() {
     for (mark, words) in [
-        ("{ name = \"a\", direction = [0, 0, 1] }", "found no at"),
+        ("{ name = \"a\", direction = [0, 0, 1] }", "found no `at`"),
         ("{ name = \"a\", at = [0, 0, 1] }", "found neither direction nor length"),
         ("{ name = \"a\", at = [0, 0, 1], mirrored = true, reach_m = 1 }", "found neither"),
         ("{ name = \"a\", at = [0, 0, 1], direction = [0, 0, 0] }", "direction: found [0, 0, 0]"),

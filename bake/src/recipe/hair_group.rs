@@ -161,8 +161,8 @@ named_table! {
 
 fn check_capsule(collider: &HairColliderParams) -> Result<(), String> {
     match (collider.from, collider.radius_m) {
-        (None, _) => Err("found no from, expected a position, [x, y, z] in metres".into()),
-        (_, None) => Err("found no radius_m, expected metres".into()),
+        (None, _) => Err("found no `from`, expected a position, [x, y, z] in metres".into()),
+        (_, None) => Err("found no `radius_m`, expected metres".into()),
         _ => Ok(()),
     }
 }

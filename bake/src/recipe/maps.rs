@@ -165,7 +165,11 @@ impl Field for ScalarMap {
     type Range = Range<f32>;
 
     fn expected(range: &Self::Range) -> String {
-        format!("{}, \"vertex\" or the relative path of an image, either with #r, #g, #b or #a", f32::expected(range))
+        format!(
+            "{}, \"vertex\" or the relative path of an image (the last two may end in #r, #g, #b or \
+             #a)",
+            f32::expected(range)
+        )
     }
 
     fn from_raw(raw: &Raw) -> Option<Self> {

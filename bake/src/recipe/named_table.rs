@@ -51,7 +51,7 @@ macro_rules! named_table {
 
             fn expected_list() -> String {
                 let keys: Vec<_> = Self::KEYS.iter().map(|key| key.name).collect();
-                format!("a list of tables with name and any of {}", keys.join(", "))
+                format!("a list of tables, each with name and any of {}", keys.join(", "))
             }
 
             fn entry_name(index: usize, _: &pelage_params::Raw) -> String {

@@ -154,7 +154,10 @@ fn scale_reaches(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>)
         ("reach of patches", "patch_size", surface.patch_size),
         ("reach of the comb", "comb_smoothing", surface.comb_smoothing),
     ] {
-        let chosen = format!("{tiles} tiles, the same reach as on a tile {times:.1} times as wide");
+        let chosen = format!(
+            "{tiles} tiles, the same in metres as with the default tile, which is {times:.1} times \
+             as wide"
+        );
         decisions.push(Decision { what, chosen, line: format!("surface.{key} = {tiles}") });
     }
 }
@@ -209,8 +212,8 @@ fn too_thin(said: &Recipe, recipe: &Recipe, tile_size_m: f32) -> Option<String> 
     let finer = Some(enough.ceil() as u32).filter(|n| *n <= 2048).map(u32::next_power_of_two);
     let finer = finer.map_or_else(String::new, |n| format!("slice.tile_texels = {n} or "));
     Some(format!(
-        "hair of {} is thinner than a texel of its tile, {}, so layers show it too faint; {finer}surface.tile_size_m \
-         = {:.2e} would resolve it",
+        "hair is {} wide, but a texel of its tile is {}, so layers draw it too faint; {finer}surface.tile_size_m = \
+         {:.2e} would resolve it",
         metres_in_words(width_m as f32),
         metres_in_words(texel_m as f32),
         width_m * f64::from(texels) / LEAST_HAIR_TEXELS

@@ -13,7 +13,7 @@ use crate::stages::morphs;
 use crate::stages::openness::openness;
 use crate::stages::scatter::FibreTables;
 use crate::stages::simplify;
-use crate::stages::slice::{FinTextures, FIN_SLICES, ShellTextures, VisibilityTexture};
+use crate::stages::slice::{FIN_SLICES, FinTextures, ShellTextures, VisibilityTexture};
 use crate::stages::surface::Surface;
 use pelage_formats::meaning::groom_bytes;
 use pelage_formats::meaning::openness::Openness;
@@ -398,7 +398,12 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
         let manifest = Manifest { choice: Some(choice), ..opened.manifest().clone() };
         assemble(FORMAT_VERSION, manifest, copied_sections(&opened, |_| true)?)
     };
-    write().map_err(|fault| BakeError::Internal(format!("the package with its evidence cannot be read back: {fault}")))
+    write().map_err(|fault| {
+        BakeError::Internal(format!(
+            "the package with the record of its choice cannot be read \
+         back: {fault}"
+        ))
+    })
 }
 
 /// Replaces the recipe recorded in a package, as if the package had been baked from the new one. The new recipe must

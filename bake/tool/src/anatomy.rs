@@ -1,5 +1,4 @@
-//! Contents of a model, read from its package: size, materials and their positions, joints and clips. Shown by `bake`
-//! and `inspect`.
+//! Size, materials, joints and clips of a model, read from its package. `bake` and `inspect` show them.
 
 use glam::Vec3;
 use pelage_bake::stages::size;
@@ -12,13 +11,13 @@ use serde::Serialize;
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Anatomy {
-    /// Size of the bounding box at rest along x, y and z, metres.
+    /// Side lengths of the bounding box at rest along x, y and z, metres.
     pub size_m: [f64; 3],
     pub materials: Vec<MaterialSummary>,
-    /// Names of the joints, in their order.
+    /// Names of the joints, in the order of the skeleton.
     pub joint_names: Vec<String>,
     pub clips: Vec<ClipSummary>,
-    /// Morph targets, in their order.
+    /// Morph targets, in the order of the package.
     pub morphs: Vec<MorphSummary>,
 }
 
@@ -29,14 +28,14 @@ pub struct MaterialSummary {
     name: String,
     furred: bool,
     textured: bool,
-    /// Mean base colour, `#rrggbb` in sRGB.
+    /// Mean base colour, encoded as sRGB `#rrggbb`.
     color: String,
     triangles: u64,
     /// Share of the model's surface, 0 to 1.
     share: f64,
-    /// Smallest x, y and z of the triangles at rest, metres; null without triangles.
+    /// Minimum corner of the bounding box of its triangles at rest, metres; null without triangles.
     from_m: Option<[f32; 3]>,
-    /// Largest x, y and z of the triangles at rest, metres; null without triangles.
+    /// Maximum corner of the bounding box of its triangles at rest, metres; null without triangles.
     to_m: Option<[f32; 3]>,
 }
 
@@ -53,7 +52,7 @@ pub struct ClipSummary {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MorphSummary {
     name: String,
-    /// Weight at rest.
+    /// Weight in the rest pose.
     weight: f32,
 }
 
@@ -110,7 +109,7 @@ impl Anatomy {
         })
     }
 
-    /// Formats the anatomy as rows of a name and a value.
+    /// Passes the anatomy to `row`, as rows of a name and a text.
     pub fn rows(&self, row: &mut dyn FnMut(&str, String)) {
         row("size", format!("{} (x, y, z), at rest", size::format_sides(self.size_m)));
         for m in &self.materials {
@@ -142,7 +141,7 @@ impl Anatomy {
     }
 }
 
-/// Triangles of a material, at rest.
+/// Number, area and bounding box of a material's triangles, at rest.
 struct MaterialBounds {
     triangles: u64,
     area: f64,
@@ -169,7 +168,8 @@ fn color(package: &Package<'_>, material: usize) -> Result<String, FormatError> 
     let [r, g, b, _] = package.manifest().materials[material].base_color;
     let mut mean = Vec3::new(r, g, b);
     if let Some(view) = package.base_color_texture(material)? {
-        // The last level is the mean of all texels. If a texture does not decode, the factor alone is used.
+        // The last mipmap level is the mean of all texels. If the texture cannot be decoded, the base colour factor is
+        // used alone.
         let texels = decode_texture(&view, view.levels - 1, 0).unwrap_or_else(|_| vec![255; 4]);
         mean *= Vec3::new(srgb_to_linear(texels[0]), srgb_to_linear(texels[1]), srgb_to_linear(texels[2]));
     }

@@ -1,4 +1,4 @@
-//! Sky background of a picture.
+//! Sky as the background of a picture.
 
 use super::environment::Sky;
 use super::exit::Failure;
@@ -8,10 +8,10 @@ use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_stage::{Background, Look};
 use pelage_truth::TrueCamera;
 
-/// Refuses a sky background if the look has no sky.
+/// Checks that a look with a sky background has a sky.
 ///
 /// # Errors
-/// [`Failure::Usage`] says what is missing.
+/// [`Failure::Usage`] if the sky is missing.
 pub fn check(look: &Look) -> Result<(), Failure> {
     if look.picture.background == Some(Background::Sky) && look.environment.sky.is_none() {
         let reason = "--background sky: found no environment map, expected --environment as well";
@@ -20,8 +20,8 @@ pub fn check(look: &Look) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Composites a picture of the look, sRGB-encoded with straight alpha, over the sky, rotated by another `turn_deg`, if
-/// the look has a sky background.
+/// Composites a picture over the sky if the look has a sky background; the sky is rotated by an additional `turn_deg`.
+/// The picture is sRGB-encoded, with straight alpha.
 pub fn lay_over_sky(look: &Look, sky: Option<&Sky>, pixels: &mut RgbaImage, camera: &TrueCamera, turn_deg: f32) {
     let Some(sky) = sky.filter(|_| look.picture.background == Some(Background::Sky)) else { return };
     let ways = camera.view_directions(pixels.dimensions());

@@ -59,8 +59,8 @@ pub struct BakeArgs {
 }
 
 impl BakeArgs {
-    /// Returns the dependencies and outputs of the bake for the cache. A bake with limits is not cached, because
-    /// measurements differ each time. Nor is one that writes a recipe, which names images relative to its own folder.
+    /// Returns the description of the bake for the cache; `None` if it is not cached. A bake with limits depends on
+    /// measurements, which vary. A written recipe names images relative to its own folder.
     pub fn job(&self) -> Option<Job> {
         if !self.limits.limits().is_empty() || self.write_recipe.is_some() {
             return None;
@@ -70,7 +70,8 @@ impl BakeArgs {
     }
 }
 
-/// Limits of a bake; with any of them, layers, tile and fins are chosen by measuring instead of read from the recipe.
+/// Limits of a bake. If any is given, layers, tile and fins are chosen by measurement, and the recipe's values are
+/// ignored.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct LimitArgs {
     /// Choose the cheapest layers, tile and fins whose error against the reference pictures is at most this. The error
@@ -95,7 +96,7 @@ impl LimitArgs {
     }
 }
 
-/// Recipe on the command line.
+/// Recipe options of the command line.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct RecipeArgs {
     /// Recipe file; missing keys have their defaults
@@ -111,7 +112,7 @@ pub struct RecipeArgs {
 }
 
 impl RecipeArgs {
-    /// Reads the recipe with all changes, and the record of its file.
+    /// Reads the recipe, applies the changes of `--set`, and returns it with the input record of its file.
     pub fn read(&self) -> Result<(Recipe, Option<InputRecord>), BakeError> {
         let mut input = None;
         let mut recipe = match &self.recipe {
@@ -127,14 +128,14 @@ impl RecipeArgs {
         Ok((recipe, input))
     }
 
-    /// Reads the images that the recipe's maps name. Paths are relative to the recipe's folder; those of `--set` may
-    /// also be relative to the working directory.
+    /// Reads the images of the recipe's maps. Paths are relative to the recipe's folder; those of `--set` may also be
+    /// relative to the working directory.
     pub fn images(&self, recipe: &Recipe) -> Result<MapImages, BakeError> {
         let file = self.recipe.as_ref().map_or("--set".to_owned(), |path| path.display().to_string());
         io::read_map_images(&file, &|name| self.image_path(name), recipe)
     }
 
-    /// Returns the path of an image by its name.
+    /// Returns the path of an image from its name in the recipe.
     pub fn image_path(&self, name: &str) -> PathBuf {
         let folder = self.recipe.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
         let beside = folder.join(name);
@@ -146,8 +147,8 @@ impl RecipeArgs {
         }
     }
 
-    /// Adds the source of the value to an error; stages name only the key of a recipe. Without a recipe the value is
-    /// derived from the model.
+    /// Adds the file that the value came from to an error of a stage, which names only the recipe key. Without a
+    /// recipe, that is the model.
     pub fn with_source(&self, model: &str, error: BakeError) -> BakeError {
         let BakeError::Params { what, reason } = error else { return error };
         let set = self.set.iter().any(|assignment| assignment.split('=').next().is_some_and(|key| key.trim() == what));
@@ -164,7 +165,7 @@ impl RecipeArgs {
         if self.allow_outside { Reach::Anywhere } else { Reach::OwnFolder }
     }
 
-    /// Returns the reason that a change of `--set` is invalid, if it is.
+    /// Returns the error message if an assignment of `--set` is invalid.
     pub fn refusal(assignment: &str) -> Option<String> {
         let args = Self { recipe: None, set: vec![assignment.to_owned()], allow_outside: false };
         args.apply_to(&mut Recipe::default()).err().map(|error| match error {
@@ -173,7 +174,7 @@ impl RecipeArgs {
         })
     }
 
-    /// Applies the changes of `--set` to a recipe.
+    /// Applies the assignments of `--set` to a recipe.
     pub fn apply_to(&self, recipe: &mut Recipe) -> Result<(), BakeError> {
         self.set.iter().try_for_each(|assignment| {
             let Some(named) = ImageAssignment::of(assignment).filter(ImageAssignment::is_absolute) else {
@@ -182,7 +183,7 @@ impl RecipeArgs {
             let mut changed = recipe.clone();
             let known = |recipe: &Recipe| recipe.images().iter().any(|(_, name)| *name == named.name);
             if changed.set(&named.by_name()).is_err() || !known(&changed) {
-                // This key does not take an image.
+                // The key does not require an image, so the assignment is applied directly.
                 return recipe.set(assignment);
             }
             if known(recipe) {
@@ -196,12 +197,12 @@ impl RecipeArgs {
     }
 }
 
-/// Image that `--set key=PATH#channel` may name.
+/// Parts of an assignment that may name an image: `--set key=PATH#channel`.
 struct ImageAssignment<'a> {
     key: &'a str,
     path: &'a Path,
     channel: &'a str,
-    /// Name in the recipe: for an absolute path only the file name, because a path would tie the package to this
+    /// Name in the recipe. An absolute path is reduced to its file name, so that the package does not depend on this
     /// machine.
     name: &'a str,
 }
@@ -220,7 +221,7 @@ impl<'a> ImageAssignment<'a> {
         self.path.is_absolute()
     }
 
-    /// Returns the assignment with the file name in place of the path.
+    /// Returns the assignment with [`Self::name`] instead of the path.
     fn by_name(&self) -> String {
         format!("{}={}{}", self.key, self.name, self.channel)
     }
@@ -243,11 +244,11 @@ pub struct BakeResult<'a> {
     model: &'a Anatomy,
     /// Settings chosen for the limits, as in the package's manifest; null without limits.
     choice: Option<&'a Choice>,
-    /// Figures of the trials of `choice`, in their order, that the package does not keep; null without limits.
+    /// Figures of each trial in `choice` that the package does not store; null without limits.
     judged: Option<&'a [TrialFigures]>,
 }
 
-/// Time of a stage.
+/// Duration of a stage.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StageTime {
@@ -275,15 +276,15 @@ pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Finished bake, with the information that the command reports.
+/// Finished bake, and what the command reports about it.
 struct FinishedBake {
     baked: Baked,
     stages: Vec<StageTime>,
-    /// Choice of its settings: evidence and figures for scripts, text for people.
+    /// Choice made for the limits: evidence for the manifest, figures for scripts, and text for people.
     choice: Option<(Choice, Vec<TrialFigures>, String)>,
-    /// Whether the size of a large package was already reported before the bake.
+    /// Whether the note about a large package was already printed before the bake.
     told_size: bool,
-    /// Text of the recipe to write.
+    /// Text of the recipe for `--write-recipe`.
     recipe: Option<String>,
 }
 
@@ -303,12 +304,12 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
     let name = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let asked = recipe.clone();
     let placed = |error| args.recipe.with_source(&file, error);
-    // Values of the tile chosen before the bake.
+    // Tile parameters that were chosen before the bake.
     let mut tile = TileRecipe::default();
     let mut choice: Option<(Choice, Vec<TrialFigures>, String)> = None;
     if !limits.is_empty() {
         watch.begin("choose");
-        // The settings to try differ in their texels, not in their tile.
+        // The trials vary the texels of the tile but not its size, so it is computed once.
         tile = metric::to_tile_units(&recipe, &groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref())))
             .map_err(placed)?;
         let recipe_of_tile = tile.recipe.clone();
@@ -350,29 +351,30 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
     }
     let bytes = baked.package.len() as u64;
     if let Some(limit) = limits.max_bytes.filter(|limit| bytes > *limit) {
-        let text = format!("{bytes} bytes with the record of the bake, more than --max-bytes {limit}");
+        let text =
+            format!("the package takes {bytes} bytes with the record of the bake, more than --max-bytes {limit}");
         return Err(BakeError::Internal(text).into());
     }
     Ok(FinishedBake { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
 }
 
-/// Size above which a package is reported as large, bytes: it is slow to load, especially in web pages.
+/// Size above which a package is reported as large, bytes. A large package loads slowly, especially on web pages.
 const LARGE: u64 = 32 << 20;
 
-/// Returns a note before the bake if the layers alone will make a large package.
+/// Returns a note to print before the bake if the layers alone make the package large.
 fn large_layers(recipe: &Recipe) -> Option<String> {
     let SliceParams { layers, tile_texels: n, .. } = recipe.slice;
     let bytes = shell_bytes(&recipe.slice, &recipe.pack, has_far_layer(recipe), recipe.visibility.enabled);
     (bytes > LARGE).then(|| {
         format!(
             "note: {layers} layers of {n} x {n} texels will take {} of the package and a long time to bake; \
-             slice.layers and slice.tile_texels decide it",
+             slice.layers and slice.tile_texels set the size",
             human_bytes(bytes)
         )
     })
 }
 
-/// Returns a note that names the largest part of a large package.
+/// Returns a note about the largest section if the package is large.
 fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
     let all = package.bytes().len() as u64;
     if all <= LARGE {
@@ -391,7 +393,7 @@ fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
     )))
 }
 
-/// Timer of the stages; shows the current one.
+/// Measures the duration of each stage, and shows the current stage.
 #[derive(Debug)]
 pub struct StageWatch<'a> {
     output: &'a mut Output,
@@ -400,22 +402,22 @@ pub struct StageWatch<'a> {
 }
 
 impl<'a> StageWatch<'a> {
-    /// Creates the timer, before the first stage.
+    /// Creates the timer before the first stage.
     pub fn new(output: &'a mut Output) -> Self {
         Self { output, stages: Vec::new(), begun: Instant::now() }
     }
 
-    /// Returns the step counter of the stages, for the display.
+    /// Returns the step counter that stages increment for the progress display.
     pub fn steps(&self) -> Arc<StageProgress> {
         self.output.steps()
     }
 
-    /// Returns the output for a stage's own progress.
+    /// Returns the output, for a stage that shows its own progress.
     pub fn output(&mut self) -> &mut Output {
         self.output
     }
 
-    /// Ends the previous stage, if any, and begins another.
+    /// Ends the current stage, if any, and begins the stage named `stage`.
     pub fn begin(&mut self, stage: &'static str) {
         self.end();
         self.output.progress(stage);
@@ -429,7 +431,7 @@ impl<'a> StageWatch<'a> {
         }
     }
 
-    /// Ends the last stage; returns the times of all.
+    /// Ends the last stage and returns the times of all stages.
     pub fn finish(mut self) -> Vec<StageTime> {
         self.end();
         self.stages

@@ -40,13 +40,13 @@ pub struct BenchResult<'a> {
     passes: Vec<PassTime>,
     /// Time of the same frame without self-shadow and soft shadow, milliseconds.
     unshadowed_frame_ms: Spread,
-    /// Median ratio of a frame to the same frame without shadows, with a still light; null without shadows.
+    /// Median ratio of `frame_ms` to `unshadowed_frame_ms`, with a still light; null without shadows.
     frame_over_unshadowed: Option<f64>,
-    /// Time to redraw the shadow maps (layer_shadow and shadow_width together), milliseconds.
+    /// Time to redraw the shadow maps: the passes layer_shadow and shadow_width together, milliseconds.
     shadow_maps_ms: f64,
     /// Median ratio of `shadow_maps_ms` to `frame_ms`; null without shadows.
     shadow_maps_over_frame: Option<f64>,
-    /// Time of the same layers with one texture read and no lighting, milliseconds.
+    /// Time to draw the same layers with one texture read per fragment and no lighting, milliseconds.
     yardstick_ms: Spread,
     /// Ratio of the shells pass to the yardstick; null if the yardstick takes no time.
     shells_over_yardstick: Option<f64>,
@@ -57,14 +57,14 @@ pub struct BenchResult<'a> {
     layers: u32,
     /// Copies of the model.
     instances: usize,
-    /// Layers drawn in a frame, all copies, mesh surfaces excluded.
+    /// Number of fur layers drawn in a frame, over all copies; mesh surfaces are not counted.
     drawn_layers: u64,
-    /// Fur drawn for each copy.
+    /// Level of detail of the fur of each copy.
     detail: Vec<FurDetail>,
     triangles: u32,
 }
 
-/// Time of a pass.
+/// Time of a render pass.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct PassTime {
@@ -73,9 +73,9 @@ struct PassTime {
     fragments: Option<u64>,
 }
 
-/// Untimed frames before the timed ones, until pipelines, caches and clocks have settled.
+/// Number of untimed frames before the measurement, in which pipelines, caches and clock rates settle.
 const WARM_UP: u32 = 3;
-/// Default number of timed frames, without `--frames`.
+/// Number of timed frames without `--frames`.
 const FRAMES: u32 = 30;
 
 /// Runs the subcommand.
@@ -97,7 +97,7 @@ pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
     let mut times = Vec::new();
     for index in 0..WARM_UP + frames {
         output.progress(&format!("frame {index} of {}", WARM_UP + frames));
-        // A clip plays at 60 frames per second, so that every frame updates the pose, as in an application.
+        // The clip advances by 1/60 s per frame, so that every frame updates the pose, as in an application.
         let clock_s = scene.params.time_s + Meter::FRAME_S;
         scene.advance(view.time_s + index as f32 / 60.0, clock_s, view.look.hair_motion());
         let frame = meter.measure(&mut scene)?;
@@ -131,7 +131,7 @@ fn report(
     let unshadowed = Spread::of(times.iter().map(|t| t.unshadowed));
     let maps_ms = median(PassId::LAYER_SHADOW) + median(PassId::SHADOW_WIDTH);
     let shadowed = pelage_stage::is_shadowed(scene);
-    // Ratios are computed per frame, so that noise that lasts longer than a frame cancels.
+    // Ratios are computed per frame, so that interference that lasts longer than a frame cancels out.
     let over_unshadowed = Spread::of(times.iter().filter(|_| shadowed).map(|t| t.frame / t.unshadowed));
     let maps_of = |t: &FrameTimes| t.of(PassId::LAYER_SHADOW) + t.of(PassId::SHADOW_WIDTH);
     let over_frame = Spread::of(times.iter().filter(|_| shadowed).map(|t| maps_of(t) / t.frame));
@@ -178,10 +178,10 @@ fn report(
     if shadowed {
         let (still, maps) = (over_unshadowed.median, over_frame.median);
         line(format_args!(
-            "with shadows {still:.2} times the frame without, {:.2} ms; while the light is static",
+            "with shadows, a frame takes {still:.2} times as long as without ({:.2} ms) while the light is static",
             unshadowed.median
         ));
-        line(format_args!("redrawing the shadow maps {maps_ms:.2} ms, {maps:.2} of a frame with shadows"));
+        line(format_args!("redrawing the shadow maps takes {maps_ms:.2} ms, {maps:.2} times a frame with shadows"));
     }
     if let Some(ratio) = ratio {
         line(format_args!(

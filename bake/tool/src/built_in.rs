@@ -1,4 +1,4 @@
-//! Models embedded in the binary, so that a first try needs no files.
+//! Models embedded in the binary, for trying pelage without any files.
 
 use super::exit::Failure;
 use pelage_bake::recipe::Recipe;
@@ -6,16 +6,16 @@ use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 
-/// Model and its recipe.
+/// Embedded model and its recipe.
 #[derive(Debug)]
 pub struct BuiltIn {
-    /// Name without extension, as in the repository's `assets/`.
+    /// File name in the repository's `assets/`, without extension.
     pub name: &'static str,
     glb: &'static [u8],
     recipe: &'static str,
 }
 
-/// Hare that breathes.
+/// Hare, with a breathing animation.
 pub const HARE: BuiltIn = BuiltIn {
     name: "hare",
     glb: include_bytes!("../built_in/hare.glb"),
@@ -30,17 +30,17 @@ pub const TORUS: BuiltIn = BuiltIn {
 };
 
 impl BuiltIn {
-    /// Returns the file name for messages.
+    /// Returns the file name used in messages.
     pub fn file(&self) -> String {
         format!("{}.glb", self.name)
     }
 
-    /// Returns its recipe.
+    /// Parses the embedded recipe.
     pub fn recipe(&self) -> Result<Recipe, Failure> {
         Ok(Recipe::parse(&format!("{}.toml", self.name), self.recipe)?)
     }
 
-    /// Imports the model with the options of `recipe`.
+    /// Imports the embedded model with the options of `recipe`.
     pub fn import(&self, recipe: &Recipe) -> Result<Model, Failure> {
         let mut no_files =
             |uri: &str, _: u64| Err(BakeError::Internal(format!("a built-in model refers to the file {uri}")));

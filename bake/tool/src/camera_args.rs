@@ -25,7 +25,7 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// Returns the framing, used if no camera is given.
+    /// Returns the framing options, which apply if no camera is given.
     pub fn framing(&self) -> Framing {
         Framing { orbit: self.orbit, look_at: self.look_at.clone(), all_around: false }
     }

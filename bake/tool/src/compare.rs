@@ -21,13 +21,13 @@ pub struct CompareArgs {
     /// Second picture, of the same size
     #[arg(value_name = "B")]
     b: PathBuf,
-    /// Write the FLIP of each pixel as a PNG, black for 0 to yellow for 1
+    /// Write the FLIP of each pixel as a PNG, from black for 0 to yellow for 1
     #[arg(long, short, value_name = "PNG")]
     output: Option<PathBuf>,
-    /// Background of transparent pictures for FLIP: sRGB red,green,blue, 0 to 255 each
+    /// Background behind transparent pixels for FLIP: sRGB red,green,blue, 0 to 255 each
     #[arg(long, value_name = "R,G,B", default_value = "128,128,128")]
     over: Rgb,
-    /// Pixels per degree of the field of vision, for FLIP; 67 is a 4K screen 0.7 m wide, viewed from 0.7 m
+    /// Pixels per degree of the field of view, for FLIP; 67 is a 4K screen 0.7 m wide, viewed from 0.7 m
     #[arg(
         long,
         value_name = "N",
@@ -50,7 +50,7 @@ pub struct CompareArgs {
 }
 
 impl CompareArgs {
-    /// Returns the dependencies and outputs of the comparison for the cache.
+    /// Returns the description of the comparison for the cache.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: self.output.as_deref().map(Job::name), ..self.clone() };
         Some(Job::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
@@ -77,7 +77,7 @@ fn parse_limit(text: &str) -> Result<f64, String> {
 }
 
 fn parse_pixels_per_degree(text: &str) -> Result<f32, String> {
-    // Outside this range, filters are wider than any picture, or narrower than a pixel.
+    // Outside this range, the filters of FLIP are wider than any picture, or narrower than a pixel.
     let number = text.parse().ok().filter(|x: &f32| (1.0..=1000.0).contains(x));
     number.ok_or("expected a number from 1 to 1000".into())
 }
@@ -90,18 +90,18 @@ pub struct CompareResult {
     b: String,
     width: u32,
     height: u32,
-    /// Background of transparent pictures for FLIP: sRGB-encoded red, green and blue.
+    /// Background behind transparent pixels for FLIP: sRGB-encoded red, green and blue.
     over: [u8; 3],
     pixels_per_degree: f32,
     #[serde(flatten)]
     comparison: Comparison,
     limits: Vec<Limit>,
     different: bool,
-    /// Picture of FLIP that was written; null without `--output`.
+    /// Path of the FLIP picture; null without `--output`.
     output: Option<String>,
 }
 
-/// Limit of a comparison.
+/// Limit of a comparison, and the measured value.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Limit {
@@ -111,7 +111,7 @@ struct Limit {
     )]
     option: &'static str,
     bound: f64,
-    /// Measured value; null for the infinite ratio of equal pictures.
+    /// Measured value; null for the infinite PSNR of equal pictures.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     found: f64,
     exceeded: bool,
@@ -176,14 +176,14 @@ fn text(args: &CompareArgs, c: &Comparison, limits: &[Limit]) -> String {
     let f = &c.flip;
     let mut lines = vec![
         format!(
-            "FLIP      mean {:.5}, where either covers {:.5}, weighted median {:.5}, max {:.5}",
+            "FLIP      mean {:.5}, mean of covered pixels {:.5}, weighted median {:.5}, max {:.5}",
             f.mean, f.covered, f.weighted_median, f.max
         ),
         format!("RMSE      {:.6} of linear light", c.rmse),
         if c.psnr_db.is_finite() {
             format!("PSNR      {:.3} dB", c.psnr_db)
         } else {
-            "PSNR      equal pictures".into()
+            "PSNR      infinite: the pictures are equal".into()
         },
         format!("coverage  {:.6} mean difference of alpha", c.coverage),
     ];

@@ -1,4 +1,4 @@
-//! `pelage demo`: bakes and draws the built-in models; needs no input.
+//! `pelage demo`: bakes and draws the built-in models without any input files.
 
 use super::bake::StageWatch;
 use super::built_in::{BuiltIn, HARE, TORUS};
@@ -30,18 +30,18 @@ pub struct DemoResult {
     pictures: Vec<String>,
 }
 
-/// Models, each with a clip and a time in it to draw besides the rest pose.
+/// Models to bake. Each may have a clip and a time in seconds, which is drawn in addition to the rest pose.
 const MODELS: [(BuiltIn, Option<(&str, f32)>); 2] = [(HARE, Some(("EarBreath", 0.5))), (TORUS, None)];
 
-/// Gait of the hare in ink: clip, and number of pictures in one loop, evenly spaced in time.
+/// Clip of the hare that is drawn in ink, and the number of pictures in one loop.
 const GAIT: (&str, u32) = ("Walk", 16);
 
-/// Neutral studio grey, sRGB.
+/// Background, a neutral studio grey; sRGB-encoded.
 const BACKGROUND: [u8; 3] = [204, 209, 217];
 
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
-    // First, so that a machine without a usable adapter writes no files.
+    // Opened first, so that nothing is written on a machine without a usable adapter.
     let gpu = Gpu::open()?;
     make_folder(&args.output)?;
     let (mut packages, mut pictures) = (Vec::new(), Vec::new());
@@ -99,7 +99,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
     Ok(pictures)
 }
 
-/// Returns the views of a model: in ink, with fur, without, and in motion.
+/// Returns the named views of a model: in ink, with fur, without fur, and in motion if `moment` names a clip and time.
 fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, PictureView)> {
     let furry = PictureView::sized((834, 834)).with(|look| {
         look.picture.samples = Samples(4);

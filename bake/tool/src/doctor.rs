@@ -28,7 +28,7 @@ pub struct DoctorArgs {
     size: Size,
     #[command(flatten)]
     camera: CameraArgs,
-    /// Copies in the picture, each at the same size
+    /// Copies in the picture, each at the same size on screen
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     instances: u32,
     /// Width and height of the shadow maps, texels; 0 disables shadows
@@ -36,7 +36,7 @@ pub struct DoctorArgs {
     shadow_map: u32,
 }
 
-/// Predicted cost of a package on a screen, counted without a GPU, and recommended changes.
+/// Predicted rendering cost of a package, counted without a GPU, and recommended changes.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DoctorResult<'a> {
@@ -53,10 +53,11 @@ pub struct DoctorResult<'a> {
     overdraw: Overdraw,
     on_screen: OnScreen,
     passes: &'a [PassWork],
-    /// Size on the device, all copies, bytes.
+    /// GPU memory of all copies, bytes.
     gpu_bytes: u64,
     memory: Memory,
-    /// Recommended changes: first improvements of the look, then savings, largest first.
+    /// Recommended changes: first those that improve the look, then those that save time or memory, largest saving
+    /// first.
     advice: &'a [Advice],
 }
 
@@ -65,13 +66,13 @@ pub struct DoctorResult<'a> {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct DoctorCamera {
     eye: [f32; 3],
-    /// Point at the centre of the picture, metres.
+    /// Target point, shown at the centre of the picture, metres.
     target: [f32; 3],
-    /// Height of the view, degrees.
+    /// Vertical field of view, degrees.
     fov_deg: f32,
 }
 
-/// Layers on a pixel with fur.
+/// Number of fur layers over a pixel with fur.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Overdraw {
@@ -153,7 +154,9 @@ fn text(p: &Prognosis) -> String {
         line(format!("  {}", advice.found));
         line(format!("  saves {}; costs {}", advice.saves, advice.costs));
         if let Some(ErrorChange { before, after }) = advice.measured {
-            line(format!("  measured: error {before:.4} without it, {after:.4} with it and all above"));
+            line(format!(
+                "  measured: error {before:.4} without this change, {after:.4} with it and all changes above"
+            ));
         }
     }
     out

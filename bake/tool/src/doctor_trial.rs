@@ -1,4 +1,5 @@
-//! Tests of the doctor's recommendations: the picture with and without each change, against the reference picture.
+//! Tests the doctor's recommendations: draws the picture with and without each change, and compares both with the
+//! reference picture.
 
 use super::exit::Failure;
 use super::output::Output;
@@ -12,17 +13,17 @@ use pelage_stage::{Gpu, NamedPackage};
 use pelage_truth::doctor::{Advice, ErrorChange, is_harmless};
 use pelage_truth::likeness::Likeness;
 
-/// Ray budget over all pixels of the reference picture: some seconds on any machine. The remaining noise is the same in
-/// all comparisons.
+/// Maximum number of rays for all pixels of the reference picture, which takes seconds on any machine. All comparisons
+/// use the same picture, so its noise is the same for all.
 const RAYS: u64 = 1 << 22;
 
-/// Tests the recommendations by drawing, cumulatively in the order of `advice`, and drops those that make the picture
-/// worse. Advice is returned unmeasured if nothing can be drawn: without an adapter, for a picture of more than
-/// [`RAYS`] pixels, or if the package cannot be resliced.
+/// Tests each recommendation by drawing, and drops those that make the picture worse. The recommendations that were
+/// kept stay applied for the next test, in the order of `advice`. Returns `advice` untested if nothing can be drawn:
+/// without an adapter, for a picture of more than [`RAYS`] pixels, or if the package cannot be resliced.
 ///
 /// # Errors
 ///
-/// Errors of drawing, once there is an adapter.
+/// Errors of drawing, if there is an adapter.
 pub fn try_advice(
     file: &NamedPackage<'static>,
     view: &PictureView,
@@ -38,7 +39,7 @@ pub fn try_advice(
     let package = file.open()?;
     let mut recipe = Recipe::parse_recorded(&file.name, &package.manifest().recipe)?;
     let truth = ReferenceTracer::new(file, view)?;
-    // More samples than the recipe's judge uses would not be more accurate.
+    // The recipe's judge uses this many samples; more would not improve the comparison.
     let samples = samples.min(u64::from(recipe.judge.samples)) as u32;
     let mut show =
         |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the reference picture");

@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::OnceLock;
 
-/// Reads an environment map as lights.
+/// Reads an environment map and returns its lights.
 ///
 /// # Errors
 /// Message with the file, the location in it, and the error.
@@ -25,12 +25,12 @@ pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRea
     Ok(Arc::new(sky.lights()))
 }
 
-/// Reads an environment map, with a ground if one is given.
+/// Reads an environment map. If `ground` is given, it replaces everything below the horizon.
 fn read(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> Result<EnvironmentFile, BakeError> {
     EnvironmentFile::read(path)?.over_ground(ground, lobes as usize)
 }
 
-/// Environment of a look.
+/// Environment map of a look, with the look's rotation and strength.
 #[derive(Debug)]
 pub struct Sky {
     of: EnvironmentFile,
@@ -48,10 +48,10 @@ impl PartialEq for Sky {
 }
 
 impl Sky {
-    /// Reads the environment that the look names; `None` if it names none.
+    /// Reads the environment map of a look; `None` if the look has none.
     ///
     /// # Errors
-    /// Unreadable file, or one that is not an environment.
+    /// Unreadable file, or a file that is not an environment map.
     pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
         let Some(source) = &look.environment.sky else { return Ok(None) };
         let of = match &source.kind {
@@ -63,7 +63,7 @@ impl Sky {
         Ok(Some(Self { of, yaw_deg, strength, lobes, fitted: OnceLock::new() }))
     }
 
-    /// Returns the fit of lights to a panorama; `None` for lights given directly.
+    /// Returns the lights that were fitted to a panorama; `None` for a file that contains lights.
     pub fn fitted(&self) -> Option<&FitResult> {
         let fit = || match &self.of {
             EnvironmentFile::Panorama(panorama) => {
@@ -89,8 +89,8 @@ impl Sky {
         self.lights().turned(self.yaw_deg).scaled(self.strength)
     }
 
-    /// Returns the radiance from a unit direction, linear RGB, with the sky rotated by another `turn_deg`; the sun of
-    /// lights is not visible.
+    /// Returns the radiance from the unit direction `towards`, linear RGB. The sky is rotated by an additional
+    /// `turn_deg`. For a file of lights, the sun is not included.
     pub fn radiance(&self, towards: DVec3, turn_deg: f32) -> DVec3 {
         let inside = DQuat::from_rotation_y(-f64::from(self.yaw_deg + turn_deg).to_radians()) * towards;
         let radiance = match &self.of {
@@ -100,8 +100,8 @@ impl Sky {
         radiance * f64::from(self.strength)
     }
 
-    /// Returns the environment for path tracing: a panorama unchanged, with its sun in it; otherwise lights, and their
-    /// sun separately.
+    /// Returns the environment for path tracing. A panorama is unchanged and contains its sun; lights have a separate
+    /// sun.
     pub fn for_tracing(&self) -> (TrueSky, Option<Sun>) {
         match &self.of {
             EnvironmentFile::Panorama(panorama) => {

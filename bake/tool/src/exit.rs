@@ -1,4 +1,4 @@
-//! Exit codes; errors become exit codes only here.
+//! Exit codes. Errors are converted to exit codes only in this file.
 
 use pelage_import::BakeError;
 use pelage_stage::StageError;
@@ -7,7 +7,7 @@ use std::process::ExitCode;
 /// Exit codes of `pelage`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// Success; also if the reader of stdout closed it.
+    /// Success. Also used if the reader of stdout has closed it.
     Done = 0,
     /// Invalid command line.
     Usage = 1,
@@ -19,12 +19,12 @@ pub enum Exit {
     NoAdapter = 4,
     /// Bug in pelage.
     Internal = 5,
-    /// Faults found by `validate`, differences found by a comparison, or a bound exceeded in `chart stability`.
+    /// Faults found by `validate`, differences found by a comparison, or a limit exceeded in `chart stability`.
     Differences = 7,
 }
 
 impl Exit {
-    /// All codes, each with a word for the end of a help text, and its meaning.
+    /// All exit codes, each with a word for the help text, and its meaning.
     pub const ALL: [(Self, &str, &str); 7] = [
         (Self::Done, "done", "Success, or the reader of standard output closed it."),
         (Self::Usage, "usage", "The command line is invalid."),
@@ -53,7 +53,7 @@ impl Exit {
         Self::ALL.iter().map(|(exit, ..)| *exit).find(|exit| *exit as u8 == code)
     }
 
-    /// Returns all codes in one line, for the end of a help text.
+    /// Returns one line that lists all codes, for the end of the help text.
     pub fn summary() -> String {
         let codes = Self::ALL.map(|(exit, word, _)| format!("{} {word}", exit as u8));
         format!("Exit codes: {}.", codes.join("; "))
@@ -69,13 +69,13 @@ impl From<Exit> for ExitCode {
 /// Error of a subcommand.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// Contradictory options that clap cannot detect: with each other or with the package.
+    /// Options that contradict each other or the package, which clap cannot detect.
     #[error("{0}")]
     Usage(String),
     /// Error of the library.
     #[error(transparent)]
     Bake(#[from] BakeError),
-    /// No usable graphics adapter; the detail lists what was tried.
+    /// No usable graphics adapter; the text lists what was tried.
     #[error("no usable graphics adapter: {0}\n{NO_ADAPTER_HELP}")]
     NoAdapter(String),
     /// No display for a window; the text says what is required.
@@ -85,7 +85,7 @@ pub enum Failure {
     /// Writing to stdout failed.
     #[error("standard output: cannot write: {0}")]
     Stdout(std::io::Error),
-    /// Panic, already reported by the hook.
+    /// Panic, already reported by the panic hook.
     #[error("internal error")]
     Panicked,
 }
@@ -104,7 +104,7 @@ impl From<StageError> for Failure {
         match error {
             StageError::Input { file, place, reason } => BakeError::Input { file, place, reason }.into(),
             StageError::Package { file, source } => BakeError::Package { file, source }.into(),
-            // Requests to a stage correspond to command-line options.
+            // Requests to a stage have the names of command-line options.
             StageError::Request { what, reason } => Self::Usage(format!("--{what}: {reason}")),
             StageError::Params(text) => Self::Usage(text),
             StageError::NoAdapter(text) => Self::NoAdapter(text),
@@ -122,7 +122,7 @@ impl Failure {
             Self::Bake(error) => match error {
                 BakeError::Io { .. } => Exit::FileSystem,
                 BakeError::Input { .. } | BakeError::Package { .. } | BakeError::Params { .. } => Exit::BadInput,
-                // `Internal`, and any future variant.
+                // Includes `Internal` and all future variants.
                 _ => Exit::Internal,
             },
             Self::NoAdapter(_) => Exit::NoAdapter,

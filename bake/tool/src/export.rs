@@ -1,4 +1,4 @@
-//! `pelage export`: writes strands and mesh as files for other programs.
+//! `pelage export`: writes strands and mesh to files for other programs.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
@@ -58,19 +58,19 @@ pub struct ExportArgs {
 pub struct ExportResult<'a> {
     files: &'a [String],
     strands: usize,
-    /// Named groups of the strands, in file order. Together they hold all strands; none is empty.
+    /// Named groups of strands, in file order. Every strand is in one group, and no group is empty.
     groups: Vec<StrandGroup<'a>>,
-    /// Straight segments of the strands after simplification.
+    /// Number of straight segments of the strands after simplification.
     segments: usize,
-    /// Strands on the whole mesh surface.
+    /// Number of strands on the whole mesh surface, of which those in the file are a selection.
     of_strands: u64,
     groom: GroomReport,
     vertices: usize,
     triangles: usize,
     camera: CameraResult,
-    /// Width of the picture that the camera is for, pixels.
+    /// Width of the picture that `camera` applies to, pixels.
     width: u32,
-    /// Height of the picture that the camera is for, pixels.
+    /// Height of the picture that `camera` applies to, pixels.
     height: u32,
 }
 
@@ -78,18 +78,18 @@ pub struct ExportResult<'a> {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct StrandGroup<'a> {
-    /// Name of the group; `coat` for the strands of the tile.
+    /// Name of the group; `coat` for the strands of the repeating tile.
     name: &'a str,
     /// Index of the first strand in the file.
     first: u32,
     /// Number of consecutive strands.
     strands: usize,
-    /// Fibre of the group; absent if the package has no fibres.
+    /// Fibre parameters of the group; absent if the package has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     fibre: Option<GroupFibre>,
 }
 
-/// A fibre as pbrt-4 and Mitsuba 3 define it; both tilt lobes by twice the angle of the scales.
+/// Fibre parameters as pbrt-4 and Mitsuba 3 define them. Both tilt lobes by twice the scale angle.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct GroupFibre {
@@ -97,7 +97,7 @@ struct GroupFibre {
     longitudinal_roughness: f64,
     azimuthal_roughness: f64,
     scale_tilt_deg: f64,
-    /// Mean absorption of red, green and blue over a radius.
+    /// Absorption along one radius, for red, green and blue; mean over the group.
     absorption_per_radius: [f64; 3],
 }
 
@@ -164,7 +164,7 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Number of points above which a text file exceeds 100 MB.
+/// Number of points above which a note is printed, because a text file exceeds 100 MB.
 const MANY_POINTS: usize = 2_000_000;
 
 impl<'a> StrandGroup<'a> {
@@ -189,7 +189,7 @@ impl<'a> StrandGroup<'a> {
 }
 
 impl ExportArgs {
-    /// Returns the requested groups.
+    /// Returns the strands of the requested groups.
     fn chosen<'a>(&self, curves: &'a Curves) -> Result<Cow<'a, Curves>, Failure> {
         if self.groups.is_empty() {
             return Ok(Cow::Borrowed(curves));
@@ -207,7 +207,7 @@ impl ExportArgs {
         Ok(Cow::Owned(curves.only_groups(&names)))
     }
 
-    /// Thins the strands to the requested number.
+    /// Returns the strands that remain with `--every` and `--max-strands`.
     fn thinned<'a>(&self, curves: &'a Curves) -> Cow<'a, Curves> {
         let every = self.every as usize;
         let kept = curves.len().div_ceil(every);

@@ -52,7 +52,7 @@ pub struct GroomArgs {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GroomResult {
-    /// Paths of the image and of the mesh of `--mesh`.
+    /// Paths of the image, and of the mesh of `--mesh`.
     files: Vec<String>,
     /// Key of `[groom]`.
     map: &'static str,
@@ -60,9 +60,9 @@ pub struct GroomResult {
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["model", "atlas"])))]
     coordinates: &'static str,
     texels: u32,
-    /// Largest difference, 0 to 1, of a vertex's value from the image before rounding to bytes.
+    /// Largest difference between a vertex's value and the image before rounding to bytes, 0 to 1.
     misses_by: f32,
-    /// Recipe lines that read the image back, for a recipe in its folder.
+    /// Recipe lines that read the image back; they are for a recipe in the image's folder.
     recipe: Vec<String>,
     warnings: Vec<String>,
 }
@@ -71,7 +71,7 @@ fn quantity_words() -> clap::builder::PossibleValuesParser {
     Quantity::ALL.map(Quantity::key).into()
 }
 
-/// Share of the range above which a map is reported as too coarse for its mesh.
+/// Difference above which the image is reported as too coarse for its mesh, relative to the map's range.
 const COARSE: f32 = 1.0 / 255.0;
 
 /// Runs the subcommand.
@@ -100,7 +100,7 @@ pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
     map.warnings.iter().for_each(|warning| output.note(&format!("warning: {warning}")));
     if map.misses_by > COARSE {
         output.note(&format!(
-            "note: {} texels are too few to separate all vertices: one reads back off by {:.3} of the range; \
+            "note: {} texels are too few to separate all vertices: the worst one reads back off by {:.3} of the range; \
              --texels {} separates more",
             args.texels,
             map.misses_by,
@@ -127,7 +127,7 @@ pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Evaluates the map; returns it with the names of the model's materials.
+/// Evaluates the groom map, and returns it with the names of the model's materials.
 fn evaluate(args: &GroomArgs, quantity: Quantity, output: &mut Output) -> Result<(GroomMap, Vec<String>), Failure> {
     let (recipe, _) = args.recipe.read()?;
     output.progress("import");

@@ -44,10 +44,10 @@ pub struct InspectResult<'a> {
     patches: u32,
     /// Shell layers; 0 without fur.
     layers: u32,
-    /// Quads on the edges of the mesh; 0 without fins.
+    /// Number of fin quads on the edges of the mesh; 0 without fins.
     fins: u32,
     strands: u32,
-    /// Strands of the tile that are stored one by one; 0 without them.
+    /// Strands of the tile that are stored individually; 0 if there are none.
     single_strands: u32,
     hair: Vec<HairSize>,
     tile_texels: u32,
@@ -56,9 +56,9 @@ pub struct InspectResult<'a> {
     joints: usize,
     #[serde(flatten)]
     anatomy: Anatomy,
-    /// Size on the device, bytes: textures, vertices and indices.
+    /// GPU memory of textures, vertices and indices, bytes.
     gpu_bytes: u64,
-    /// Appearance of the fur from afar; null without it.
+    /// Far layer, which replaces the fur at a distance; null if the package has none.
     coat: Option<FarLayerInfo>,
     /// Levels of detail, finest first.
     detail: &'a [DetailLevel],
@@ -69,7 +69,7 @@ pub struct InspectResult<'a> {
     quality: &'a [QualityFigure],
     warnings: &'a [String],
     inputs: Vec<InputFile<'a>>,
-    /// Recipe in TOML; every key with the value that was used.
+    /// Recipe in TOML, with the used value of every key.
     recipe: &'a str,
 }
 
@@ -92,11 +92,11 @@ struct TextureShape<'a> {
     height: u32,
     layers: u32,
     levels: u32,
-    /// Size on the device, all levels and layers, bytes.
+    /// GPU memory of all mipmap levels and array layers, bytes.
     bytes: u64,
 }
 
-/// A group of hair on guides.
+/// A group of hair that follows guides.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct HairSize {
@@ -188,7 +188,7 @@ impl<'a> InspectResult<'a> {
     }
 }
 
-/// Prints the limits of a bake, the trials, and the chosen settings.
+/// Passes the limits of a bake, its trials and the chosen settings to `row`.
 fn choice_rows(choice: &Choice, row: &mut dyn FnMut(&str, String)) {
     let limits = [
         ("max_error", choice.limits.max_error.map(Value::from)),
@@ -212,7 +212,7 @@ fn choice_rows(choice: &Choice, row: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// Formats the result for people.
+/// Formats the result as text.
 fn table(name: &str, r: &InspectResult<'_>) -> String {
     let mut out = String::new();
     let mut row = |key: &str, value: String| {
@@ -250,21 +250,22 @@ fn table(name: &str, r: &InspectResult<'_>) -> String {
         row("section", format!("{}, {}", s.tag, human_bytes(s.bytes)));
     }
     if let Some(FarLayerInfo { height, light_straight, .. }) = r.coat {
-        row("coat", format!("at {height:.2} of the height, {light_straight:.2} of the key light reaches it"));
+        row("coat", format!("drawn at {height:.2} of the height, {light_straight:.2} of the key light reaches it"));
     }
     for level in r.detail {
         let drawn = match level.step {
-            0 => "the coat alone".to_owned(),
+            0 => "the far layer alone".to_owned(),
             1 => "every layer".to_owned(),
             step => format!("1 layer in {step}"),
         };
-        let range = format!("from {:.2} px of fur, gone at {:.2} px", level.full_px, level.gone_px);
+        let range = format!("full from {:.2} px of fur height, gone at {:.2} px", level.full_px, level.gone_px);
         row("detail", format!("{drawn}, {:.0} % of the fins, {range}", 100.0 * f64::from(level.fins)));
     }
     if let Some(ink) = &r.ink {
         let (shading, grain_mm) = (&ink.shading, 1000.0 * f64::from(ink.grain_size_m));
         let fur = if ink.fur_texture.is_none() { "no fur" } else { "fur strokes" };
-        let wash = format!("wash from {:.2}, fading by {:.2} a radius", shading.wash_range, shading.wash_speed);
+        let wash =
+            format!("wash: grey {:.2} at the centre, slope {:.2} per radius", shading.wash_range, shading.wash_speed);
         row("ink", format!("{wash}, grain every {grain_mm:.1} mm, {fur}"));
     }
     if let Some(choice) = r.choice {

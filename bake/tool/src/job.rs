@@ -1,4 +1,4 @@
-//! Build-system support around every command: dependency files, records of the outcome, and the cache.
+//! Options of every command for build systems: dependency file, record of the outcome, and cache.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, RecordedOutput};
@@ -15,7 +15,7 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Options of every subcommand for build systems.
+/// Build-system options that every subcommand has.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct JobArgs {
     /// Write a Make rule that lists every file that the command has read, including those named by a model or a scene;
@@ -43,24 +43,24 @@ impl JobArgs {
     }
 }
 
-/// Deterministic command, whose outputs can be cached.
+/// Description of a deterministic command, whose outputs can be cached.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Job {
-    /// Arguments, without output folders and options that do not change the outputs.
+    /// Arguments, except output folders and options that do not affect the outputs.
     arguments: String,
-    /// Output folders.
+    /// Folders of the output files.
     folders: Vec<PathBuf>,
 }
 
 impl Job {
-    /// Creates the cache description of a command from its name and arguments, in which `outputs` must be reduced to
-    /// their file names.
+    /// Creates the description of the command named `command`. In `args`, the paths of `outputs` must be reduced to
+    /// file names.
     pub fn new(command: &str, args: &impl Debug, outputs: &[&PathBuf]) -> Self {
         let folders = outputs.iter().map(|output| output.parent().unwrap_or(Path::new("")).to_owned()).collect();
         Self { arguments: format!("{command} {args:?}"), folders }
     }
 
-    /// Returns the name of a file without its folder.
+    /// Returns the file name without its folder.
     pub fn name(output: impl AsRef<Path>) -> PathBuf {
         output.as_ref().file_name().unwrap_or_default().into()
     }
@@ -69,14 +69,14 @@ impl Job {
         Sha256::new().chain_update(tool).chain_update(&self.arguments).finalize().into()
     }
 
-    /// Returns the index of a file's folder, and its name there.
+    /// Returns the index of the output folder that contains a file, and the name of the file in it.
     fn place(&self, path: &Path) -> Option<(usize, String)> {
         let folder = self.folders.iter().position(|folder| path.parent() == Some(folder))?;
         Some((folder, path.file_name()?.to_str()?.to_owned()))
     }
 }
 
-/// Runs a command with the dependency file, record and cache that the options ask for.
+/// Runs a command, with the cache, dependency file and record that `args` requests.
 pub fn run(
     args: &JobArgs,
     job: Option<&Job>,
@@ -88,8 +88,8 @@ pub fn run(
     }
     let began = Instant::now();
     if let Some(record) = &args.record {
-        // Removed first, so that a record is always of this run: a command that is killed leaves none. If removal
-        // fails, so will writing, which reports the error.
+        // The old record is removed first, so that a killed command leaves none. If removal fails, writing the record
+        // fails too and reports the error.
         let _ = std::fs::remove_file(record);
     }
     let cache = args.cache.as_deref().zip(job).and_then(|(folder, job)| CacheSession::open(folder, job, output));
@@ -113,9 +113,9 @@ pub fn run(
         }
     };
     if let (Some(path), Ok(_)) = (&args.depfile, &result) {
-        // A command does not depend on its own outputs, even if it read them again.
+        // A command does not depend on its own outputs, even if it reads them back.
         read.retain(|path| !written.contains(path));
-        // A rule needs a target: for a command without outputs, the record, or else the depfile itself.
+        // A Make rule needs a target. For a command without outputs, this is the record, or else the depfile itself.
         let targets =
             if written.is_empty() { vec![args.record.clone().unwrap_or_else(|| path.clone())] } else { written };
         result = result.and_then(|exit| {
@@ -124,16 +124,16 @@ pub fn run(
     }
     if let Some(path) = &args.record {
         let recorded = CommandRecord::of(&result, output.said(), began.elapsed().as_secs_f64(), cached).write(path);
-        // An error of the command takes precedence over one of writing the record.
+        // The command's own error takes precedence over an error of writing the record.
         result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
     }
     result
 }
 
-/// Files with their contents.
+/// Paths and contents of files.
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
-/// Cache access for one command.
+/// Access to the cache for one command.
 struct CacheSession<'a> {
     cache: Cache,
     job: &'a Job,
@@ -141,8 +141,8 @@ struct CacheSession<'a> {
 }
 
 impl<'a> CacheSession<'a> {
-    /// Opens the cache; returns `None` if the tool cannot be identified, because a cache must never be a reason to
-    /// fail.
+    /// Opens the cache. Returns `None` if the tool cannot be identified, because problems of the cache must not make a
+    /// command fail.
     fn open(folder: &Path, job: &'a Job, output: &Output) -> Option<Self> {
         let cache = Cache::new(folder);
         let tool = std::env::current_exe().map_err(|error| error.to_string());
@@ -155,7 +155,7 @@ impl<'a> CacheSession<'a> {
         }
     }
 
-    /// Looks up a cached result; returns it with the paths and contents of its files.
+    /// Looks up the command; returns its cached result, with the paths and contents of the output files.
     fn find(&self) -> Option<(CacheHit, Files)> {
         let found = self.cache.lookup(&self.key, &mut machine_property)?;
         let file =
@@ -164,14 +164,14 @@ impl<'a> CacheSession<'a> {
         Some((found, files))
     }
 
-    /// Stores the outputs of a command.
+    /// Stores the result and outputs of a command.
     fn keep(&self, traffic: &IoTrace, exit: Exit, output: &Output) {
         let RecordedOutput { result: Some((text, json)), notes } = output.said() else { return };
         let file = |written: &io_trace::TracedOutput| {
             let (folder, name) = self.job.place(&written.path)?;
             Some(CachedFile { folder, name, shown: shown(&written.path), sha256: hex(&written.digest) })
         };
-        // Files written outside the output folders could not be restored.
+        // Files outside the output folders could not be restored, so such a command is not cached.
         let Some(files) = traffic.written.iter().map(file).collect::<Option<Vec<_>>>() else { return };
         if traffic.in_part {
             return;
@@ -184,7 +184,7 @@ impl<'a> CacheSession<'a> {
     }
 }
 
-/// Returns a property of this machine that a result depends on.
+/// Returns a property of this machine, by name, on which a cached result depends.
 fn machine_property(what: &str) -> Option<String> {
     match what {
         ADAPTER => pelage_stage::Gpu::describe_adapter().ok(),
@@ -199,7 +199,7 @@ fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Writes the files of a cached result, and prints its notes and result.
+/// Restores a cached result: writes its files, and prints its notes and result.
 fn replay(kept: &CommandResult, files: &[(PathBuf, Vec<u8>)], output: &mut Output) -> Result<Exit, Failure> {
     let whole: Vec<(&Path, &[u8])> = files.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())).collect();
     io::write_all_atomic(&whole)?;
@@ -216,7 +216,7 @@ fn replay(kept: &CommandResult, files: &[(PathBuf, Vec<u8>)], output: &mut Outpu
     Ok(Exit::of(kept.exit).unwrap_or(Exit::Done))
 }
 
-/// Replaces every string that equals `old`.
+/// Replaces every string equal to `old` in a JSON value.
 fn rename(value: &mut Value, old: &str, new: &str) {
     match value {
         Value::String(text) if text == old => new.clone_into(text),
@@ -226,7 +226,7 @@ fn rename(value: &mut Value, old: &str, new: &str) {
     }
 }
 
-/// Record of a command, written by every subcommand with `--record`, even on failure.
+/// Record of a command. Every subcommand writes it with `--record`, even if it fails.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommandRecord {
@@ -234,11 +234,11 @@ pub struct CommandRecord {
     version: &'static str,
     exit_code: u8,
     seconds: f64,
-    /// Peak memory; null if the system does not report it.
+    /// Peak memory, bytes; null if the system does not report it.
     peak_bytes: Option<u64>,
-    /// Whether the result is a cache hit; it then has the figures of the run that made it.
+    /// Whether the result is a cache hit. Its figures are then those of the run that was cached.
     cached: bool,
-    /// Result that the subcommand prints with `--json`; null if it failed.
+    /// Result as printed with `--json`; null if the command failed.
     #[cfg_attr(feature = "schema", schemars(with = "Option<serde_json::Map<String, Value>>"))]
     result: Option<Value>,
     error: Option<String>,
@@ -247,7 +247,7 @@ pub struct CommandRecord {
 }
 
 impl CommandRecord {
-    /// Returns the record of a command that could not write its own.
+    /// Creates the record of a command that ended without writing one.
     pub fn new(command: Vec<String>, exit: Exit, error: Option<String>) -> Self {
         Self {
             command,
@@ -278,7 +278,7 @@ impl CommandRecord {
     }
 }
 
-/// Writes the record of a refused command line, if it has `--record`.
+/// Writes a record for a rejected command line, if it contains `--record`.
 pub fn record_refusal(why: &str) -> Result<(), BakeError> {
     match record_asked(std::env::args_os()) {
         Some(path) => CommandRecord::new(words(), Exit::Usage, Some(why.to_owned())).write(&path),
@@ -291,8 +291,8 @@ fn words() -> Vec<String> {
     std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
 }
 
-/// Returns the value of `--record` in a command line that does not parse. As in clap, a following word that looks like
-/// an option is not its value.
+/// Returns the value of `--record` in a command line that cannot be parsed. As in clap, a word that looks like an
+/// option is not a value.
 fn record_asked(words: impl Iterator<Item = OsString>) -> Option<PathBuf> {
     let mut words = words.take_while(|word| word != "--");
     while let Some(word) = words.next() {
@@ -306,19 +306,20 @@ fn record_asked(words: impl Iterator<Item = OsString>) -> Option<PathBuf> {
     None
 }
 
-/// Returns the peak memory of this process, if the system reports it.
+/// Returns the peak memory of this process, bytes; `None` if the system does not report it.
 fn peak_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }
 
-/// Formats a Make rule: the files written depend on the files read, each of which gets an empty rule.
+/// Formats a Make rule: the written files depend on the files that were read. Each of the latter also gets an empty
+/// rule.
 fn make_rule(written: &[PathBuf], read: &[PathBuf]) -> String {
     let words = |paths: &[PathBuf]| paths.iter().map(|path| make_word(&shown(path))).collect::<Vec<_>>();
     let (targets, sources) = (words(written), words(read));
     let mut text = format!("{}: \\\n  {}\n", targets.join(" "), sources.join(" \\\n  "));
-    // With an empty rule, a deleted file is not an error; the command that named it is run again.
+    // With an empty rule, Make does not fail if the file is deleted, but runs the command again.
     sources.iter().for_each(|source| text += &format!("\n{source}:\n"));
     text
 }

@@ -1,4 +1,4 @@
-//! Journal of a long job, stored beside its result until that is complete; a run that was killed resumes from it.
+//! Journal of a long job, from which a killed run resumes. It is stored beside the result until the result is complete.
 //!
 //! The file contains one JSON object per line: `{"key": …, …}` with the fields of [`Entry`]. Lines with a different key
 //! belong to a different job; a truncated line is ignored.
@@ -15,9 +15,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Finished piece of a job; in JSON an object without `key`.
+/// Entry for a finished piece of a job. In JSON, an object that has no field `key`.
 pub trait Entry: Serialize + DeserializeOwned {
-    /// Returns the number of the piece.
+    /// Returns the piece's number in the job.
     fn number(&self) -> usize;
 }
 
@@ -39,9 +39,9 @@ pub struct Journal<T> {
 }
 
 impl<T: Entry> Journal<T> {
-    /// Opens the journal that an earlier run may have left at `path`.
+    /// Opens the journal at `path`, which an earlier run may have left.
     ///
-    /// * `key`: hash of everything that a piece depends on besides its number
+    /// * `key`: hash of everything that a piece depends on, except its number
     /// * `restart`: discards existing entries
     pub fn open(path: PathBuf, key: &str, restart: bool) -> Result<Self, Failure> {
         let text = match std::fs::read_to_string(&path) {
@@ -52,7 +52,7 @@ impl<T: Entry> Journal<T> {
         };
         let (ours, others) = entries(&text, key);
         let mut journal = Self { path, key: key.to_owned(), entries: BTreeMap::new(), others, file: None };
-        // Rewritten, so that it contains only valid entries.
+        // The file is rewritten, so that it contains only valid entries.
         if !text.is_empty() || restart {
             journal.remove()?;
         }
@@ -60,10 +60,10 @@ impl<T: Entry> Journal<T> {
         Ok(journal)
     }
 
-    /// Imports pieces from another run's journal file, which is not modified; returns the number of its pieces that
-    /// belong to other jobs.
+    /// Imports pieces from the journal of another run, whose file is not modified. Returns the number of pieces in it
+    /// that belong to other jobs.
     pub fn import(&mut self, path: &Path) -> Result<usize, Failure> {
-        let (ours, others) = entries::<T>(&read_text(path, "rows that `pelage chart --part` has left")?, &self.key);
+        let (ours, others) = entries::<T>(&read_text(path, "rows written by `pelage chart --part`")?, &self.key);
         self.entries.extend(ours.into_iter().map(|entry| (entry.number(), entry)));
         Ok(others)
     }
@@ -73,17 +73,17 @@ impl<T: Entry> Journal<T> {
         &self.path
     }
 
-    /// Returns a piece that an earlier run has finished, if any.
+    /// Returns the entry of a piece, if it is finished.
     pub fn get(&self, number: usize) -> Option<&T> {
         self.entries.get(&number)
     }
 
-    /// Returns the number of pieces of other jobs that were discarded.
+    /// Returns the number of pieces that were discarded because they belong to other jobs.
     pub fn others(&self) -> usize {
         self.others
     }
 
-    /// Appends a piece; once this returns, it survives the process.
+    /// Appends an entry. Once this returns, the entry survives the end of the process.
     pub fn add(&mut self, entry: T) -> Result<(), Failure> {
         let line = Line { key: self.key.clone(), entry };
         let mut bytes = serde_json::to_vec(&line).map_err(|error| BakeError::Internal(error.to_string()))?;
@@ -100,8 +100,8 @@ impl<T: Entry> Journal<T> {
         Ok(())
     }
 
-    /// Removes the journal if it contains only pieces in `written`, those of the finished result. A run for a few
-    /// pieces must not discard the progress of a full one.
+    /// Removes the journal, unless it contains pieces that are not in `written`, the pieces of the finished result. A
+    /// run for a few pieces must keep the progress of a full run.
     pub fn finish(mut self, written: &[usize]) -> Result<(), Failure> {
         if self.entries.keys().all(|number| written.contains(number)) { self.remove() } else { Ok(()) }
     }
@@ -127,29 +127,29 @@ fn io_error(path: &Path, action: &'static str, source: io::Error) -> BakeError {
     BakeError::Io { path: path.to_owned(), action, source }
 }
 
-/// Hash of everything that a job depends on; always includes the tool.
+/// Hash of everything that a job depends on, the tool included.
 pub struct Key(Sha256);
 
 impl Key {
-    /// Creates a key that differs between versions and builds of the tool.
+    /// Creates a key that depends on the version and build of the tool.
     pub fn of_build() -> Self {
         Self::of_version().with(build())
     }
 
-    /// Creates a key like [`Self::of_build`], but independent of where the tool is installed: its program is hashed,
-    /// which takes a moment.
+    /// Creates a key that depends on the version and build of the tool, but not on where it is installed. Hashes the
+    /// program file, which takes a moment.
     pub fn of_program() -> Self {
         let program = std::env::current_exe().and_then(|program| digest(&program, u64::MAX));
         Self::of_version().with(program.unwrap_or_default())
     }
 
-    /// Creates a key that differs only between versions of the tool: for results combined from machines with their own
-    /// builds.
+    /// Creates a key that depends only on the version of the tool. It is for results from several machines with their
+    /// own builds.
     pub fn of_version() -> Self {
         Self(Sha256::new()).with(env!("CARGO_PKG_VERSION"))
     }
 
-    /// Adds a part to the hash.
+    /// Adds `part` to the hash.
     pub fn with(mut self, part: impl AsRef<[u8]>) -> Self {
         let part = part.as_ref();
         self.0.update((part.len() as u64).to_le_bytes());
@@ -157,13 +157,14 @@ impl Key {
         self
     }
 
-    /// Returns the hash, hexadecimal.
+    /// Returns the hash in hexadecimal.
     pub fn finish(self) -> String {
         hex(&self.0.finalize())
     }
 }
 
-/// Returns a string that distinguishes builds of a version, for developers; empty if the system does not report it.
+/// Returns a string that differs between builds of the same version, for developers. Empty if the system does not
+/// report the program file.
 fn build() -> String {
     let file = std::env::current_exe().and_then(std::fs::metadata);
     file.map_or_else(|_| String::new(), |file| format!("{} {:?}", file.len(), file.modified().ok()))

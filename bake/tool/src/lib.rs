@@ -1,7 +1,7 @@
-//! The command line: subcommands, one file each, with shared exit codes and output.
+//! Command line of pelage: one file per subcommand, with shared exit codes and output.
 //!
-//! It is a library so that the laboratory (`bake/lab`) can add `chart` to the same command line; its items are not a
-//! public API.
+//! It is a library so that the laboratory (`bake/lab`) can add `chart` to the command line. The items are not a public
+//! API.
 
 mod anatomy;
 mod backdrop;
@@ -95,33 +95,33 @@ struct Cli<C: Commands> {
     command: C,
 }
 
-/// Subcommands of a binary.
+/// Set of subcommands of a binary.
 pub trait Commands: Subcommand {
     /// Runs a subcommand.
     ///
     /// # Errors
     ///
-    /// The failure that determines the exit code.
+    /// Failure that determines the exit code.
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure>;
 
-    /// Returns the inputs, options and outputs of a subcommand whose outputs depend on nothing else.
+    /// Returns the description for the cache; `None` for a subcommand that is not cached.
     fn job(&self) -> Option<job::Job>;
 }
 
-/// Command line around a subcommand.
+/// Context that a subcommand runs in.
 pub struct Invocation<'a> {
-    /// Cache folder.
+    /// Cache folder, from `--cache`.
     #[doc(hidden)]
     pub cache: Option<&'a Path>,
-    /// Returns the reason that a command line is refused, if it is.
+    /// Returns the error message if a command line is rejected.
     #[doc(hidden)]
     pub refusal: fn(&[String]) -> Option<String>,
-    /// Returns the definition of all subcommands.
+    /// Returns the clap definition of all subcommands.
     #[doc(hidden)]
     pub definition: fn() -> clap::Command,
 }
 
-/// Options of every subcommand.
+/// Options that every subcommand has.
 #[derive(Clone, Debug, Default, Args)]
 struct Global {
     /// Print only errors, and the object of --json
@@ -223,14 +223,15 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
     exit.into()
 }
 
-/// Restarts the process with `XDG_RUNTIME_DIR` set, if it is not. Mesa looks for a Wayland display there whenever it
-/// opens an adapter, and on servers it complains on stderr if the variable is missing. If the restart fails, Mesa
-/// complains.
+/// Sets `XDG_RUNTIME_DIR` and restarts the process if the variable is missing. Mesa looks there for a Wayland display
+/// whenever it opens an adapter, and prints a complaint to stderr if the variable is missing. If the restart fails, the
+/// process continues.
 #[cfg(target_os = "linux")]
 fn restart_with_xdg_runtime_dir() {
     use std::os::unix::process::CommandExt as _;
     const NAME: &str = "XDG_RUNTIME_DIR";
-    // A folder without displays. It is absolute, as Mesa requires, so that this happens only once.
+    // The folder contains no displays. Mesa requires an absolute path. Once the variable is set, the process does not
+    // restart again.
     const NOWHERE: &str = "/nonexistent";
     if std::env::var_os(NAME).is_some_and(|folder| Path::new(&folder).is_absolute()) {
         return;
@@ -244,7 +245,7 @@ fn restart_with_xdg_runtime_dir() {
     let _ = command.args(arguments).env(NAME, NOWHERE).exec();
 }
 
-/// Returns clap's message in one line: the error and what was expected, without advice.
+/// Returns clap's message in one line: the error and the expected value, without advice.
 fn one_line_message(error: &clap::Error) -> String {
     let message = error.to_string();
     let lines = message.lines().take_while(|line| !line.trim().is_empty());
@@ -253,7 +254,7 @@ fn one_line_message(error: &clap::Error) -> String {
     hint(error).map_or_else(|| line.to_owned(), |hint| format!("{line}; {hint}"))
 }
 
-/// Returns a hint for a subcommand that this build lacks.
+/// Returns a hint if the subcommand exists only in another build.
 fn hint(error: &clap::Error) -> Option<&'static str> {
     match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(name)) => match name.as_str() {
@@ -265,18 +266,18 @@ fn hint(error: &clap::Error) -> Option<&'static str> {
     }
 }
 
-/// Returns the reason that a command line is refused, if it is.
+/// Returns the error message if a command line is rejected.
 fn refusal<C: Commands>(words: &[String]) -> Option<String> {
     let error = Cli::<C>::try_parse_from(words).err()?;
     error.use_stderr().then(|| one_line_message(&error))
 }
 
-/// Runs `body`; a panic in it becomes an internal error, which the hook has already reported.
+/// Runs `body`, and converts a panic to an internal error, which the panic hook has already reported.
 fn catch(body: impl FnOnce() -> Result<Exit, Failure>) -> Result<Exit, Failure> {
     panic::catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Failure::Panicked))
 }
 
-/// Reports a failure and returns the exit code.
+/// Reports a failure, if any, and returns the exit code.
 fn finish(result: Result<Exit, Failure>, output: &mut Output) -> Exit {
     match result {
         Ok(exit) => exit,
@@ -288,7 +289,7 @@ fn finish(result: Result<Exit, Failure>, output: &mut Output) -> Exit {
     }
 }
 
-/// Prints help, version or clap's error. clap's exit code for an error is 2, ours is 1.
+/// Prints help, version or clap's error. For an error the exit code is 1, although clap uses 2.
 fn usage(error: &clap::Error) -> Exit {
     if !error.use_stderr() {
         return match error.print() {
@@ -310,10 +311,9 @@ fn usage(error: &clap::Error) -> Exit {
     Exit::Usage
 }
 
-/// Installs a handler for INT, TERM and HUP that removes temporary files and exits with the code of a process killed by
-/// INT, 128 plus its number.
+/// Installs a handler for INT, TERM and HUP. It removes temporary files and exits with 128 plus the number of INT.
 fn install_signal_handler() {
-    // If the system refuses, signals end the process as they do without a handler.
+    // If the system rejects the handler, signals end the process by default.
     let _ = ctrlc::set_handler(|| {
         let _nothing_is_finished_any_more = temp_files::remove_all();
         std::process::exit(130);

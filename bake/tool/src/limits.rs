@@ -1,4 +1,4 @@
-//! `pelage bake` with limits: runs the search of `pelage_truth::decide` on pictures drawn by this machine's adapter.
+//! `pelage bake` with limits: runs the search of `pelage_truth::decide` on pictures that this machine's adapter draws.
 
 use super::exit::Failure;
 use super::machine::measured_on;
@@ -14,8 +14,8 @@ use pelage_truth::likeness::Likeness;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Bytes reserved for the evidence in a package; added to every measured size, so that a package with evidence keeps
-/// its limit.
+/// Bytes reserved in a package for the evidence of the choice. They are added to every measured size, so that the limit
+/// also holds with the evidence.
 const EVIDENCE_BYTES: u64 = 16 << 10;
 
 /// Figures of a trial.
@@ -24,32 +24,32 @@ const EVIDENCE_BYTES: u64 = 16 << 10;
 pub struct TrialFigures {
     /// Mean FLIP against the reference pictures, 0 to 1.
     pub flip: f64,
-    /// Mean absolute difference of coverage within one fur height of the reference outline, 0 to 1.
+    /// Mean absolute difference of coverage, within one fur height of the outline in the reference pictures, 0 to 1.
     pub outline: f64,
-    /// Ratio of local contrast to the contrast of the reference pictures, above 0.
+    /// Local contrast divided by that of the reference pictures, above 0.
     pub contrast: f64,
     /// Lower and upper quartile of the frame time, milliseconds; equal if the frame was timed once.
     pub frame_ms_quartiles: [f64; 2],
 }
 
-/// Chosen setting, and the reasons.
+/// Chosen setting and its explanation.
 pub struct ChosenSetting {
     /// The recipe with the chosen setting.
     pub recipe: Recipe,
-    /// Evidence for the manifest.
+    /// Evidence of the choice, for the manifest.
     pub choice: Choice,
-    /// Figures of the trials that the package does not store, in their order, for scripts.
+    /// Figures of each trial that the package does not store, in the order of the trials.
     pub judged: Vec<TrialFigures>,
     /// Explanation for people.
     pub text: String,
 }
 
-/// Chooses the setting that meets `limits`. If the size limit excludes all settings with single strands, those without
-/// are searched.
+/// Chooses the setting that meets `limits`. If the size limit excludes all settings with individual strands, searches
+/// those without.
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`], exit code 3, if no setting meets them; the message names the nearest.
+/// [`BakeError::Input`], exit code 3, if no setting meets the limits; the message names the nearest.
 pub fn choose(
     file: &str,
     source: Source<'_>,
@@ -61,10 +61,11 @@ pub fn choose(
     limits.validate()?;
     recipe.validate()?;
     let gpu = Gpu::open()?;
-    // Drawn as applications draw by default: more layers than the fur has pixels only cost bytes.
+    // The pictures use automatic detail, the default of applications. Layers beyond the fur's height in pixels then
+    // only increase the size.
     let judge = ShellJudge::new(source, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
     let adapter = measured_on(&gpu.info.name);
-    // The reference pictures are the same with and without single strands.
+    // The reference pictures do not depend on individual strands, so the same judge is used for both searches.
     let of = |recipe: &Recipe, output: &mut Output| search(&judge, &adapter, recipe, limits, exhaustive, output);
     let found = of(recipe, output)?;
     if found.decision.meets || found.decision.binding != Some(Figure::Bytes) || !recipe.strands.enabled {
@@ -81,9 +82,9 @@ struct SearchResult {
     decision: Decision,
     /// Comparison of each trial with the reference pictures.
     likenesses: Vec<Likeness>,
-    /// Part of the evidence that does not depend on the trials.
+    /// Evidence for the manifest, without the trials.
     evidence: Choice,
-    /// Number of all settings.
+    /// Number of settings in the search space.
     settings: usize,
 }
 
@@ -110,19 +111,19 @@ fn search(
         views: judge.view_words(),
         ..Choice::default()
     };
-    // Trials are in the order of their measurement.
+    // Comparisons are in the order of the trials.
     let likenesses = counted.likenesses;
     Ok(SearchResult { recipe: recipe.clone(), decision, likenesses, evidence, settings: space.settings().len() })
 }
 
 impl SearchResult {
-    /// Converts the result for the bake; `left_out`: single strands were disabled to meet the limits.
+    /// Converts the result for the bake. `left_out`: individual strands were disabled to meet the limits.
     fn chosen(self, file: &str, limits: &Limits, left_out: bool) -> Result<ChosenSetting, Failure> {
         let Self { recipe, decision, likenesses, evidence, settings } = self;
         let mut text = describe(&decision, &likenesses, limits, &evidence.adapter, settings);
         if left_out {
             text.push_str(
-                "\nwithout single strands (--set strands.enabled=false): with them --max-bytes cannot be met",
+                "\nsingle strands were left out (--set strands.enabled=false): with them --max-bytes cannot be met",
             );
         }
         if !decision.meets {
@@ -137,12 +138,12 @@ impl SearchResult {
     }
 }
 
-/// Judge with a progress display.
+/// Judge that counts trials and shows the progress.
 struct CountingJudge<'a, 'o> {
     judge: &'a ShellJudge<'a>,
     recipe: &'a Recipe,
     output: &'o mut Output,
-    /// Comparisons, in the order of measurement.
+    /// Comparison of each trial, in the order of measurement.
     likenesses: Vec<Likeness>,
 }
 
@@ -164,14 +165,14 @@ impl Judge for CountingJudge<'_, '_> {
     }
 }
 
-/// Returns the figures of a trial that the package does not keep.
+/// Returns the figures of a trial that the package does not store.
 fn judged((trial, likeness): (&Trial, &Likeness)) -> TrialFigures {
     let FrameTime { low, high, .. } = trial.measured.frame;
     let Likeness { flip, outline, contrast, .. } = *likeness;
     TrialFigures { flip, outline, contrast, frame_ms_quartiles: [low, high] }
 }
 
-/// Returns the limits as given.
+/// Returns the limits as written on the command line.
 fn asked(limits: &Limits) -> String {
     let words = Figure::ALL.iter().filter_map(|f| Some(format!("{} {}", f.option(), limits.of(*f)?)));
     words.collect::<Vec<_>>().join(" ")
@@ -209,7 +210,7 @@ fn describe(decision: &Decision, likenesses: &[Likeness], limits: &Limits, adapt
         }
     }
     line(format_args!(
-        "measured {} of {settings} settings on {}; asked: {}",
+        "measured {} of {settings} settings on {}; limits: {}",
         decision.trials.len(),
         adapter,
         asked(limits)

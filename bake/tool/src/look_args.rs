@@ -1,4 +1,4 @@
-//! Look options of the command line: `--look`, and a flag for each knob that has a short form.
+//! Look options of the command line: `--look`, and a flag for each look key that has a short form.
 
 use super::exit::Failure;
 use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
@@ -9,17 +9,17 @@ use pelage_params::Control;
 use pelage_stage::{Look, ParamError, SAMPLES, SHORT_FORMS, ShortForm};
 use std::path::Path;
 
-/// Look options.
+/// Look options of the command line.
 #[derive(Clone, Debug, Default)]
 pub struct LookArgs {
     /// Values of `--look`, in order.
     looks: Vec<String>,
-    /// Flags and their values.
+    /// Short forms that were given, with their values.
     flags: Vec<(&'static ShortForm, String)>,
 }
 
 impl LookArgs {
-    /// Applies the options to `look`: looks in their order, then flags.
+    /// Applies the options to `look`: first the values of `--look` in order, then the flags.
     ///
     /// # Errors
     ///
@@ -38,22 +38,22 @@ impl LookArgs {
         Ok(())
     }
 
-    /// Returns the look of the options alone, without files: the keys set by flags and `key=value`.
+    /// Returns the look that results from flags and `key=value` alone, without look files.
     pub fn typed(&self) -> Look {
         let mut look = Look::default();
-        // All values were validated when parsed.
+        // Parsing has already validated all values.
         self.looks.iter().filter(|word| is_assignment(word)).for_each(|word| drop(look.set(word)));
         self.flags.iter().for_each(|(short, word)| drop(short.apply(&mut look, word)));
         look
     }
 
-    /// Returns true if a flag was given.
+    /// Returns true if the flag named `flag` was given.
     pub fn has(&self, flag: &str) -> bool {
         self.flags.iter().any(|(short, _)| short.flag == flag)
     }
 }
 
-/// `--samples` of the commands that draw with an adapter; `reference` has its own, with a larger range.
+/// Option `--samples` of the commands that draw with an adapter. `reference` has its own, with a larger range.
 #[derive(Clone, Debug, Args)]
 pub struct SamplesArgs {
     #[arg(
@@ -78,27 +78,27 @@ impl SamplesArgs {
     }
 }
 
-/// Reads a look file over `look`.
+/// Reads a look file and applies it to `look`.
 fn read(path: &Path, look: &mut Look) -> Result<(), Failure> {
     let text = read_text(path, LOOK)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     look.read_in(folder, &text).map_err(|error| input(&path.display().to_string(), error).into())
 }
 
-/// Description of a look file for messages.
+/// Description of a look file, for messages.
 pub const LOOK: &str = "a look in TOML";
 
 fn input(file: &str, error: ParamError) -> BakeError {
     BakeError::Input { file: file.to_owned(), place: error.location(), reason: error.reason }
 }
 
-/// Returns true for `key=value`, false for a file name.
+/// Returns true for an assignment `key=value`, false for a file name.
 fn is_assignment(word: &str) -> bool {
     let key = word.split_once('=').map(|(key, _)| key.trim());
     key.is_some_and(|key| key.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '_'))
 }
 
-/// Heading of the flags that exist only in the laboratory's build.
+/// Help heading of the flags that only the laboratory's build has.
 pub const LABORATORY: &str = "Laboratory";
 
 /// Creates the argument of a short form, with meaning, range and default of its knob.
@@ -110,7 +110,7 @@ fn argument(short: &'static ShortForm) -> Arg {
         .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
     let arg = match short.key.split_once('.') {
         Some(("ink", _)) => arg.help_heading("Ink style"),
-        // A build without printed forms accepts their flags in order to say which build has them.
+        // A build without the published forms accepts their flags, so that it can report which build has them.
         Some(("study", _)) => arg.help_heading(LABORATORY).hide(short.knob().is_none()),
         _ => arg,
     };
@@ -118,7 +118,7 @@ fn argument(short: &'static ShortForm) -> Arg {
     arg.help(help(short)).value_parser(parser(short))
 }
 
-/// Returns the meaning of a short form's knob, and the details that clap does not show.
+/// Returns the help text of a short form: the meaning of its knob, and details that clap does not show.
 pub fn help(short: &ShortForm) -> String {
     let Some(knob) = short.knob() else { return String::new() };
     let mut help = knob.doc.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -132,7 +132,7 @@ pub fn help(short: &ShortForm) -> String {
     });
     let range = match control {
         Control::Number { least, most, whole: true, .. } => Some(format!("{least}..={most}")),
-        // The knob holds an f32; further digits are noise.
+        // The knob holds an f32, so further digits are meaningless.
         Control::Number { least, most, .. } => Some(format!("{}..={}", least as f32, most as f32)),
         _ => None,
     };
@@ -165,7 +165,7 @@ pub fn parser(short: &'static ShortForm) -> ValueParser {
     }
 }
 
-/// Validates a value of `--look`: a look file, or an assignment, which is checked.
+/// Validates a value of `--look`: an assignment is parsed, a file name is accepted.
 fn validate_look_value(word: &str) -> Result<String, String> {
     if is_assignment(word) {
         Look::default().set(word).map_err(|error| error.to_string())?;

@@ -1,11 +1,11 @@
-//! Description of the hardware that a measurement was made on.
+//! Describes the hardware of a measurement.
 
-/// Returns a description for measurements without a graphics adapter.
+/// Returns the description for a measurement that uses no graphics adapter.
 pub fn processor() -> String {
     measured_on(&format!("CPU, {} threads", rayon::current_num_threads()))
 }
 
-/// Returns a description of the hardware; marks debug builds, whose times are not representative.
+/// Returns the hardware description `what`, with a mark in debug builds, whose times are not representative.
 pub fn measured_on(what: &str) -> String {
     let build = if cfg!(debug_assertions) { ", debug build" } else { "" };
     format!("{what}{build}")

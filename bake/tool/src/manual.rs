@@ -1,4 +1,4 @@
-//! `pelage manual`, hidden: writes the files that packages of the tool install beside the binary.
+//! `pelage manual` (hidden): writes man pages and shell completions, which packages of the tool install.
 
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
@@ -17,14 +17,14 @@ pub struct ManualArgs {
     folder: PathBuf,
 }
 
-/// Completion paths of each shell, below `share`.
+/// Path of each shell's completion file, below `share`.
 const COMPLETIONS: [(Shell, &str); 3] = [
     (Shell::Bash, "bash-completion/completions/pelage"),
     (Shell::Zsh, "zsh/site-functions/_pelage"),
     (Shell::Fish, "fish/vendor_completions.d/pelage.fish"),
 ];
 
-/// Runs the subcommand for the command line `command`.
+/// Runs the subcommand; `command` is the clap definition to document.
 pub fn run(args: &ManualArgs, mut command: clap::Command, output: &mut Output) -> Result<Exit, Failure> {
     let pages = args.folder.join("man/man1");
     make_folder(&pages)?;

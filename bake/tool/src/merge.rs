@@ -1,4 +1,4 @@
-//! `pelage merge`: combines the parts of a picture that several machines have traced.
+//! `pelage merge`: combines the parts of a picture that were traced on several machines.
 
 use super::exit::{Exit, Failure};
 use super::job::Job;
@@ -31,16 +31,16 @@ pub struct MergeResult {
     height: u32,
     spp: u32,
     parts: usize,
-    /// Rays from the eye, all parts.
+    /// Number of camera rays, over all parts.
     primary_rays: u64,
-    /// Rays to the lights, all parts.
+    /// Number of shadow rays, over all parts.
     shadow_rays: u64,
-    /// Pixels with any opacity.
+    /// Number of pixels with nonzero opacity.
     covered_pixels: usize,
 }
 
 impl MergeArgs {
-    /// Returns the dependencies and outputs of the merge for the cache.
+    /// Returns the description of the merge for the cache.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), ..self.clone() };
         Some(Job::new("merge", &args, &[&self.output]))

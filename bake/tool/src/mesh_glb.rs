@@ -1,8 +1,8 @@
-//! Conversion of a package's mesh to a binary glTF file for other tools, and back, bit for bit.
+//! Converts a package's mesh to a binary glTF file for other tools, and back without loss.
 //!
-//! Each part of the manifest is a primitive; all share one set of vertex accessors. Data without a glTF equivalent are
-//! application-specific attributes, which glTF 2.0 (section 3.7.2.1) marks with an underscore: `_FUR_HEIGHT`, `_LEAN`,
-//! `_TILE_UV` and `_GROOM`.
+//! Each part of the manifest is a primitive; all primitives share one set of vertex accessors. Data without a glTF
+//! equivalent are application-specific attributes, which begin with an underscore (glTF 2.0, section 3.7.2.1):
+//! `_FUR_HEIGHT`, `_LEAN`, `_TILE_UV` and `_GROOM`.
 
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::{AttributeVertex, GeometryVertex, Manifest, MeshData, SkinVertex};
@@ -10,12 +10,12 @@ use pelage_glb::{Buffer, Component, ViewTarget, bounds, container};
 use pelage_import::BakeError;
 use serde_json::{Value, json};
 
-/// Adds a vertex attribute; returns its accessor.
+/// Adds a vertex attribute; returns the index of its accessor.
 fn attribute<T: Pod>(buffer: &mut Buffer, values: &[T], component: Component, kind: &str, more: Value) -> usize {
     buffer.push(bytemuck::cast_slice(values), Some(ViewTarget::Vertices), component, kind, values.len(), more)
 }
 
-/// Writes `mesh` as .glb. Returns `None` for a mesh that glTF cannot hold: without vertices or triangles, or of more
+/// Writes `mesh` as .glb. Returns `None` for a mesh that glTF cannot hold: one without vertices or triangles, or larger
 /// than 4 GiB.
 pub fn write(mesh: &MeshData, manifest: &Manifest) -> Option<Vec<u8>> {
     if mesh.geometry.is_empty() || mesh.indices.is_empty() {
@@ -90,8 +90,8 @@ pub fn write(mesh: &MeshData, manifest: &Manifest) -> Option<Vec<u8>> {
     container(&document, &bin.bytes).ok()
 }
 
-/// Reads the output of [`fn@write`], possibly edited: the primitives of the first mesh in order. Primitives that do not
-/// share accessors get their own vertices.
+/// Reads the output of [`fn@write`], which may have been edited. Uses the primitives of the first mesh, in order.
+/// Primitives that do not share accessors get their own vertices.
 pub fn read(file: &str, bytes: &[u8]) -> Result<MeshData, BakeError> {
     let (document, bin) = parse_container(file, bytes)?;
     let glb = Glb { file, document: &document, bin };
@@ -174,7 +174,7 @@ impl Glb<'_> {
         if self.document.pointer(pointer).is_some() { self.number(pointer) } else { Ok(default) }
     }
 
-    /// Returns the elements of the accessor whose index is at `pointer`.
+    /// Returns the elements of an accessor; the JSON pointer `pointer` locates its index.
     fn accessor<T: Pod + Zeroable>(
         &self,
         pointer: &str,
@@ -186,7 +186,10 @@ impl Glb<'_> {
             (self.number(&format!("{at}/componentType"))? as u64, self.document.pointer(&format!("{at}/type")));
         if found != component as u64 || found_kind.and_then(Value::as_str) != Some(kind) {
             let found_kind = found_kind.cloned().unwrap_or_default();
-            let reason = format!("component type {found}, {found_kind}: expected {}, \"{kind}\"", component as u64);
+            let reason = format!(
+                "found component type {found} and type {found_kind}, expected {} and \"{kind}\"",
+                component as u64
+            );
             return Err(self.fail(&at, reason));
         }
         if self.document.pointer(&format!("{at}/sparse")).is_some() {
@@ -198,7 +201,10 @@ impl Glb<'_> {
         let data = start.checked_add(length).and_then(|end| self.bin.get(start..end)).ok_or_else(|| {
             self.fail(
                 &view,
-                format!("{length} bytes from {start}, expected them within the chunk of {}", self.bin.len()),
+                format!(
+                    "found {length} bytes from offset {start}, expected them within the binary chunk of {} bytes",
+                    self.bin.len()
+                ),
             )
         })?;
         let stride = self.number_or(&format!("{view}/byteStride"), size_of::<T>())?;
@@ -208,7 +214,7 @@ impl Glb<'_> {
             let from = i.checked_mul(stride)?.checked_add(offset)?;
             data.get(from..from.checked_add(size_of::<T>())?).map(bytemuck::pod_read_unaligned)
         };
-        // With a stride of zero, a short view could claim any count.
+        // The element size is checked because a stride of zero would allow any count.
         if stride < size_of::<T>() || (count > 0 && element(count - 1).is_none_or(|_: T| false)) {
             return Err(self.fail(&at, format!("{count} elements reach past the {length} bytes of {view}")));
         }
@@ -250,7 +256,7 @@ impl Glb<'_> {
         Ok(())
     }
 
-    /// Returns [`Self::accessor`] of exactly `count` elements.
+    /// Returns [`Self::accessor`], and requires exactly `count` elements.
     fn sized<T: Pod>(
         &self,
         pointer: &str,

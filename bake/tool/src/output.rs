@@ -1,4 +1,4 @@
-//! Results on stdout, progress and notes on stderr.
+//! Writes results to stdout, progress and notes to stderr.
 
 use super::exit::{Exit, Failure};
 use super::progress::{ProgressPrinter, Work};
@@ -17,13 +17,13 @@ use std::time::{Duration, Instant};
 pub struct Output {
     quiet: bool,
     json: bool,
-    /// Whether a complete result was written; a later failure must not add a second JSON object.
+    /// Whether a complete result was written. A later failure must not print a second JSON object.
     done: bool,
     /// Current work.
     work: Arc<Mutex<Work>>,
-    /// Step counter of the stages.
+    /// Step counter that stages increment.
     steps: Arc<StageProgress>,
-    /// Progress display.
+    /// Progress display, while shown.
     shown: Option<ProgressDisplay>,
     /// Result and notes since [`Self::start_recording`].
     said: Mutex<Option<RecordedOutput>>,
@@ -40,13 +40,13 @@ pub struct RecordedOutput {
 
 #[derive(Debug)]
 enum ProgressDisplay {
-    /// Progress bar on a terminal, with its template.
+    /// Progress bar for a terminal, and its template.
     Bar(ProgressBar, &'static str),
-    /// Lines, if stderr is not a terminal.
+    /// Progress lines, for stderr that is not a terminal.
     Lines(#[expect(dead_code, reason = "reports progress until it is dropped")] ProgressPrinter),
 }
 
-/// Progress templates: without a count or with a count of its own, and for steps counted by the command.
+/// Progress templates: `DOING` for work that the command does not count, `STEPS` with a bar for work that it counts.
 const DOING: &str = "{spinner} {msg} {elapsed}{left}";
 const STEPS: &str = "{bar:30} {msg} {elapsed}{left}";
 
@@ -63,7 +63,7 @@ impl Output {
         self.json
     }
 
-    /// Prints the result: `result` as JSON with `--json`, otherwise `text` unless quiet.
+    /// Prints the result: the JSON of `result` with `--json`, otherwise `text` unless quiet.
     pub fn result(&mut self, text: &str, result: &impl Serialize) -> Result<(), Failure> {
         self.end_progress();
         let json = serde_json::to_value(result).map_err(|error| BakeError::Internal(error.to_string()))?;
@@ -72,7 +72,7 @@ impl Output {
             (false, true) => String::new(),
             (false, false) => text.to_owned(),
         };
-        // Empty text has no line end.
+        // Empty text is printed without a line end.
         if !bytes.is_empty() && !bytes.ends_with('\n') {
             bytes.push('\n');
         }
@@ -84,7 +84,7 @@ impl Output {
         stdout.write_all(bytes.as_bytes()).and_then(|()| stdout.flush()).map_err(Failure::Stdout)
     }
 
-    /// Prints a note on stderr, unless quiet.
+    /// Prints a note to stderr, unless quiet.
     pub fn note(&self, text: &str) {
         if let Some(said) = &mut *self.lock_recording() {
             said.notes.push(text.to_owned());
@@ -112,19 +112,19 @@ impl Output {
         self.said.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the step counter of the stages, from which [`Self::progress`] shows the progress.
+    /// Returns the step counter that stages increment; [`Self::progress`] displays it.
     pub fn steps(&self) -> Arc<StageProgress> {
         self.steps.clone()
     }
 
-    /// Shows the current work: continuously on a terminal, otherwise as occasional lines.
+    /// Shows `doing` as the current work, continuously on a terminal, otherwise as occasional lines.
     pub fn progress(&mut self, doing: &str) {
         self.work().begin(doing);
         self.show(doing, DOING, None);
     }
 
-    /// Shows the progress like [`Self::progress`]: `done` of `total` steps, and the estimated time for the rest, based
-    /// on the steps since the first call.
+    /// Shows progress like [`Self::progress`], with `done` of `total` steps and the estimated remaining time. The
+    /// estimate is based on the steps since the first call.
     pub fn progress_of(&mut self, done: usize, total: usize, doing: &str) {
         let (done, total) = (done as u64, total as u64);
         self.work().count(done, total, doing);
@@ -155,12 +155,12 @@ impl Output {
         }
         if *shown != template {
             *shown = template;
-            // The templates are constants; if indicatif refuses one, its default is used.
+            // The templates are constants. If indicatif rejects one, its default is used.
             let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_spinner());
             let work = work.clone();
             let left = move |_: &ProgressState, out: &mut dyn fmt::Write| {
                 let left = work.lock().unwrap_or_else(PoisonError::into_inner).left(Instant::now());
-                // The display's own buffer accepts all writes.
+                // Writing into the display's own buffer cannot fail.
                 let _ = out.write_str(&left);
             };
             bar.set_style(style.with_key("left", left));
@@ -168,14 +168,14 @@ impl Output {
         bar.set_message(doing.to_owned());
     }
 
-    /// Ends the progress display, as [`Self::result`] does; clears it from a terminal.
+    /// Ends the progress display, and clears it from a terminal. [`Self::result`] does this too.
     pub fn end_progress(&mut self) {
         if let Some(ProgressDisplay::Bar(bar, _)) = self.shown.take() {
             bar.finish_and_clear();
         }
     }
 
-    /// Reports a failure on stderr, and with `--json` as the single object on stdout.
+    /// Reports a failure on stderr, and with `--json` as the only object on stdout.
     pub fn failure(&mut self, exit: Exit, failure: &Failure) {
         self.end_progress();
         if exit == Exit::Done {
@@ -192,19 +192,19 @@ impl Output {
     /// Prints an [`ErrorResult`].
     pub fn error_object(&mut self, exit: Exit, message: &str) {
         let error = ErrorObject { exit_code: exit as u8, message: message.to_owned() };
-        // A failure is already being reported; a failing stdout changes nothing.
+        // A failure is already being reported, so an error of stdout is ignored.
         let _ = self.result("", &ErrorResult { error });
     }
 }
 
-/// Failure of a command: with `--json` this is printed to stdout, beside the message on stderr.
+/// Failure of a command. With `--json` it is printed to stdout, in addition to the message on stderr.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorResult {
     error: ErrorObject,
 }
 
-/// Reason of a failure.
+/// Exit code and message of a failure.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ErrorObject {
@@ -218,7 +218,7 @@ pub fn to_stderr(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Fails early if the parent folder of `file` does not exist.
+/// Fails early if the folder of `file` does not exist.
 pub fn require_parent(file: &Path) -> Result<(), Failure> {
     let parent = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if parent.is_dir() {
@@ -233,13 +233,13 @@ pub fn require_parent(file: &Path) -> Result<(), Failure> {
     Err(BakeError::Io { path: parent.to_owned(), action: "write into", source }.into())
 }
 
-/// Creates a folder for results and its parents, if missing.
+/// Creates a folder for results, with missing parents.
 pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     let fail = |source| BakeError::Io { path: folder.to_owned(), action: "create", source };
     std::fs::create_dir_all(folder).map_err(|source| fail(source).into())
 }
 
-/// Formats a number of bytes for people: `1.5 MiB`.
+/// Formats a number of bytes with a unit, such as `1.5 MiB`.
 pub fn human_bytes(bytes: u64) -> String {
     let mut value = bytes as f64;
     for unit in ["B", "KiB", "MiB"] {

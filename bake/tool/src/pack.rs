@@ -63,7 +63,7 @@ pub fn run(args: &PackArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Prints notes that may surprise an editor of the folder: unused files, an unreadable recipe.
+/// Prints notes about edits without effect: unused files, and an unreadable recipe.
 fn report_leftovers(args: &PackArgs, bytes: &[u8], output: &Output) {
     let document: Value = std::fs::read(args.folder.join(unpacked::MANIFEST))
         .ok()

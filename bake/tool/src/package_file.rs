@@ -1,4 +1,4 @@
-//! Reading packages from disk.
+//! Reads packages from disk.
 
 use super::exit::Failure;
 use pelage_bake::io::read_file;
@@ -8,12 +8,12 @@ use pelage_stage::PackageSource;
 use std::path::Path;
 use std::path::PathBuf;
 
-/// Reads a file that should be a package, without opening it.
+/// Reads the bytes of a package file; does not validate them.
 pub fn read(path: &Path) -> Result<NamedPackage<'static>, Failure> {
     Ok(NamedPackage::new(path.display().to_string(), read_file(path)?))
 }
 
-/// Folder of the packages that scenes name, including subfolders.
+/// Folder of the packages that a scene names; subfolders are included.
 pub struct Folder<'a>(pub &'a Path);
 
 impl PackageSource for Folder<'_> {
@@ -25,7 +25,7 @@ impl PackageSource for Folder<'_> {
 
     fn identity(&self, path: &str) -> PathBuf {
         let path = self.0.join(path);
-        // A missing file is reported where it is read.
+        // If the file is missing, reading it reports the error.
         std::fs::canonicalize(&path).unwrap_or(path)
     }
 }

@@ -12,14 +12,14 @@ use std::path::Path;
 /// File format of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
-    /// Wavefront OBJ, without material colours.
+    /// Wavefront OBJ without material colours.
     Obj,
     /// Binary glTF, with the map as its texture.
     Glb,
 }
 
 impl MeshFormat {
-    /// Returns the format of a file name extension.
+    /// Returns the format for the extension of a file name.
     ///
     /// # Errors
     /// [`Failure::Usage`] for any other extension.
@@ -32,7 +32,7 @@ impl MeshFormat {
     }
 }
 
-/// Returns the file of the mesh at rest, in metres, with the map's texture coordinates.
+/// Returns the contents of the mesh file: the mesh at rest, in metres, with the map's texture coordinates.
 ///
 /// * `materials`: names of the model's materials
 /// * `png`: the map
@@ -46,7 +46,7 @@ pub fn write(format: MeshFormat, map: &GroomMap, materials: &[String], png: &[u8
     }
 }
 
-/// Returns a material name without spaces that is unique.
+/// Returns a unique material name without spaces.
 fn plain_name(materials: &[String], material: usize) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' };
     let name: String = materials.get(material).map_or("", String::as_str).chars().map(plain).collect();
@@ -62,7 +62,7 @@ fn obj(map: &GroomMap, materials: &[String]) -> String {
         let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
     }
     for uv in &mesh.uvs {
-        // Image rows count from the bottom in OBJ.
+        // OBJ texture coordinates begin at the bottom row of the image.
         let _ = writeln!(text, "vt {} {}", uv.x, 1.0 - uv.y);
     }
     for n in &rest.normals {

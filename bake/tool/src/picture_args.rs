@@ -1,4 +1,4 @@
-//! `pelage bake --for-size` and `--for-distance`: chooses layers and tile for known pictures.
+//! `pelage bake --for-size` and `--for-distance`: chooses layers and tile for given pictures.
 
 use super::exit::Failure;
 use super::view::PictureView;
@@ -12,7 +12,7 @@ use pelage_stage::{NamedPackage, Size, Viewpoint};
 use pelage_truth::doctor;
 use pelage_truth::doctor::OnScreen;
 
-/// Options that describe the pictures that a bake is for.
+/// Options that describe the pictures for which a bake chooses layers and tile.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct PictureArgs {
     /// Choose layers and tile for pictures of this size that the model fills: as many layers and texels as the fur has
@@ -26,7 +26,7 @@ pub struct PictureArgs {
     pub for_distance: Option<f64>,
 }
 
-/// Parses a number above 0.
+/// Parses a finite number above 0.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".into())
 }
@@ -37,14 +37,14 @@ impl PictureArgs {
         self.for_size.is_none() && self.for_distance.is_none()
     }
 
-    /// Returns the options as typed; empty without options.
+    /// Returns the options as on the command line; empty without options.
     pub fn words(&self) -> String {
         let size = self.for_size.map(|Size { width, height, .. }| format!("--for-size {width}x{height}"));
         let distance = self.for_distance.map(|distance_m| format!("--for-distance {distance_m}"));
         size.into_iter().chain(distance).collect::<Vec<_>>().join(" ")
     }
 
-    /// Returns the recipe with layers and tile for the pictures, determined by a bake with the coarsest tile.
+    /// Returns a recipe whose layers and tile suit the pictures. Bakes with the coarsest tile to determine them.
     ///
     /// # Errors
     ///
@@ -58,7 +58,8 @@ impl PictureArgs {
         let baked = pipeline::bake(&BakeInput { recipe: &coarse, ..told }, model, &mut |_| ())?;
         let file = NamedPackage::new(told.file, baked.package);
         let package = file.open()?;
-        let shown = self.for_size.map_or_else(PictureView::default, |size| PictureView::sized((size.width, size.height)));
+        let shown =
+            self.for_size.map_or_else(PictureView::default, |size| PictureView::sized((size.width, size.height)));
         let fur = &package.manifest().fur;
         let Viewpoint { eye, target, fov_deg } = shown.viewpoint(&shown.outline(&file, &package)?, fur.height_m);
         let fov_y_rad = fov_deg.to_radians();
@@ -90,10 +91,11 @@ impl PictureArgs {
     }
 }
 
-/// Period below which a repeating tile may be visible, pixels.
+/// Tile width on screen below which its repetition may be visible, pixels.
 const PERIOD_PX: f64 = 96.0;
 
-/// Returns the texels of a tile whose hair is one texel wide: just enough that the tile does not visibly repeat.
+/// Returns the texels along a side of a tile, if one hair is one texel wide and `hair_px` pixels. The tile is just
+/// large enough that its repetition is not visible.
 ///
 /// * `hair_px`: width of a hair, pixels
 fn texels_of_period(hair_px: f64) -> u32 {

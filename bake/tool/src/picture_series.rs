@@ -17,56 +17,56 @@ use pelage_truth::{Lens, TrueCamera};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Minimum simulation rate of moving hair, per second. Equal to its step rate, so that 12, 24, 30 and 60 pictures per
-/// second show the same motion.
+/// Minimum rate at which moving hair is advanced, per second. It equals the step rate of the simulation, so that 12,
+/// 24, 30 and 60 pictures per second show the same motion.
 const MIN_SIMULATION_RATE: u32 = hair_motion::STEPS_PER_S as u32;
 
 /// Measurements of a picture.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Picture {
-    /// Pixels with any opacity.
+    /// Number of pixels with nonzero opacity.
     pub covered_pixels: u64,
     /// Mean luminance of the covered pixels, linear, 0..=1; 0 without covered pixels.
     pub mean_luminance: f64,
-    /// Reports of the passes of its frame; in a sequence only for the first picture.
+    /// Reports of the frame's passes. In a sequence, only the first picture has them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub passes: Vec<PassRun>,
-    /// Fur drawn for each copy; in a sequence only for the first picture.
+    /// Level of detail of the fur of each copy. In a sequence, only the first picture has it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail: Vec<FurDetail>,
 }
 
-/// Report of a pass of a frame.
+/// Report of a render pass of a frame.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PassRun {
     name: String,
     ran: bool,
-    /// Reason why it ran or not.
+    /// Reason why the pass ran, or did not run.
     reason: String,
 }
 
-/// Scene, and the times at which pictures of it are taken.
+/// Scene, and the times of the pictures to draw of it.
 pub struct PictureSeries {
-    /// Stage, with its device.
+    /// Stage with the scene, and its device.
     pub scene: Stage,
     /// View of the scene.
     pub view: PictureView,
-    /// Camera, before `auto_rotate`.
+    /// Camera, before the rotation of `auto_rotate`.
     pub shot: CameraTrack,
-    /// Key light, before `turn_light`.
+    /// Key light, before the rotation of `turn_light`.
     pub light: Light,
     /// Whether the light and the environment make one full turn over the sequence.
     pub turn_light: bool,
     /// Whether the camera makes one full turn around the vertical axis through its target over the sequence.
     pub auto_rotate: bool,
-    /// First picture to draw; reported in more detail.
+    /// Index of the first picture to draw, whose passes and detail are reported.
     pub first: usize,
     /// Number of pictures in the whole sequence.
     pub count: usize,
     /// Pictures per second.
     pub fps: u32,
-    /// Last simulated moment of the hair; `None` before the simulation starts.
+    /// Last moment to which the hair was simulated; `None` before the simulation starts.
     pub lived: Option<i64>,
 }
 
@@ -81,7 +81,7 @@ impl PictureSeries {
         self.view.look.background()
     }
 
-    /// Draws picture `index`, from 0.
+    /// Draws the picture `index`, counted from 0.
     pub fn picture(&mut self, index: usize, output: &mut Output) -> Result<(Picture, RgbaImage), Failure> {
         if self.count > 1 {
             output.progress_of(index, self.count, "pictures");
@@ -110,26 +110,26 @@ impl PictureSeries {
         if let Some(camera) = of_frame(&self.scene.params.camera) {
             lay_over_sky(&self.view.look, self.view.sky.as_deref(), &mut pixels, &camera, turn_deg);
         }
-        // Details of all pictures of a long sequence with a large crowd would fill memory and journal, and are not
-        // shown.
+        // Passes and detail of every picture would fill memory and journal in a long sequence with a large crowd, and
+        // are never shown.
         let told =
             if index == self.first { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
         Ok((told, pixels))
     }
 
-    /// Returns the number of simulated moments per picture: at least [`MIN_SIMULATION_RATE`] per second, however few
-    /// pictures there are.
+    /// Returns the number of simulated moments per picture, which gives at least [`MIN_SIMULATION_RATE`] moments per
+    /// second.
     fn moments(&self) -> i64 {
         i64::from(MIN_SIMULATION_RATE.div_ceil(self.fps))
     }
 
-    /// Returns the time of a moment; negative before the first picture.
+    /// Returns the time of a moment, seconds. Moments before the first picture are negative.
     fn time_s(&self, moment: i64) -> f32 {
         self.view.time_s + moment as f32 / (self.moments() as f32 * self.fps as f32)
     }
 
-    /// Advances to picture `index`. Hair is simulated for a second before the first picture, and through all previous
-    /// ones, even if those are already drawn.
+    /// Advances to the picture `index`. Hair is simulated from one second before the first picture, and through all
+    /// earlier pictures even if they are already drawn.
     fn advance_to(&mut self, index: usize) -> Result<(), Failure> {
         let motion = self.view.look.hair_motion().filter(|motion| self.scene.may_move_hair(motion));
         let begins_s = f64::from(self.view.time_s);
@@ -148,7 +148,7 @@ impl PictureSeries {
         Ok(())
     }
 
-    /// Returns a key of everything that a picture depends on, except its number and the subject.
+    /// Returns a key of everything that a picture depends on, except its index and the subject.
     pub fn key(&self) -> Key {
         let key = Key::of_build()
             .with(self.scene.gpu.description())
@@ -161,7 +161,7 @@ impl PictureSeries {
     }
 }
 
-/// Returns the camera of a frame for per-pixel computations; a stage creates only cameras with a lens.
+/// Converts the camera of a frame, for per-pixel computations. Cameras of a stage always have a perspective lens.
 fn of_frame(camera: &Camera) -> Option<TrueCamera> {
     let lens = match camera.projection {
         Projection::Perspective { fov_y_rad, .. } => Lens::Perspective { fov_y_rad },
@@ -185,7 +185,8 @@ pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// Draws the scene in its current state; returns measurements and pixels, sRGB-encoded with straight alpha.
+/// Draws the scene in its current state. Returns measurements and pixels; the latter are sRGB-encoded, with straight
+/// alpha.
 fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
     let frame = scene.draw()?;
     let pixels = stages::pixels(scene)?;
@@ -209,7 +210,7 @@ fn turned(light: Light, angle_rad: f32) -> Light {
     }
 }
 
-/// Returns the mean luminance (Rec. 709) of the pixels with any opacity.
+/// Returns the mean linear luminance (Rec. 709) of the pixels with nonzero opacity.
 fn mean_luminance(pixels: &RgbaImage) -> f64 {
     let covered = || pixels.pixels().filter(|p| p.0[3] > 0);
     let of = |p: &image::Rgba<u8>| {

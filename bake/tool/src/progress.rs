@@ -1,4 +1,4 @@
-//! Progress of the current work and its remaining time; printed as occasional lines without a terminal.
+//! Progress and remaining time of the current work. Without a terminal, they are printed as occasional lines.
 
 use pelage_bake::progress::StageProgress;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Delay before the first line; most commands are done by then.
+/// Delay before the first line. Most commands finish earlier.
 const FIRST_LINE: Duration = Duration::from_secs(5);
 /// Time between two lines.
 const NEXT_LINE: Duration = Duration::from_secs(15);
@@ -19,20 +19,20 @@ pub struct Work {
     doing: String,
     /// Start of the current work.
     begun: Instant,
-    /// Steps already finished at the start (by an earlier run), steps finished now, and total.
+    /// Steps already finished at the start (by an earlier run), finished steps, and total number of steps.
     counted: Option<(u64, u64, u64)>,
     /// Step counter of the stage itself; used if `counted` is `None`.
     steps: Arc<StageProgress>,
 }
 
 impl Work {
-    /// Creates the progress before any work; `steps` is the counter of the stages.
+    /// Creates the state before any work; `steps` is the step counter that stages increment.
     pub fn new(steps: Arc<StageProgress>) -> Self {
         let now = Instant::now();
         Self { since: now, doing: String::new(), begun: now, counted: None, steps }
     }
 
-    /// Begins other work, of unknown length unless it counts steps.
+    /// Begins work described by `doing`. Its length is unknown until steps are counted.
     pub fn begin(&mut self, doing: &str) {
         self.steps.begin(0);
         (self.doing, self.begun, self.counted) = (doing.to_owned(), Instant::now(), None);
@@ -47,7 +47,8 @@ impl Work {
         self.doing = doing.to_owned();
     }
 
-    /// Formats `, 12 of 64, 8 s left`; empty without a count. The time is omitted until one step is finished.
+    /// Formats the remaining work, such as `, 12 of 64, 8 s left`; empty without a step count. The time is omitted
+    /// until a step is finished.
     pub fn left(&self, now: Instant) -> String {
         let counted = self.counted.or_else(|| self.steps.get().map(|(done, total)| (0, done, total)));
         let Some((first, done, total)) = counted else { return String::new() };
@@ -60,28 +61,30 @@ impl Work {
         format!(", {done} of {total}, about {} left", span(rest))
     }
 
-    /// Formats the whole line, with the time since the start of the command: `20 s: slice, 12 of 64, about 8 s left`.
+    /// Formats the progress line, which begins with the time since the start of the command: `20 s: slice, 12 of 64,
+    /// about 8 s left`.
     pub fn line(&self, now: Instant) -> String {
         let spent = now.saturating_duration_since(self.since).as_secs_f64();
         format!("{}: {}{}", span(spent), self.doing, self.left(now))
     }
 }
 
-/// Formats seconds for people: `8 s`, `12 min`.
+/// Formats a duration, such as `8 s` or `12 min`.
 fn span(seconds: f64) -> String {
     if seconds < 120.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
 }
 
-/// Printer of the work's line, after [`FIRST_LINE`] and then every [`NEXT_LINE`], until it is dropped.
+/// Thread that prints the progress line after [`FIRST_LINE`] and then every [`NEXT_LINE`]. It ends when this is
+/// dropped.
 #[derive(Debug)]
 pub struct ProgressPrinter {
-    /// Dropped first, which ends the thread.
+    /// Sender whose drop ends the thread; it is dropped before the thread is joined.
     end: Option<mpsc::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl ProgressPrinter {
-    /// Starts printing the lines of `work` with `write`. If no thread can be started, nothing is printed.
+    /// Starts to print the progress lines of `work` with `write`. If the thread cannot be started, nothing is printed.
     pub fn new(work: Arc<Mutex<Work>>, write: fn(&str)) -> Self {
         let (end, ended) = mpsc::channel();
         let tell = move || {
@@ -100,7 +103,7 @@ impl Drop for ProgressPrinter {
     fn drop(&mut self) {
         drop(self.end.take());
         if let Some(thread) = self.thread.take() {
-            // The thread only waits and writes; if it has panicked, the work continues.
+            // The thread only prints progress, so a panic in it is ignored.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! `pelage reference`: traces the reference picture of a package, strand by strand.
+//! `pelage reference`: traces a reference picture of a package with individual strands.
 
 use super::backdrop::lay_over_sky;
 use super::exit::{Exit, Failure};
@@ -59,26 +59,26 @@ pub struct ReferenceArgs {
     view: ViewArgs,
 }
 
-/// Parses `3/16`, from 1.
+/// Parses a part such as `3/16`; parts are counted from 1.
 fn parse_part(text: &str) -> Result<Part, String> {
     let (number, of) = share(text)
         .filter(|(_, of)| *of <= MOST_PARTS)
-        .ok_or_else(|| format!("expected a part and their number, such as 3/16, at most {MOST_PARTS}"))?;
+        .ok_or_else(|| format!("expected a part and the number of parts, such as 3/16, at most {MOST_PARTS} parts"))?;
     Ok(Part { number: number - 1, of })
 }
 
-/// Largest number of parts; with more, a part of a large picture would be a single square.
+/// Maximum number of parts. With more, a part of a large picture would be a single square of pixels.
 const MOST_PARTS: u32 = 10_000;
 
 impl ReferenceArgs {
-    /// Returns the dependencies and outputs of the trace for the cache.
+    /// Returns the description of the trace for the cache.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), threads: None, ..self.clone() };
         Some(Job::new("reference", &args, &[&self.output]))
     }
 }
 
-/// Lighting of hair in a reference picture.
+/// Model of hair lighting in a reference picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum FibreLighting {
     /// Lit as the package says
@@ -87,7 +87,7 @@ enum FibreLighting {
     Exact,
 }
 
-/// Traced picture and its cost.
+/// Traced picture, and what it cost.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReferenceResult {
@@ -95,23 +95,23 @@ pub struct ReferenceResult {
     width: u32,
     height: u32,
     spp: u32,
-    /// Strands on the whole mesh surface.
+    /// Number of strands on the whole mesh surface.
     strands: u64,
-    /// Straight segments of the strands after simplification.
+    /// Number of straight segments of the strands after simplification.
     segments: u64,
     groom: GroomReport,
-    /// Memory for each strand: points, segments and their tree.
+    /// Memory per strand for points, segments and their tree, bytes.
     bytes_per_strand: f64,
     camera: CameraResult,
-    /// Rays from the eye.
+    /// Number of camera rays.
     primary_rays: u64,
-    /// Rays to the lights.
+    /// Number of shadow rays.
     shadow_rays: u64,
-    /// Time to grow the strands and build the trees.
+    /// Time to grow the strands and build the trees, seconds.
     grow_seconds: f64,
     seconds: f64,
     mrays_per_s: f64,
-    /// Pixels with any opacity.
+    /// Number of pixels with nonzero opacity.
     covered_pixels: usize,
 }
 
@@ -145,7 +145,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
         show(done, total);
         ControlFlow::Continue(())
     };
-    // Never cancelled.
+    // The callback never cancels, so there is always a picture.
     let picture = pool.install(|| truth.portion(&view, &portion, &mut going_on)).unwrap_or_default();
     let seconds = start.elapsed().as_secs_f64();
     let camera = truth.camera(&view);
@@ -173,14 +173,14 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
 }
 
 impl ReferenceArgs {
-    /// Returns a key of everything that the picture depends on, the same for all parts and machines.
+    /// Returns a key of everything that the picture depends on. It is the same for all parts and machines.
     fn identity(&self, file: &NamedPackage<'_>, view: &PictureView) -> String {
         let args = (self.samples, self.fibre, self.bounces);
         Key::of_version().with(format!("{args:?} {view:?}")).with(&file.bytes).finish()
     }
 }
 
-/// Returns the pixels of a PNG.
+/// Returns the pixels to write as PNG.
 fn png_pixels(picture: &TracedPicture, view: &PictureView, camera: &TrueCamera) -> RgbaImage {
     let mut pixels = encode(picture, view.look.background());
     lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
@@ -192,7 +192,7 @@ pub fn png(pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
     encoded(|bytes| pixels.write_to(bytes, image::ImageFormat::Png))
 }
 
-/// Encodes a traced picture as an EXR file: colours times alpha, without background.
+/// Encodes a traced picture as an EXR file, with premultiplied linear colours and without background.
 pub fn exr(picture: &TracedPicture) -> Result<Vec<u8>, Failure> {
     let flat: Vec<f32> = picture.pixels.iter().flatten().copied().collect();
     let image = image::Rgba32FImage::from_raw(picture.width, picture.height, flat).ok_or_else(|| {
@@ -249,17 +249,17 @@ fn report(
     Ok(Exit::Done)
 }
 
-/// The camera of `render` for the same view.
+/// Camera that `render` uses for the same view.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CameraResult {
     /// Position of the eye, metres.
     eye: [f32; 3],
-    /// Point at the centre of the picture, metres.
+    /// Target point, shown at the centre of the picture, metres.
     target: [f32; 3],
     /// Up direction of the picture.
     up: [f32; 3],
-    /// Height of the view, degrees; null for a parallel projection.
+    /// Vertical field of view, degrees; null for a parallel projection.
     fov_y_deg: Option<f64>,
 }
 
@@ -274,7 +274,7 @@ impl From<&TrueCamera> for CameraResult {
     }
 }
 
-/// Flags that control only `render`'s drawing. The boolean: refuse the flag even if it asks for the default.
+/// Flags that only affect how `render` draws. The boolean is true if the flag is rejected even with its default value.
 const FAST_PATH: [(&str, bool); 9] = [
     ("layers", true),
     ("fins", true),
@@ -287,15 +287,15 @@ const FAST_PATH: [(&str, bool); 9] = [
     ("shadow-shrink", false),
 ];
 
-/// Returns the keys of looks that control only `render`'s drawing, and have no effect on a reference picture.
+/// Returns the look keys that only affect how `render` draws, and have no effect on a reference picture.
 #[cfg(feature = "herd")]
 pub fn only_drawn() -> Vec<&'static str> {
     let of = |(flag, _): &(&str, bool)| SHORT_FORMS.iter().find(|short| short.flag == *flag).map(|short| short.key);
     FAST_PATH.iter().filter_map(of).collect()
 }
 
-/// Refuses arguments that control only `render`'s drawing, because the reference ignores them. They are accepted in a
-/// look file, which `render` reads as well.
+/// Rejects arguments that only affect how `render` draws, because a reference picture would ignore them. In a look file
+/// they are accepted, because `render` reads the same file.
 fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     let (typed, default) = (args.look.typed(), Look::default());
     let changed = |key: &Knob| key.value(&typed) != key.value(&default);
@@ -319,12 +319,12 @@ pub enum Format {
     Png,
     /// EXR with linear colours times alpha.
     Exr,
-    /// Part of a picture.
+    /// Part of a picture, for `pelage merge`.
     Part(Part),
 }
 
 impl Format {
-    /// Returns the format of a whole picture, by its file name.
+    /// Returns the format for the extension of a file name; parts have no such format.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match extension(path).as_str() {
             "png" => Ok(Self::Png),
@@ -337,7 +337,7 @@ impl Format {
         match extension(path).as_str() {
             "part" => Ok(Self::Part(part)),
             _ => {
-                let expected = "with --part expected a name that ends in .part, which `pelage merge` reads";
+                let expected = "with --part, expected a name that ends in .part, for `pelage merge`";
                 Err(Failure::Usage(format!("-o {}: {expected}", path.display())))
             }
         }

@@ -1,4 +1,4 @@
-//! `pelage render`: draws a package or a scene into a picture, or over time into many.
+//! `pelage render`: draws a package or a scene into one picture, or a sequence of pictures.
 
 use super::exit::{Exit, Failure};
 use super::job::{ADAPTER, Job};
@@ -36,8 +36,8 @@ pub struct RenderArgs {
     /// Package, or a scene file that ends in .toml
     #[arg(value_name = "PKG|SCENE")]
     input: PathBuf,
-    /// Picture to write. With --frames, %04d is replaced by the picture's number, from 0. A name that ends in .y4m is a
-    /// video, and - writes a video to stdout; transparent pixels are white there
+    /// Picture to write. With --frames, %04d is replaced by the picture's number, from 0. If the name ends in .y4m, a
+    /// video is written; with -, it goes to stdout. Transparent pixels are white in a video
     #[arg(long, short, value_name = "PNG|Y4M|-")]
     output: PathBuf,
     /// Pictures per second of the clip, with --frames [default: 24]
@@ -50,18 +50,19 @@ pub struct RenderArgs {
     turn_light: bool,
     /// Turn the camera once around the vertical axis through its target over the sequence, with --frames
     ///
-    /// Unless a camera is given, it is far enough away that nothing leaves the picture from any side. With --turn-light
-    /// the light turns along, as if the model were on a turntable.
+    /// Unless a camera is given, it is far enough away that the model stays in the picture from all sides. With
+    /// --turn-light the light turns along, as if the model were on a turntable.
     #[arg(long)]
     auto_rotate: bool,
-    /// Draw all numbered pictures, including those left by an interrupted run
+    /// Draw all numbered pictures again, including those left by an interrupted run
     #[arg(long)]
     restart: bool,
     #[command(flatten)]
     view: ViewArgs,
 }
 
-/// Pictures or video drawn. The figures of a sequence are those of its first picture; lists cover all pictures.
+/// Pictures or video that were drawn. For a sequence, figures are those of the first picture, and lists have an element
+/// per picture.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RenderResult<'a> {
@@ -72,23 +73,23 @@ pub struct RenderResult<'a> {
     driver: String,
     width: u32,
     height: u32,
-    /// Number of pictures, including those of a video.
+    /// Number of pictures or video frames.
     frames: usize,
     /// Pictures per second.
     fps: u32,
-    /// Pictures kept from an interrupted run; their figures are those that it recorded.
+    /// Number of pictures kept from an interrupted run, which recorded their figures.
     skipped: usize,
     scene: Option<RenderedScene<'a>>,
-    /// Camera of the first picture as `--camera` takes it: eye/target/height of the view in degrees.
+    /// Camera of the first picture in the format of `--camera`: eye/target/vertical field of view in degrees.
     camera: String,
-    /// Pixels with any opacity.
+    /// Number of pixels with nonzero opacity.
     covered_pixels: u64,
-    /// Pixels with any opacity, for each picture.
+    /// Number of pixels with nonzero opacity in each picture.
     covered_pixels_per_picture: Vec<u64>,
     /// Mean luminance of the covered pixels of each picture, linear, 0 to 1.
     mean_luminance_per_picture: Vec<f64>,
     passes: &'a [PassRun],
-    /// Fur drawn for each copy in the first picture.
+    /// Level of detail of the fur of each copy in the first picture.
     detail: &'a [FurDetail],
 }
 
@@ -98,19 +99,19 @@ pub struct RenderResult<'a> {
 struct RenderedScene<'a> {
     /// Names of the models, in file order.
     models: &'a [String],
-    /// Packages of the models, each listed once.
+    /// Packages of the models, without duplicates.
     packages: Vec<&'a str>,
 }
 
 impl RenderArgs {
-    /// Returns the dependencies and outputs of the pictures for the cache.
+    /// Returns the description of the pictures for the cache.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), restart: false, ..self.clone() };
         (self.output != Path::new("-")).then(|| Job::new("render", &args, &[&self.output]))
     }
 }
 
-/// Refuses arguments that are invalid with a scene.
+/// Rejects arguments that cannot be combined with a scene file.
 fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
     for (name, given) in [
         ("--clip", args.clip.is_some()),
@@ -126,7 +127,7 @@ fn refuse_beside(file: &str, args: &ViewArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Default pictures per second.
+/// Default number of pictures per second.
 const FPS: u32 = 24;
 
 /// Subject of the pictures: one package, or a scene of several.
@@ -159,7 +160,7 @@ impl Subject {
         }
     }
 
-    /// Adds the subject to the key of a picture.
+    /// Adds the scene and packages to the key of a picture.
     fn key(&self, key: Key) -> Key {
         let key = key.with(self.scene().map_or("", |scene| &scene.file.text));
         self.packages().iter().fold(key, |key, file| key.with(&file.bytes))
@@ -176,10 +177,10 @@ impl Subject {
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.output == Path::new("-") && output.is_json() {
-        return Err(Failure::Usage("--json: with -o - standard output is the video, expected only one of them".into()));
+        return Err(Failure::Usage("--json and -o - both write to standard output, expected only one of them".into()));
     }
-    // An invalid output name is reported before anything is read. Look files are read once, after the scene, because
-    // one may be a pipe.
+    // The output name is validated before anything is read. Look files are read only once, after the scene, because a
+    // look file may be a pipe.
     Sink::new(&args.output, args.view.frames, None)?;
     output.progress("loading");
     let subject = Subject::read(&args.input)?;
@@ -192,7 +193,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     args.samples.apply(&mut view.look)?;
     let sink = Sink::new(&args.output, args.view.frames, scene.and_then(|s| s.file.frames()))?;
     let of_scene = scene.and_then(|s| s.file.frames());
-    // A single picture is at rest; the first of several has simulated the time before it.
+    // A single picture shows hair at rest. In a sequence, hair is simulated from before the first picture.
     let of_range = |frames: Frames| frames.of.or(of_scene).unwrap_or(frames.end.max(2));
     let frames = args.view.frames.map(of_range).or(of_scene).filter(|_| sink.is_sequence());
     if let Some(range) = args.view.frames.filter(|range| frames.is_some_and(|count| range.end > count)) {
@@ -203,7 +204,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     for (name, given) in [("--turn-light", args.turn_light), ("--auto-rotate", args.auto_rotate)] {
         if given && args.view.frames.is_some_and(|range| range.of.is_none()) && of_scene.is_none() {
-            let text = format!("{name}: one turn takes all N pictures, expected --frames A..B/N");
+            let text = format!("{name}: one turn covers all N pictures of a sequence, expected --frames A..B/N");
             return Err(Failure::Usage(text));
         }
         if given && frames.is_none() {

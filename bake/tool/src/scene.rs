@@ -1,4 +1,4 @@
-//! Scene files on disk, with their packages and look.
+//! Reads scene files with their packages and looks.
 
 use super::exit::Failure;
 use super::look_args;
@@ -12,7 +12,7 @@ use std::path::Path;
 pub struct Scene {
     /// Parsed file.
     pub file: SceneFile,
-    /// Packages, and positions and poses of all instances.
+    /// Packages, and the positions and poses of all instances.
     pub loaded: LoadedScene,
     /// Look of the scene.
     pub look: Look,
@@ -23,7 +23,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Line and key of an error in the scene, or the file that it names.
+    /// Invalid scene, with line and key, or unreadable file that it names.
     pub fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
         let file = SceneFile::parse(&path.display().to_string(), bytes)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -38,7 +38,7 @@ impl Scene {
     }
 }
 
-/// Returns true if the bytes are a scene and not a package. The file name is ignored; every scene has a `[[model]]`.
+/// Returns true if the bytes are a scene, not a package: text that contains `[[model]]`. The file name is ignored.
 pub fn is_scene(bytes: &[u8]) -> bool {
     !bytes.starts_with(&MAGIC) && std::str::from_utf8(bytes).is_ok_and(|text| text.contains("[[model]]"))
 }

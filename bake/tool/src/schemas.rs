@@ -1,13 +1,13 @@
-//! JSON schemas of the results that `--json` prints.
+//! JSON schemas of what `--json` prints.
 
 use super::{bake, bench, compare, demo, doctor, export, groom, herd, inspect, job, merge, output, pack, sky};
 use super::{reference, render, unpack, validate};
 use schemars::{JsonSchema as _, Schema, SchemaGenerator};
 
-/// Name of a subcommand, and the schema of its result.
+/// Name of a subcommand, and a function that generates the schema of its result.
 pub type ResultSchema = (&'static str, fn(&mut SchemaGenerator) -> Schema);
 
-/// Lists the results of all subcommands, of errors and of records.
+/// Lists the schemas of the results of all subcommands, of errors, and of records.
 pub fn results() -> Vec<ResultSchema> {
     vec![
         ("bake", bake::BakeResult::json_schema),

@@ -15,15 +15,15 @@ use sha2::{Digest as _, Sha256};
 use std::io::{self, BufWriter, IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
 
-/// Background of videos without one, because Y4M has no transparency.
+/// Background of videos whose look has none, because Y4M has no transparency.
 const WHITE: [u8; 3] = [255; 3];
 
-/// Destination of pictures.
+/// Destination of the drawn pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sink {
     /// Single picture.
     Picture(PathBuf),
-    /// Numbered pictures; the journal of an interrupted run is beside them.
+    /// Numbered pictures, with the journal of an interrupted run beside them.
     Numbered {
         /// Number of the first picture.
         first: usize,
@@ -38,20 +38,20 @@ pub enum Sink {
     Stdout,
 }
 
-/// Drawn pictures.
+/// Result of [`Sink::fill`].
 #[derive(Debug)]
 pub struct DrawnPictures {
-    /// Results of each picture.
+    /// Measurements of each picture.
     pub pictures: Vec<Picture>,
     /// Number of pictures kept from an earlier run.
     pub skipped: usize,
 }
 
 impl Sink {
-    /// Interprets `-o`.
+    /// Chooses the destination from the output name `-o`.
     ///
-    /// * `frames`: `--frames`
-    /// * `sequence`: number of pictures in the scene file's sequence, for numbered pictures or a video
+    /// * `frames`: value of `--frames`
+    /// * `sequence`: number of pictures in the scene file's sequence; applies to numbered pictures and videos
     pub fn new(output: &Path, frames: Option<Frames>, sequence: Option<u32>) -> Result<Self, Failure> {
         let video = output == Path::new("-") || is_video(output);
         if video && frames.is_some_and(|frames| frames.count().is_none()) {
@@ -65,7 +65,7 @@ impl Sink {
             require_parent(output)?;
             return Ok(Self::Video(output.to_owned()));
         }
-        // The contents are PNG; with another extension no program would open them.
+        // Pictures are always PNG; programs could not open them with another extension.
         if let Some(other) = output.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
             let other = other.to_string_lossy();
             return Err(Failure::Usage(format!(
@@ -80,7 +80,7 @@ impl Sink {
         };
         let names = names(output, frames)?;
         let mut journal = output.as_os_str().to_owned();
-        // Several machines may draw ranges of one sequence into one folder; each has its own journal.
+        // Several machines may draw ranges of a sequence into the same folder, so each range has its own journal.
         if frames.count().is_none() {
             journal.push(format!(".{}-{}", frames.first, frames.end));
         }
@@ -88,12 +88,12 @@ impl Sink {
         Ok(Self::Numbered { first: frames.first as usize, names, journal: journal.into() })
     }
 
-    /// Returns true if it holds all pictures of a sequence.
+    /// Returns true for numbered pictures and videos.
     pub fn is_sequence(&self) -> bool {
         !matches!(self, Self::Picture(_))
     }
 
-    /// Returns the files that are written.
+    /// Returns the names of the files that will be written.
     pub fn files(&self) -> Vec<String> {
         let display = |path: &PathBuf| path.display().to_string();
         match self {
@@ -103,10 +103,10 @@ impl Sink {
         }
     }
 
-    /// Draws all pictures into it.
+    /// Draws all pictures and writes them.
     ///
-    /// * `key`: hash of everything that they depend on, for numbered pictures
-    /// * `restart`: redraws existing pictures of an earlier run
+    /// * `key`: hash of everything that the pictures depend on, for numbered pictures
+    /// * `restart`: redraws pictures that an earlier run has left
     pub fn fill(
         &self,
         shoot: &mut PictureSeries,
@@ -138,7 +138,7 @@ impl Sink {
 #[derive(Debug, Serialize, Deserialize)]
 struct JournalEntry {
     picture: usize,
-    /// SHA-256 of the file, hexadecimal; a file changed since is redrawn.
+    /// SHA-256 of the file, hexadecimal. The picture is redrawn if its file has changed.
     sha256: String,
     #[serde(flatten)]
     drawn: Picture,
@@ -162,7 +162,7 @@ fn numbered(
     restart: bool,
     output: &mut Output,
 ) -> Result<DrawnPictures, Failure> {
-    // A sequence may have its own folder, or a folder per picture.
+    // The pattern may name one folder for all pictures, or a folder per picture.
     for folder in names.iter().chain([&journal.to_owned()]).filter_map(|name| name.parent()) {
         if !folder.as_os_str().is_empty() && !folder.is_dir() {
             make_folder(folder)?;
@@ -174,7 +174,7 @@ fn numbered(
         output.note(&format!("{} pictures of {what}", journal.others()));
     }
     let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
-    // Read without the I/O trace, which records the inputs of pictures.
+    // Old pictures are read without the I/O trace, because it must contain only the inputs.
     let there = |noted: &JournalEntry| {
         std::fs::read(&names[noted.picture - first]).is_ok_and(|bytes| digest(&bytes) == noted.sha256)
     };
@@ -211,7 +211,7 @@ fn numbered(
 fn video(path: &Path, shoot: &mut PictureSeries, output: &mut Output) -> Result<Vec<Picture>, Failure> {
     let mut result = Ok(Vec::new());
     let written = write_atomic_with(path, |out| {
-        // Either the file or the drawing may fail; only an error of the file is reported with its path.
+        // Errors of drawing are returned unchanged; only errors of the file get its path.
         match film(out, shoot, output) {
             Err(Failure::Stdout(error)) => Err(error),
             other => {
@@ -226,7 +226,7 @@ fn video(path: &Path, shoot: &mut PictureSeries, output: &mut Output) -> Result<
     Ok(pictures)
 }
 
-/// Draws a video into `out`; write errors are [`Failure::Stdout`].
+/// Draws a video and writes it to `out`. Write errors are returned as [`Failure::Stdout`].
 fn film(out: &mut dyn Write, shoot: &mut PictureSeries, output: &mut Output) -> Result<Vec<Picture>, Failure> {
     let (width, height) = shoot.size();
     let background = shoot.background().unwrap_or(WHITE);
@@ -246,7 +246,7 @@ fn names(output: &Path, Frames { first, end, .. }: Frames) -> Result<Vec<PathBuf
     let text = output.to_str().ok_or_else(|| Failure::Usage(format!("-o {}: not UTF-8", output.display())))?;
     let pattern = match text.split_once('%') {
         Some((head, tail)) => {
-            // %d uses as many digits as the number has.
+            // A %d without digits means a width of one.
             let digits = |d: &str| if d.is_empty() { Some(1) } else { d.parse::<usize>().ok() };
             let digits = tail.split_once('d').and_then(|(d, rest)| Some((digits(d)?, rest)));
             let Some((width @ 1..=9, rest)) = digits else {
@@ -282,10 +282,10 @@ mod tests {
         assert_eq!(list("%04d.png", Some(2), None).ok(), Some(vec!["0000.png".to_owned(), "0001.png".to_owned()]));
         assert_eq!(list("walk.png", Some(1), None).ok(), Some(vec!["walk_0000.png".to_owned()]));
         assert!(list("a%s.png", Some(1), None).is_err());
-        // A scene's sequence applies to numbered names; a plain name is one picture.
+        // Checks that a scene's sequence applies to numbered names, while a plain name is one picture.
         assert_eq!(list("%1d.png", None, Some(2)).ok(), Some(vec!["0.png".to_owned(), "1.png".to_owned()]));
         assert_eq!(list("%d.png", Some(1), Some(2)).ok(), Some(vec!["0.png".to_owned()]));
-        // A picture's name has one number, and is a PNG.
+        // Checks that a name has at most one number and the extension of PNG.
         let error = list("%04d/%04d.png", Some(1), None).unwrap_err().to_string();
         assert!(error.contains("found another % after %04d, expected one number pattern"), "{error}");
         for name in ["a.jpg", "a.PNG.exr", "b/%04d.webp"] {

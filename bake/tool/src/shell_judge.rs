@@ -1,5 +1,4 @@
-//! Comparison of a model at several settings with its reference pictures, for `pelage chart shells` and a bake with
-//! limits.
+//! Compares settings of a model with its reference pictures, for `pelage chart shells` and a bake with limits.
 
 use super::exit::Failure;
 use super::stages::{pixels, stage_of};
@@ -24,29 +23,29 @@ use std::time::Instant;
 pub struct SettingMeasurements {
     /// Mean FLIP of all views, 0..=1.
     pub flip: f64,
-    /// Mean FLIP where either picture covers a pixel.
+    /// Mean FLIP of the pixels that are covered in either picture, 0..=1.
     pub flip_covered: f64,
-    /// RMSE of premultiplied linear colour.
+    /// RMSE of the premultiplied linear colours.
     pub rmse: f64,
-    /// Mean absolute difference of alpha.
+    /// Mean absolute difference of alpha, 0..=1.
     pub coverage_error: f64,
     /// Time of the fastest frame of the slowest view, milliseconds.
     pub frame_ms: f64,
-    /// Fragment shader invocations of that frame; `None` if the adapter does not count them.
+    /// Number of fragment shader invocations in that frame; `None` if the adapter does not count them.
     pub fragments: Option<u64>,
-    /// Layers drawn in that frame, skin excluded.
+    /// Number of fur layers drawn in that frame, skin excluded.
     pub layers: u32,
-    /// Mesh triangles drawn in that frame.
+    /// Number of mesh triangles drawn in that frame.
     pub triangles: u32,
-    /// Size of the package.
+    /// Size of the package, bytes.
     pub package_bytes: u64,
-    /// Textures, buffers and shadow maps on the device.
+    /// GPU memory of textures, buffers and shadow maps, bytes.
     pub gpu_bytes: u64,
     /// Duration of the bake, seconds.
     pub bake_s: f64,
 }
 
-/// Source of the packages.
+/// Source that packages with different settings are made from.
 #[derive(Clone, Copy)]
 pub enum Source<'a> {
     /// Imported model.
@@ -55,23 +54,23 @@ pub enum Source<'a> {
         file: &'a str,
         /// Name in the package.
         name: &'a str,
-        /// The model.
+        /// Imported model.
         model: &'a Model,
         /// Images that the recipe names.
         images: &'a MapImages,
     },
-    /// Model that was baked once, for reslicing: changes of layers, tile and fins are fast.
+    /// Model that was baked once. Its fur can be resliced, so that changes of layers, tile and fins are fast.
     Baked {
         /// Name in the package.
         name: &'a str,
-        /// Baked data.
+        /// Baked data to reslice.
         slicer: &'a Slicer<'a>,
     },
-    /// Package, for reslicing.
+    /// Package, whose fur is resliced.
     Package(&'a NamedPackage<'static>),
 }
 
-/// View with its reference picture.
+/// View and its reference picture.
 struct ReferenceView {
     view: PictureView,
     picture: Picture,
@@ -79,7 +78,7 @@ struct ReferenceView {
     fur_px: f64,
 }
 
-/// Judge of settings of one model: bakes, draws and compares them with the reference pictures.
+/// Measures settings of one model: bakes and draws each, and compares the pictures with the reference pictures.
 pub struct ShellJudge<'a> {
     source: Source<'a>,
     views: Vec<ReferenceView>,
@@ -90,8 +89,8 @@ pub struct ShellJudge<'a> {
 }
 
 impl<'a> ShellJudge<'a> {
-    /// Traces the reference pictures: views, size and samples are those of the recipe's `[judge]`. They do not depend
-    /// on how strands are sliced.
+    /// Traces the reference pictures. Their views, size and samples are those of the recipe's `[judge]`. They do not
+    /// depend on how strands are sliced.
     ///
     /// * `detail`: level of detail to draw
     /// * `doing`: progress callback
@@ -109,7 +108,7 @@ impl<'a> ShellJudge<'a> {
         Ok(Self { detail, ..Self::of_views(source, &truth, size, &views, recipe.judge.samples, gpu, doing) })
     }
 
-    /// Traces the reference pictures of a size in pixels, from given cameras, with a number of samples per pixel.
+    /// Traces reference pictures of the given size in pixels, cameras, and number of samples per pixel.
     pub fn of_views(
         source: Source<'a>,
         truth: &ReferenceTracer,
@@ -125,7 +124,7 @@ impl<'a> ShellJudge<'a> {
             let picture = truth.picture(&view, samples, &mut |done, all| {
                 doing(&format!("reference picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
-            // Quantised to bytes, like the pictures that it is compared with.
+            // The reference picture is quantised to 8 bits per channel, like the pictures compared with it.
             let picture = Picture::from(&truth::encode(&picture, view.look.background()));
             let fur_px = truth.fur_px(&view);
             views.push(ReferenceView { view, picture, fur_px });
@@ -133,24 +132,24 @@ impl<'a> ShellJudge<'a> {
         Self { source, views, detail: EVERYTHING, gpu: gpu.clone(), meter: Meter::new(gpu) }
     }
 
-    /// Returns the number of layers, skin included, above which pictures with automatic detail do not change.
+    /// Returns the number of layers, skin included, above which pictures with automatic detail no longer change.
     pub fn most_layers(&self, recipe: &Recipe) -> u32 {
         let highest = self.views.iter().map(|view| view.fur_px).fold(0.0, f64::max);
         let gaps = (highest / f64::from(recipe.detail.gap_px)).ceil();
         if recipe.detail.enabled { (gaps as u32).saturating_add(1) } else { u32::MAX }
     }
 
-    /// Returns the source of the frame times, as in `pelage bench`.
+    /// Returns the name of the clock that measures frame times, as in `pelage bench`.
     pub fn timing(&self) -> &'static str {
         self.meter.clock().word()
     }
 
-    /// Returns the views as arguments of `pelage render`.
+    /// Returns the cameras of the views as arguments of `pelage render`.
     pub fn view_words(&self) -> Vec<String> {
         self.views.iter().filter_map(|of| of.view.camera).map(|camera| format!("--camera {camera}")).collect()
     }
 
-    /// Bakes a recipe, draws and times it from all views, and compares it with the reference pictures.
+    /// Bakes a recipe, draws and times it from all views, and compares the pictures with the reference pictures.
     pub fn measure(&self, recipe: &Recipe) -> Result<(SettingMeasurements, Likeness), Failure> {
         let begun = Instant::now();
         let file = self.source.bake(recipe)?;
@@ -159,8 +158,8 @@ impl<'a> ShellJudge<'a> {
         Ok((SettingMeasurements { bake_s, ..measured }, likeness))
     }
 
-    /// Draws and times a package from all views at a level of detail, and compares it with the reference pictures. The
-    /// bake is not timed.
+    /// Draws and times a package from all views at the level of detail `detail`, and compares the pictures with the
+    /// reference pictures. The bake time is not included.
     pub fn measure_drawn(
         &self,
         file: &NamedPackage<'_>,
@@ -207,7 +206,8 @@ impl<'a> ShellJudge<'a> {
         Ok((measured, Likeness::mean(&likenesses)))
     }
 
-    /// Times recipes in alternation: each of them [`ROUNDS`] times from all views; the slowest view counts.
+    /// Times several recipes alternately, each [`ROUNDS`] times from all views. The time of a recipe is that of its
+    /// slowest view.
     pub fn time_in_turns(&self, recipes: &[Recipe]) -> Result<Vec<FrameTime>, Failure> {
         let Some(first) = self.views.first() else { return Ok(vec![FrameTime::default(); recipes.len()]) };
         let stage = |recipe: &Recipe| self.stage(&self.source.bake(recipe)?, &first.view, self.detail);
@@ -218,7 +218,7 @@ impl<'a> ShellJudge<'a> {
                 let mut slowest = 0.0_f64;
                 for ReferenceView { view, .. } in &self.views {
                     view.camera.into_iter().for_each(|camera| stage.look_from(camera));
-                    // The previous frame left another setting's data in the caches.
+                    // Draws one untimed frame: after another setting, the caches contain that setting's data.
                     self.meter.frame(stage)?;
                     let mut fastest = f64::INFINITY;
                     for _ in 0..FRAMES {
@@ -232,7 +232,7 @@ impl<'a> ShellJudge<'a> {
         Ok(rounds.into_iter().map(FrameTime::of).collect())
     }
 
-    /// Returns the height of a package's fur in the first view at the nearest point of the model, pixels, computed as
+    /// Returns the fur height on screen in the first view, at the nearest point of the model, pixels. It is computed as
     /// in the runtime. `None` if the package has no levels of detail, or the eye is within the model's bounds.
     pub fn fur_px(&self, file: &NamedPackage<'_>) -> Result<Option<f32>, Failure> {
         let Some(ReferenceView { view, .. }) = self.views.first() else { return Ok(None) };
@@ -240,19 +240,20 @@ impl<'a> ShellJudge<'a> {
         Ok(frame.report().instances.first().and_then(|drawn| drawn.fur_px).filter(|px| px.is_finite()))
     }
 
-    /// Creates a stage of a package at a level of detail; fur is drawn in layers even where strands would replace them.
+    /// Creates a stage of a package at a level of detail. Fur is always drawn in layers, even where individual strands
+    /// would replace them.
     fn stage(&self, file: &NamedPackage<'_>, view: &PictureView, detail: LookDetail) -> Result<Stage, Failure> {
         let view = view.clone().with(|look| (look.fur.detail, look.fur.hair) = (detail, LookHair::Shells));
         Ok(stage_of(file, &view, || Ok(self.gpu.clone()))?)
     }
 }
 
-/// Full detail, because settings differ only there.
+/// Level of detail for comparing settings, which differ only at full detail.
 const EVERYTHING: LookDetail = LookDetail::Full;
 
-/// Number of rounds in which settings are timed: enough for quartiles.
+/// Number of timing rounds per setting; enough to compute quartiles.
 const ROUNDS: usize = 7;
-/// Frames of a view in a round, of which the fastest counts, because other load only adds time.
+/// Number of frames of a view per round. Only the fastest counts, because other load can only add time.
 const FRAMES: usize = 2;
 
 impl Source<'_> {
@@ -272,7 +273,7 @@ impl Source<'_> {
     }
 }
 
-/// Returns the recipe's views; if empty, two that frame the model.
+/// Returns the views of the recipe. If it has none, returns two that frame the model.
 pub fn cameras(recipe: &Recipe, truth: &ReferenceTracer) -> Vec<Viewpoint> {
     if !recipe.judge.views.is_empty() {
         return recipe.judge.views.clone();

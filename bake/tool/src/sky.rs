@@ -29,12 +29,12 @@ pub struct SkyArgs {
     /// sRGB colour of a level ground that reflects the light from above; replaces everything below the horizon
     #[arg(long, value_name = "COLOR", value_parser = parse_ground)]
     ground: Option<[f32; 3]>,
-    /// Least share of the total light for a sun to become a separate light, 0 to 1; 1 keeps it among the lobes
+    /// Minimum share of the total light above which a sun becomes a separate light, 0 to 1; 1 keeps it among the lobes
     #[arg(long, value_name = "SHARE", default_value_t = FitParams::default().sun, value_parser = parse_share)]
     sun: f64,
 }
 
-/// Lights that were written, and their distance from the panorama.
+/// Lights that were written, and the error of the fit.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SkyResult {
@@ -43,27 +43,28 @@ pub struct SkyResult {
     size: Option<[u32; 2]>,
     lobes: usize,
     sun: Option<SkySun>,
-    /// Relative difference of all light from the light of the sky without its sun, for the colour that deviates most.
+    /// Relative error of the fitted total light, compared with the sky without its sun. Maximum of the three colour
+    /// channels.
     energy: f64,
-    /// RMSE of the lights against the sky without its sun, relative to that sky.
+    /// RMSE of the fitted lights, compared with the sky without its sun and relative to it.
     error: f64,
-    /// Pixels repaired because they held no valid radiance.
+    /// Number of pixels that were repaired because their radiance was invalid.
     mended: u32,
     seconds: f64,
 }
 
-/// A sun.
+/// Sun that became a separate light.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct SkySun {
     towards: [f32; 3],
-    /// Linear colour; 1 gives an irradiance of π.
+    /// Linear colour, in units in which 1 gives an irradiance of π.
     color: [f32; 3],
     share: f64,
 }
 
 impl SkyArgs {
-    /// Returns the dependencies and outputs of the fit for the cache.
+    /// Returns the description of the fit for the cache.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), ..self.clone() };
         Some(Job::new("sky", &args, &[&self.output]))

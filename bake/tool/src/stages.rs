@@ -1,4 +1,4 @@
-//! Construction of a [`Stage`] from the arguments.
+//! Creates a [`Stage`] from the arguments.
 
 use super::exit::Failure;
 use super::view::PictureView;
@@ -7,7 +7,7 @@ use pelage_runtime::{Frame, InstanceDetail};
 use pelage_stage::{Cast, Gpu, NamedPackage, Stage, StageError};
 use serde::{Deserialize, Serialize};
 
-/// Creates a stage of a package's model, or a crowd of it, on the device that `open_gpu` returns.
+/// Creates a stage with one or more copies of a package's model, on the device that `open_gpu` returns.
 pub fn stage_of(
     file: &NamedPackage<'_>,
     view: &PictureView,
@@ -16,7 +16,7 @@ pub fn stage_of(
     stage(&crowd(file, view)?, view, open_gpu)
 }
 
-/// Creates a stage of a cast on the device that `open_gpu` returns.
+/// Creates a stage with the given models and instances, on the device that `open_gpu` returns.
 pub fn stage(
     cast: &Cast<'_>,
     view: &PictureView,
@@ -25,15 +25,15 @@ pub fn stage(
     Stage::new(cast, &view.look.picture(), view.frame_params(), view.time_s, open_gpu)
 }
 
-/// Reads the canvas: sRGB-encoded, straight alpha.
+/// Reads the pixels of the canvas, which are sRGB-encoded with straight alpha.
 pub fn pixels(stage: &Stage) -> Result<RgbaImage, Failure> {
     let (width, height) = stage.canvas.size();
     RgbaImage::from_raw(width, height, stage.canvas.read(&stage.gpu)?)
         .ok_or_else(|| StageError::Device("the canvas was read back incompletely".into()).into())
 }
 
-/// Creates the cast of one package, or a crowd of it, with the clip and camera of `view`. Without a camera, all of it
-/// is framed.
+/// Creates the cast for one or more copies of a package, with the clip and camera of `view`. Without a camera, all
+/// copies are framed.
 pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &PictureView) -> Result<Cast<'a>, StageError> {
     let package = file.open()?;
     let framing = (&view.framing, view.look.aspect());
@@ -45,7 +45,7 @@ pub fn crowd<'a>(file: &'a NamedPackage<'a>, view: &PictureView) -> Result<Cast<
     view.morphs.iter().try_fold(crowd, |crowd, morph| crowd.morphing(&morph.target, morph.weight))
 }
 
-/// Fur drawn for a copy of the model.
+/// Level of detail of the fur of a copy of the model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FurDetail {
@@ -53,21 +53,21 @@ pub struct FurDetail {
     level: u32,
     /// Progress of the fade to the next level, 0 to 1.
     fade: f32,
-    /// Layers drawn, skin excluded.
+    /// Number of layers drawn, skin excluded.
     layers: u32,
-    /// Layers of the package, skin excluded.
+    /// Number of layers in the package, skin excluded.
     of_layers: u32,
-    /// Triangles of the index list drawn.
+    /// Number of triangles drawn.
     triangles: u32,
     /// Opacity of the fins, 0 to 1.
     fins: f32,
-    /// Opacity of the fur's appearance from afar, 0 to 1.
+    /// Opacity of the far layer, which replaces the fur at a distance, 0 to 1.
     coat: f32,
     /// Height of the fur on screen with `--detail auto`, pixels; null if the eye is inside the fur.
     fur_px: Option<f32>,
 }
 
-/// Returns the fur drawn for each copy.
+/// Returns the level of detail of the fur of each copy.
 pub fn detail(frame: &Frame) -> Vec<FurDetail> {
     let of = |d: &InstanceDetail| FurDetail {
         level: d.level,

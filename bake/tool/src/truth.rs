@@ -1,5 +1,5 @@
-//! Reference pictures: the same view of the same package as `render`, with its strands traced individually. Needs no
-//! adapter.
+//! Reference pictures: path-traced pictures of the same package and view as `render` draws, with individual strands. No
+//! adapter is needed.
 
 use super::exit::Failure;
 use super::view::PictureView;
@@ -17,10 +17,10 @@ use pelage_truth::{Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLigh
 pub struct ReferenceTracer {
     /// Strands and mesh surface.
     pub scene: TrueScene,
-    /// Report of growing the tile's strands.
+    /// Report about the growth of the tile's strands.
     pub report: GroomReport,
     scattering: Option<TrueScattering>,
-    /// Whether the scattering applies whatever the look says.
+    /// Whether hair is lit by scattering even if the look disables it.
     forced: bool,
     outline: Vec<Vec3>,
     height_m: f32,
@@ -64,20 +64,20 @@ impl ReferenceTracer {
         })
     }
 
-    /// Returns the eye, target and vertical field of view in degrees that frame the model from the direction `towards`,
-    /// in a picture of the view's size.
+    /// Returns a camera that frames the model from the direction `towards`, in a picture of the view's size: eye,
+    /// target, and vertical field of view in degrees.
     pub fn framed(&self, view: &PictureView, towards: Vec3) -> Viewpoint {
         pelage_stage::framing::frame(&self.outline, self.height_m, view.look.aspect(), towards)
     }
 
-    /// Returns the height of the fur in the view's picture, pixels, at the median distance of the mesh surface from the
-    /// eye. 0 if nothing is in front of the eye.
+    /// Returns the fur height on screen, pixels, at the median distance of the mesh surface from the eye. 0 if nothing
+    /// is in front of the eye.
     pub fn fur_px(&self, view: &PictureView) -> f64 {
         f64::from(self.height_m) * self.px_per_m(view)
     }
 
-    /// Returns the pixels per metre in the view's picture, at the median distance of the mesh surface from the eye. 0
-    /// if nothing is in front of the eye.
+    /// Returns the pixels per metre on screen, at the median distance of the mesh surface from the eye. 0 if nothing is
+    /// in front of the eye.
     pub fn px_per_m(&self, view: &PictureView) -> f64 {
         let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.outline, self.height_m);
         let (eye, forward) = (eye.as_dvec3(), (target - eye).normalize_or_zero().as_dvec3());
@@ -95,13 +95,13 @@ impl ReferenceTracer {
         true_camera(view.viewpoint(&self.outline, self.height_m))
     }
 
-    /// Traces a picture with the view's size, camera, lights and terms and `spp` samples per pixel. Clip, time and
-    /// style are fixed by [`Self::new`]. `progress` receives the finished and total pixels.
+    /// Traces a picture with `spp` samples per pixel. Size, camera, lights and lighting terms are those of `view`;
+    /// clip, time and style were fixed by [`Self::new`]. `progress` receives the numbers of finished and all pixels.
     pub fn picture(&self, view: &PictureView, spp: u32, progress: &mut dyn FnMut(u64, u64)) -> TracedPicture {
         self.scene.picture(&self.camera(view), &self.lighting(view), view.size(), spp, progress)
     }
 
-    /// Traces only a portion of the same picture; `None` if `progress` cancels.
+    /// Traces a portion of the picture of [`Self::picture`]. Returns `None` if `progress` cancels.
     pub fn portion(
         &self,
         view: &PictureView,
@@ -113,11 +113,11 @@ impl ReferenceTracer {
 }
 
 impl ReferenceTracer {
-    /// Lights hair as scattering fibres, whatever the look and the package say: with the package's own fibres, or human
-    /// hair if it has none.
+    /// Enables scattering between fibres, even if look and package disable it. Uses the package's fibres, or human hair
+    /// if it has none.
     ///
     /// # Errors
-    /// [`BakeError::Internal`] for fibres that the reference does not support; packages have none such.
+    /// [`BakeError::Internal`] for fibres that the reference does not support, which no package contains.
     pub fn scatter(&mut self, bounces: u32) -> Result<(), Failure> {
         let scattering = self.scattering.take().map_or_else(|| TrueScattering::new(Fibre::default(), 1), Ok)?;
         self.scattering = Some(scattering.with_bounces(bounces));
@@ -130,7 +130,7 @@ impl ReferenceTracer {
         self.scattering.as_ref()
     }
 
-    /// Returns the lights of a look, and the lighting of hair.
+    /// Returns the lights and lighting terms of a look, and the model of hair lighting.
     fn lighting(&self, view: &PictureView) -> TrueLighting {
         let look = &view.look;
         let scattering = match look.fur.scattering {
@@ -143,7 +143,7 @@ impl ReferenceTracer {
     }
 }
 
-/// Returns the fibres of a package's strands: of its fur and of its groups of hair.
+/// Returns the scattering for the fibres of the package's fur and of its groups of hair.
 fn scattering(
     info: &FibreInfo,
     groups: &[HairGroup],
@@ -154,7 +154,7 @@ fn scattering(
     let mut all = TrueScattering::new(first, TrueScattering::BOUNCES)?;
     for run in curves.groups() {
         let group = groups.iter().position(|group| group.name == run.name).and_then(|i| info.of_groups.get(i));
-        // A bare material may name a fibre that no fur has.
+        // A material without fur may name a fibre that no fur uses.
         let furred = || skin.materials.iter().filter(|material| material.furred).map(|material| &material.fibre);
         let of_coat = || furred().find(|fibre| skin.fibre_group_name(**fibre) == run.name);
         let fibre =
@@ -164,7 +164,7 @@ fn scattering(
     Ok(all)
 }
 
-/// Returns the lights of a look, and the terms of the lighting equation that it disables.
+/// Returns the lights of a look, and the lighting terms that it disables.
 fn lighting(view: &PictureView) -> TrueLighting {
     let look = &view.look;
     let distant = |towards_light_ws, color| TrueLight::Directional { towards_light_ws, color };
@@ -191,7 +191,7 @@ fn lighting(view: &PictureView) -> TrueLighting {
     }
 }
 
-/// Converts a camera of `render` for tracing.
+/// Converts a camera of `render` to one for path tracing.
 pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera {
     TrueCamera {
         eye_ws: eye,
@@ -201,7 +201,7 @@ pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera 
     }
 }
 
-/// Encodes the picture as `render` does: sRGB-encoded, straight alpha, or composited over `background` (sRGB).
+/// Encodes a picture as `render` does: sRGB with straight alpha, or composited over `background` if given (sRGB).
 pub fn encode(picture: &TracedPicture, background: Option<[u8; 3]>) -> image::RgbaImage {
     let behind = background.map(|rgb| rgb.map(srgb_to_linear));
     image::RgbaImage::from_fn(picture.width, picture.height, |x, y| {
@@ -232,7 +232,7 @@ mod tests {
         let picture = TracedPicture { width: 2, height: 2, pixels, ..TracedPicture::default() };
         let straight = encode(&picture, None);
         assert_eq!(straight.get_pixel(0, 0).0, [0; 4]);
-        // Half the light is byte 188.
+        // Linear 0.5 is 188 in 8-bit sRGB.
         assert_eq!(straight.get_pixel(1, 0).0, [255, 188, 0, 128]);
         assert_eq!(straight.get_pixel(0, 1).0, [255, 188, 0, 255]);
         let over = encode(&picture, Some([255, 0, 0]));

@@ -65,7 +65,7 @@ fn fail(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Failure 
     move |source| BakeError::Io { path: path.to_owned(), action, source }.into()
 }
 
-/// Writes all files or none: into a temporary folder beside the target, which is then renamed.
+/// Writes all files or none. They are written into a temporary folder beside the target, which is then renamed.
 fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failure> {
     let target = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
     let exists = target.exists();
@@ -85,11 +85,12 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     builder.prefix(".pelage-").suffix(".tmp");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
-    // Removed with its remaining contents when this function returns.
+    // The temporary folder is removed with its remaining contents when this function returns.
     let work = builder.tempdir_in(parent).map_err(fail(parent, "create a folder in"))?;
     let fresh = work.path().join("new");
     std::fs::create_dir(&fresh).map_err(fail(&fresh, "create"))?;
-    // Until the files are complete; after that the folder may briefly hold the old contents.
+    // Protects only against interruption while files are written. Afterwards the folder may briefly hold the old
+    // contents.
     let unfinished = TempFileGuard::new(work.path());
     for (name, bytes) in files {
         let path = fresh.join(name);
@@ -103,7 +104,7 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
         let old = work.path().join("old");
         std::fs::rename(&target, &old).map_err(fail(folder, "replace"))?;
         return std::fs::rename(&fresh, &target).map_err(|error| {
-            // Best effort: the first error is the one that is reported.
+            // Only the first error is reported, so the result of moving the old folder back is ignored.
             let _ = std::fs::rename(&old, &target);
             fail(folder, "replace")(error)
         });
@@ -115,7 +116,7 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     Ok(())
 }
 
-/// Returns true if the folder is empty, or contains only a manifest of `unpack` and files that it names.
+/// Returns true if the folder is empty, or contains only a manifest of `unpack` and files named in that manifest.
 fn is_replaceable(folder: &Path) -> io::Result<bool> {
     let mut names = Vec::new();
     for entry in std::fs::read_dir(folder)? {

@@ -1,4 +1,5 @@
-//! Package as a folder of files: written by `unpack`, read by `pack`. Works on plain data, without file access.
+//! Package as a folder of files, which `unpack` writes and `pack` reads. This module works in memory, without file
+//! access.
 //!
 //! * `manifest.json`: the manifest and the list of sections with the file of each
 //! * `recipe.toml`: the recipe, which the manifest omits to avoid a duplicate
@@ -39,21 +40,22 @@ const FINS: &str = "fins.bin";
 const INK: &str = "ink.bin";
 /// Key and value that identify the version of the folder's layout.
 const FORM: (&str, u64) = ("pelage_unpacked", 3);
-/// Key of the package's format version, so that an old package is packed in its own version.
+/// Key of the package's format version; an old package is packed in its own version.
 const VERSION: &str = "format_version";
-/// Key of the SHA-256 of recipe.toml as unpacked, by which `pack` detects edits; missing in folders of older versions.
+/// Key of the SHA-256 of recipe.toml when it was unpacked, from which `pack` detects edits. Missing in folders of older
+/// versions.
 const RECIPE_DIGEST: &str = "recipe_sha256";
-/// Key of the list of disagreements between recipe and package at the time of unpacking; these may remain. Missing in
-/// folders of older versions.
+/// Key of the disagreements between recipe and package that existed when it was unpacked; `pack` accepts these. Missing
+/// in folders of older versions.
 const RECIPE_DISAGREES: &str = "recipe_disagrees";
 
-/// Key of the `.hair` files of a section.
+/// Key of the names of a section's `.hair` files.
 const STRANDS: &str = "strands";
 
-/// Returns the contents of a file by name, `None` if it does not exist.
+/// Returns the contents of the file with the given name; `None` if it does not exist.
 pub type Read<'a> = dyn FnMut(&str) -> Result<Option<Vec<u8>>, BakeError> + 'a;
 
-/// Unpacks a package. `name` is the package's file, for messages.
+/// Converts a package to files. `name` is the package's file name, for messages.
 pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError> {
     let damaged = |source| BakeError::Package { file: name.to_owned(), source };
     let internal = |e: serde_json::Error| BakeError::Internal(format!("writing JSON: {e}"));
@@ -77,7 +79,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
                     let mut value = serde_json::to_value(&*animation).map_err(internal)?;
                     shorten_floats(&mut value);
                     let text = to_text(&value);
-                    // The motion of morph targets has its own section.
+                    // The motion of morph targets is omitted, because it has its own section.
                     let own = Animation { morphs: MorphMotion::default(), ..(*animation).clone() };
                     let same = parse::<Animation>(ANIMATION, text.as_bytes()).is_ok_and(|back| back == own);
                     same.then(|| alone((ANIMATION.to_owned(), text.into_bytes())))
@@ -90,7 +92,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
             },
             Tag::HAIR => {
                 let groups = package.hair_groups().map_err(damaged)?;
-                // A section with another tag in older versions has no groups.
+                // In older versions, another kind of section may have no groups.
                 if groups.is_empty() { None } else { hair::write(&groups, &RestMesh::of(package).map_err(damaged)?)? }
             }
             Tag::FINS if package.fins().map_err(damaged)?.is_some() => Some(alone((FINS.to_owned(), bytes.to_vec()))),
@@ -121,7 +123,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
         "manifest": manifest_to_json(manifest).map_err(internal)?,
     });
     files.insert(0, (MANIFEST.to_owned(), to_text(&document).into_bytes()));
-    // `pack` must be the inverse of `unpack`; this is checked here, while the package is available.
+    // `pack` must restore the same bytes. This is checked here, while the package is available for comparison.
     let back = pack(name, &mut |file| {
         let found = files.iter().find(|(name, _)| name == file);
         Ok(found.map(|(_, bytes)| bytes.clone()))
@@ -132,7 +134,7 @@ pub fn unpack(name: &str, package: &Package<'_>) -> Result<Vec<File>, BakeError>
     Ok(files)
 }
 
-/// Packs a folder. `folder` is its name for messages, `read` returns its files.
+/// Converts a folder to a package. `folder` is its name for messages; `read` returns its files.
 pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     let path = |file: &str| std::path::Path::new(folder).join(file).display().to_string();
     let fail = |file: &str, place: &str, reason: String| BakeError::Input {
@@ -154,7 +156,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     let edited = document[RECIPE_DIGEST] != digest_of(&recipe);
     let manifest = manifest_from_json(&path(MANIFEST), document["manifest"].take(), recipe)?;
     if edited {
-        // The recipe only records how the fur was made; an edit could make that record wrong.
+        // The recipe only records how the fur was made, so an edit could make the record wrong.
         Recipe::parse_recorded(&path(RECIPE), &manifest.recipe)?;
     }
     let advice = "`pelage pack` does not bake fur: undo the edit, or bake the model with this recipe";
@@ -189,9 +191,9 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     })?;
     let list = list.as_array().ok_or_else(|| fail(MANIFEST, "/sections", format!("found {list}, expected a list")))?;
     let mut sections = Vec::new();
-    // Textures by file name, in order; compared with the manifest's list below.
+    // Textures are collected by file name, in order, and compared with the manifest's list below.
     let mut textures = 0;
-    // Position of hair guides among the sections, and their files.
+    // Index of the hair guides among the sections, and their files.
     let mut guides = None;
     for (index, entry) in list.iter().enumerate() {
         let at = format!("/sections/{index}");
@@ -272,7 +274,7 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
             Some(Tag::INK) => INK,
             _ => MANIFEST,
         };
-        // Byte offsets are omitted, because they would refer to a package that does not exist.
+        // The error's byte offset is omitted, because it refers to a package that is not written.
         let reason = match error {
             FormatError::Content { reason, .. } => reason,
             other => other.to_string(),
@@ -280,8 +282,8 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         fail(file, "contents", reason)
     };
     if let Some((index, described, found)) = guides {
-        // Guides need the mesh surface at rest, which the package without them provides. Their motion is meaningless
-        // without them.
+        // Guides are read with the mesh surface at rest, taken from the package without guides. Their motion is left
+        // out too, because it requires guides.
         let skin = sections.iter().filter(|section| !matches!(section, Content::Bytes(Tag::HAIR_MOTION, _)));
         let without = assemble(version, manifest.clone(), skin.map(Content::borrowed)).map_err(faulty)?;
         let skin = Package::open(&without, &Limits::default()).and_then(|package| RestMesh::of(&package));
@@ -291,14 +293,14 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     assemble(version, manifest, sections).map_err(faulty)
 }
 
-/// Checks one texture separately, so that a fault is reported with its file and not with the future package.
+/// Validates a texture on its own, so that the error names its file.
 fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
     const NAME: &str = "texture";
     let named = Manifest { textures: vec![TextureEntry { name: NAME.into() }], ..Manifest::default() };
     let write = |manifest, section| assemble(FORMAT_VERSION, manifest, [section]);
     let Err(error) = write(named, Content::Texture(bytes.into())) else { return Ok(()) };
-    // Start of the texture: an unknown section after a manifest of the same length has the same offset. A name in a
-    // list takes eight bytes of length plus its letters.
+    // Manifest that determines the byte offset of the texture in the test package: an unknown section after a manifest
+    // of the same length has the same offset. A name in a list has eight bytes of length, then its letters.
     let same_length = Manifest { generator: " ".repeat(8 + NAME.len()), ..Manifest::default() };
     let same = write(same_length, Content::Bytes(Tag(*b"same"), bytes.into())).unwrap_or_default();
     let base = Package::open(&same, &Limits::default()).ok().and_then(|p| p.sections().get(1).map(|s| s.offset));
@@ -321,13 +323,13 @@ fn digest_of(recipe: &str) -> String {
     hex(&Sha256::digest(recipe))
 }
 
-/// Returns the file name of a section that is kept as raw bytes.
+/// Returns the file name for a section that is stored as raw bytes.
 fn raw_name(index: usize, tag: Tag) -> String {
     let safe: String = tag.0.iter().map(|b| if b.is_ascii_alphanumeric() { char::from(*b) } else { '_' }).collect();
     format!("section_{index}_{safe}.bin")
 }
 
-/// Converts a tag to text if possible, otherwise to four numbers.
+/// Converts a section tag to a string, or to four numbers if it is not text.
 fn tag_to_json(tag: Tag) -> Value {
     match std::str::from_utf8(&tag.0) {
         Ok(text) if tag.0.iter().all(u8::is_ascii_graphic) => text.into(),
@@ -343,13 +345,13 @@ fn tag_from_json(value: &Value) -> Option<Tag> {
     bytes.try_into().ok().map(Tag)
 }
 
-/// Converts the manifest without its recipe to JSON, hashes as hexadecimal digits.
+/// Converts the manifest without its recipe to JSON, with hashes in hexadecimal.
 fn manifest_to_json(manifest: &Manifest) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(manifest)?;
     if let Some(object) = value.as_object_mut() {
         object.remove("recipe");
         for (key, field) in object.iter_mut() {
-            // Quality figures and the evidence of a choice are 64-bit numbers; everything else is 32-bit.
+            // Quality figures and the evidence of a choice are f64; all other numbers are f32 and are shortened.
             if key != "quality" && key != "choice" {
                 shorten_floats(field);
             }
@@ -383,7 +385,8 @@ fn manifest_from_json(file: &str, value: Value, recipe: String) -> Result<Manife
     Ok(manifest)
 }
 
-/// Returns all files of an unpacked folder with this `manifest.json`; empty if it is not such a document.
+/// Returns the names of all files that belong to the unpacked folder with this `manifest.json`; empty for another
+/// document.
 pub fn files_of(document: &Value) -> Vec<String> {
     let (true, Some(sections)) = (document[FORM.0] == FORM.1, document["sections"].as_array()) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! `pelage validate`: lists every fault of a package, with its location.
+//! `pelage validate`: lists all faults of a package with their locations.
 
 use super::exit::{Exit, Failure};
 use super::output::Output;
@@ -22,7 +22,7 @@ pub struct ValidateArgs {
     package: PathBuf,
 }
 
-/// All faults of a package. Exit code 0 without faults, else 7.
+/// All faults of a package. The exit code is 0 without faults, else 7.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ValidateResult<'a> {
@@ -36,7 +36,7 @@ pub struct ValidateResult<'a> {
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Fault {
-    /// Tag of the section, or `head` for header and table.
+    /// Tag of the section, or `head` for the header and the section table.
     section: String,
     /// Byte offset in the package; null if the fault has no location.
     offset: Option<u64>,
@@ -70,14 +70,14 @@ fn find(file: &NamedPackage<'_>) -> Result<Vec<Fault>, Failure> {
     let limits = Limits::default();
     let package = match Package::open(&file.bytes, &limits) {
         Ok(package) => package,
-        // Not a package, or one that this version cannot validate.
+        // The file is not a package, or this version cannot validate it.
         Err(e @ (FormatError::Magic { .. } | FormatError::Version { .. })) => return Err(file.fault(e).into()),
         Err(e) if file.bytes.len() < MAGIC.len() => return Err(file.fault(e).into()),
         Err(e) => return Ok(vec![fault(&e, None, true)]),
     };
     let drawing = package.drawing_faults();
     let mut found = Package::validate(&file.bytes, &limits);
-    // Faults that the format allows, but that make a package impossible to draw.
+    // Some faults are allowed by the format, but prevent drawing.
     found.extend(drawing.iter().filter(|e| !found.contains(e)).cloned().collect::<Vec<_>>());
     let mut faults: Vec<_> = found.iter().map(|e| fault(e, Some(&package), drawing.contains(e))).collect();
     let recipe = &package.manifest().recipe;
@@ -96,7 +96,8 @@ fn fault(error: &FormatError, package: Option<&Package<'_>>, stops_drawing: bool
         let sections = package.map(Package::sections).unwrap_or_default();
         sections.iter().find(|s| (s.offset..s.offset + s.length).contains(&at)).map(|s| s.tag)
     };
-    // Errors of the container have no tag: the section is the one that contains the byte, otherwise header or table.
+    // Errors of the container have no tag. The tag is then that of the section containing the byte, or `head` outside
+    // all sections.
     let tag = error.section().or_else(|| offset.and_then(holds)).unwrap_or(Tag::HEAD);
     Fault { section: tag.to_string(), offset, message: error.to_string(), stops_drawing }
 }

@@ -1,4 +1,4 @@
-//! View of a package or a scene, from the arguments that `render` and `bench` share.
+//! View of a package or a scene, from the arguments that `render`, `bench` and `reference` share.
 
 use super::backdrop;
 use super::camera_args::CameraArgs;
@@ -13,26 +13,26 @@ use pelage_stage::{
 };
 use std::sync::Arc;
 
-/// View of a package, from the arguments that `render` and `bench` share.
+/// View of a package, from the arguments that `render`, `bench` and `reference` share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureView {
-    /// Picture, light and style.
+    /// Look: picture, light and style.
     pub look: Look,
     /// Environment map that the look names.
     pub sky: Option<Arc<Sky>>,
-    /// Camera; `None` frames what is drawn.
+    /// Camera; `None` frames everything that is drawn.
     pub camera: Option<Viewpoint>,
-    /// Framing, used without a camera.
+    /// Framing options, used without a camera.
     pub framing: Framing,
     /// Name of the clip; `None` shows the rest pose.
     pub clip: Option<String>,
-    /// Clip to blend to, and the amount.
+    /// Clip to blend to, and the amount of it.
     pub blend: Option<Blend>,
-    /// Weights of individual morph targets.
+    /// Weights of individual morph targets, which override the clips.
     pub morphs: Vec<MorphWeight>,
-    /// Time in the clips, seconds; they loop.
+    /// Time in the clips, seconds. Clips loop.
     pub time_s: f32,
-    /// Copies of the model, at least 1.
+    /// Number of copies of the model, at least 1.
     pub crowd: u32,
 }
 
@@ -53,11 +53,11 @@ impl Default for PictureView {
 }
 
 impl PictureView {
-    /// Applies the arguments to `look`.
+    /// Creates the view, and applies the look options to `look`.
     ///
     /// # Errors
     ///
-    /// Unreadable or invalid look file, or sky that it names.
+    /// Unreadable or invalid look file or environment map.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
         backdrop::check(&look)?;
@@ -67,7 +67,7 @@ impl PictureView {
         Ok(view.seen_from(&args.camera))
     }
 
-    /// Returns the view with the camera of the arguments.
+    /// Returns the view with the camera and framing of `args`.
     pub fn seen_from(self, args: &CameraArgs) -> Self {
         Self { camera: args.camera, framing: args.framing(), ..self }
     }
@@ -87,7 +87,7 @@ impl PictureView {
     pub fn frame_params(&self) -> FrameParams {
         let mut look = self.look.clone();
         if let Some(sky) = &self.sky {
-            // The lights were read with the look.
+            // The lights were already read with the look, so reading cannot fail.
             let _ = look.read_environment(&mut |_, _, _| Ok(Arc::new(sky.lights())));
         }
         look.frame_params()
@@ -98,12 +98,13 @@ impl PictureView {
         (self.look.picture.size.width, self.look.picture.size.height)
     }
 
-    /// Returns the view's own camera, or one that frames the `outline` of a model with hair of `height_m`.
+    /// Returns the view's camera. Without one, returns a camera that frames the points `outline` of a model with hair
+    /// of length `height_m`.
     pub fn viewpoint(&self, outline: &[Vec3], height_m: f32) -> Viewpoint {
         self.camera.unwrap_or_else(|| self.framing.view(outline, height_m, self.look.aspect()))
     }
 
-    /// Returns the clips that pose the model's skeleton; `package` is `file` opened.
+    /// Returns the clips that pose the skeleton of the model; `package` is the opened `file`.
     ///
     /// # Errors
     ///
@@ -118,7 +119,7 @@ impl PictureView {
         Ok(wholly.into_iter().chain(over.flatten()).collect())
     }
 
-    /// Returns the weights of individual morph targets; `package` is `file` opened.
+    /// Returns the weights of individual morph targets; `package` is the opened `file`.
     ///
     /// # Errors
     ///
@@ -132,7 +133,7 @@ impl PictureView {
         self.morphs.iter().map(found).collect()
     }
 
-    /// Returns the points of a model that the view frames; `package` is `file` opened.
+    /// Returns the points of a model that the camera must frame; `package` is the opened `file`.
     ///
     /// # Errors
     ///

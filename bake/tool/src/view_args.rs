@@ -15,7 +15,7 @@ pub struct ViewArgs {
     /// Animation clip, by name [default: the rest pose]
     #[arg(long, value_name = "NAME")]
     pub clip: Option<String>,
-    /// Second clip to blend to, from --clip or the rest pose, and the amount, 0 to 1
+    /// Second clip and the amount to blend to it, from --clip or the rest pose, 0 to 1
     #[arg(long, value_name = "NAME:SHARE")]
     pub blend: Option<Blend>,
     /// Weight of a morph target, overriding the clips; may be repeated
@@ -36,24 +36,24 @@ pub struct ViewArgs {
 /// Range of pictures of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frames {
-    /// First picture, from 0.
+    /// Index of the first picture.
     pub first: u32,
     /// End of the range, exclusive.
     pub end: u32,
-    /// Length of the whole sequence, if given.
+    /// Number of pictures in the whole sequence, if given.
     pub of: Option<u32>,
 }
 
 impl Frames {
-    /// Largest number of pictures of a sequence.
+    /// Maximum number of pictures in a sequence.
     const MOST: u32 = 100_000;
 
-    /// Returns the whole of a sequence of `count` pictures.
+    /// Returns the range of a whole sequence of `count` pictures.
     pub fn all(count: u32) -> Self {
         Self { first: 0, end: count, of: Some(count) }
     }
 
-    /// Returns the number of pictures if the range is a whole sequence.
+    /// Returns the number of pictures if the range covers the whole sequence, else `None`.
     pub fn count(self) -> Option<u32> {
         (self.of == Some(self.end) && self.first == 0).then_some(self.end)
     }
@@ -108,7 +108,7 @@ impl FromStr for Blend {
 pub struct MorphWeight {
     /// Name of the target.
     pub target: String,
-    /// Weight; finite.
+    /// Weight, a finite number.
     pub weight: f32,
 }
 

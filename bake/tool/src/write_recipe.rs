@@ -1,5 +1,5 @@
-//! `pelage bake --write-recipe`: writes the full recipe of a bake, including its choices, as a file that gives the same
-//! package.
+//! `pelage bake --write-recipe`: writes the full recipe of a bake, with the values that it chose. The file bakes to the
+//! same package.
 
 use super::exit::Failure;
 use super::output::require_parent;
@@ -16,7 +16,7 @@ use pelage_import::input_record;
 use pelage_truth::decide::{Figure, Limits};
 use std::path::{Path, PathBuf};
 
-/// Returns the canonical path of the file, with links resolved as far as it exists.
+/// Returns the canonical path of a file; links are resolved as far as the path exists.
 fn place(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
@@ -26,10 +26,10 @@ fn place(path: &Path) -> PathBuf {
 
 /// Fails early if the recipe cannot be written, or would overwrite another file of the bake.
 ///
-/// * `recipe`: the recipe file that is read, if any; it may contain comments, which the written one would lose
+/// * `recipe`: recipe file of the bake, if any; it must not be overwritten, because its comments would be lost
 pub fn require_place(path: &Path, model: &Path, package: &Path, recipe: Option<&Path>) -> Result<(), Failure> {
     require_parent(path)?;
-    let others = [("the model", Some(model)), ("the package", Some(package)), ("the recipe that is read", recipe)];
+    let others = [("the model", Some(model)), ("the package", Some(package)), ("the input recipe", recipe)];
     for (what, other) in others {
         if other.is_some_and(|other| place(other) == place(path)) {
             let text = format!("--write-recipe {}: this is {what}; choose another name", path.display());
@@ -39,9 +39,9 @@ pub fn require_place(path: &Path, model: &Path, package: &Path, recipe: Option<&
     Ok(())
 }
 
-/// Fails if the recipe at `path` would not find the same files that it names.
+/// Fails if the image names in a recipe written to `path` would not lead to the same files.
 ///
-/// * `images`: these files as read for the bake
+/// * `images`: the images as read for the bake
 pub fn require_files(path: &Path, recipe: &Recipe, images: &MapImages) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let refuse = |found: String| {
@@ -54,41 +54,41 @@ pub fn require_files(path: &Path, recipe: &Recipe, images: &MapImages) -> Result
         .map_err(|error| refuse(error.to_string()))?;
     match found.inputs.iter().find(|input| !images.inputs.contains(input)) {
         Some(other) => {
-            let text = format!("{}: it would refer to another file {:?} than this bake", path.display(), other.name);
+            let text = format!("{}: {:?} would refer to another file than in this bake", path.display(), other.name);
             Err(refuse(text))
         }
         None => Ok(()),
     }
 }
 
-/// Comment above a key that the user did not set.
+/// Comment above a key that the bake chose and the user did not set.
 const BY_BAKE: &str = "chosen by the bake";
 
-/// Returns the options with which a bake chooses, as typed; empty without any.
+/// Returns the options that make the bake choose settings, as on the command line; empty without such options.
 pub fn options(limits: &Limits, pictures: &PictureArgs) -> String {
     let limits = Figure::ALL.iter().filter_map(|figure| Some(format!("{} {}", figure.option(), limits.of(*figure)?)));
     let pictures = Some(pictures.words()).filter(|words| !words.is_empty());
     limits.chain(pictures).collect::<Vec<_>>().join(" ")
 }
 
-/// Recipe as given, and as changed by the options of the command.
+/// Recipe before and after the choices made for the command-line options.
 pub struct RecipeChoices<'a> {
-    /// Name of the model, for people.
+    /// Name of the model, for the text.
     pub model: &'a str,
-    /// Recipe as given.
+    /// Recipe before the choices.
     pub asked: &'a Recipe,
-    /// Recipe with the choices of the options.
+    /// Recipe after the choices.
     pub recipe: &'a Recipe,
-    /// Options, from [`options`].
+    /// Command-line options that required the choices, from [`options`].
     pub options: &'a str,
 }
 
 impl RecipeChoices<'_> {
-    /// Changes a package into the one that a bake with the written recipe gives, and returns that recipe.
+    /// Changes a package into the one that the written recipe bakes to, and returns that recipe.
     ///
     /// * `path`: path of the recipe to write
     /// * `inputs`: files of the model, as the package records them
-    /// * `images`: files that the recipe names
+    /// * `images`: images of the recipe
     ///
     /// # Errors
     ///
@@ -110,7 +110,8 @@ impl RecipeChoices<'_> {
         Ok(text)
     }
 
-    /// Returns the recipe: every key with its meaning, and for chosen keys the source of the choice.
+    /// Returns the text of the recipe. Every key has a comment with its meaning, and chosen keys also the source of the
+    /// choice.
     ///
     /// * `recorded`: recipe of the package, with all unset keys filled in
     /// * `decisions`: choices of the bake for unset keys
@@ -122,7 +123,7 @@ impl RecipeChoices<'_> {
         let mut recipe = Recipe::parse_recorded("the package's recipe", recorded)?;
         for Decision { what, line, .. } in decisions {
             let fault =
-                |fault| BakeError::Internal(format!("the decision on {what} is not a line of a recipe: {fault}"));
+                |fault| BakeError::Internal(format!("the decision on {what} is not a valid recipe line: {fault}"));
             recipe.merge("decision", line).map_err(fault)?;
         }
         let by_options: Vec<&str> =

@@ -1,4 +1,4 @@
-//! Tests of a written recipe's text, and of its path.
+//! Tests of the written recipe's text and path.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::*;
@@ -12,7 +12,7 @@ fn chosen_values_are_written_with_a_comment_above() {
     let asked = Recipe::parse("r.toml", "[hair]\ncoat = \"wool\"\nlean = 0.25\n").unwrap();
     let mut fitted = asked.clone();
     fitted.slice.layers = 11;
-    // Value filled in by the bake without a decision.
+    // The bake fills in this value without recording a decision.
     let mut recorded = fitted.clone();
     (recorded.hair.length_m, recorded.ink.fur) = (Some(0.031), Some(0.0));
     let decisions = [Decision::length("length of hair", "hair.length_m", 0.031)];
@@ -39,7 +39,7 @@ fn written_recipe_never_overwrites_files_of_the_bake() {
     std::fs::write(at("r.toml"), "").unwrap();
     let asked = |path: &Path| require_place(path, &at("m.glb"), &at("m.pelage"), Some(&at("r.toml")));
     assert!(asked(&at("new.toml")).is_ok());
-    for (name, what) in [("./r.toml", "the recipe that is read"), ("m.pelage", "the package"), ("m.glb", "the model")] {
+    for (name, what) in [("./r.toml", "the input recipe"), ("m.pelage", "the package"), ("m.glb", "the model")] {
         let error = asked(&at(name)).unwrap_err();
         assert!(matches!(&error, Failure::Usage(text) if text.contains(what) && text.contains(name)), "{error}");
     }

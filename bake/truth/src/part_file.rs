@@ -81,7 +81,7 @@ impl TracedPart {
             wrong("byte 0", "is not a part of a picture; expected a file written by `pelage reference --part`".into())
         })?;
         let end = rest.iter().position(|byte| *byte == b'\n');
-        let end = end.ok_or_else(|| wrong("line 2", "it does not end; the file is cut off".into()))?;
+        let end = end.ok_or_else(|| wrong("line 2", "the line does not end; the file is cut off".into()))?;
         let of: PartHeader = serde_json::from_slice(&rest[..end]).map_err(|e| wrong("line 2", e.to_string()))?;
         let squares = u64::from(of.width) * u64::from(of.height);
         if of.parts == 0 || of.part >= of.parts || squares > MOST_PIXELS || squares == 0 {

@@ -73,7 +73,11 @@ impl TrueScattering {
 fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
     match (fibre.around, fibre.keeps) {
         (AzimuthalScattering::Rough(scale), LobeShape::Energy) => Ok(TrueFibre { fibre, scale }),
-        _ => Err(BakeError::Internal("path tracing needs a fibre rough all around that conserves energy".into())),
+        _ => Err(BakeError::Internal(
+            "path tracing needs a fibre with azimuthal roughness that conserves \
+             energy"
+                .into(),
+        )),
     }
 }
 

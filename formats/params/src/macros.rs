@@ -224,7 +224,7 @@ macro_rules! tables {
             $(#[cfg($cfg)])?
             const _: () = assert!(
                 $crate::str_eq(<$ty>::TABLE.name, stringify!($table)),
-                "a table has its field's name"
+                "a table must have the name of its field"
             );
         )+
 

@@ -207,7 +207,10 @@ impl MorphChannel {
         let end = u64::from(self.target) + u64::from(self.count);
         if self.count == 0 || end > targets as u64 {
             let (first, count) = (self.target, self.count);
-            return Err(format!(" animates {count} targets from {first} on, expected at least one of the {targets}"));
+            return Err(format!(
+                " animates {count} targets from {first} on, expected at least one, all among the \
+                 {targets} targets"
+            ));
         }
         check_keys(&self.times, &self.values, self.expected_values())
     }

@@ -139,7 +139,7 @@ impl<'a> Package<'a> {
         let size = view.width;
         if view.format != TextureFormat::Rgba16Float || size < 2 || (size, layers) != (view.height, view.layers) {
             let reason = format!(
-                "is {}x{} texels of {} in {} layers, expected square {} in {layers} as tables of fibres",
+                "is {}x{} texels of {} in {} layers, expected a square of {} in {layers} layers for tables of fibres",
                 size,
                 view.height,
                 view.format.name(),
@@ -151,7 +151,11 @@ impl<'a> Package<'a> {
         let numbers = (0..view.levels).flat_map(|level| view.level(level).chunks_exact(2));
         // If all bits of the exponent are set, the number is infinity or NaN.
         if numbers.into_iter().any(|half| half[1] & 0x7c == 0x7c) {
-            return Err(self.texture_fault(info.texture, "has a number that is not finite, expected tables of fibres"));
+            return Err(self.texture_fault(
+                info.texture,
+                "has a number that is not finite, expected finite numbers in \
+                 tables of fibres",
+            ));
         }
         Ok(Some(view))
     }

@@ -59,12 +59,15 @@ impl<'a> Package<'a> {
         let fail = |at: u64, reason| FormatError::Content { tag: Tag::FINS, offset: offset + at, reason };
         let (found, parts) = (view.part_counts().len(), self.manifest().parts.len());
         if found != parts {
-            return Err(fail(4, format!("fins of {found} parts, expected the {parts} of the manifest")));
+            return Err(fail(4, format!("fins of {found} parts, expected {parts}, the part count of the manifest")));
         }
         let vertices = self.mesh()?.map_or(0, |mesh| mesh.vertex_count);
         let stands = |f: &Fin| f.a < vertices && f.b < vertices && f.slab < slabs;
         if let Some((i, fin)) = view.fins().enumerate().find(|(_, f)| !stands(f)) {
-            let reason = format!("fin {i} is {fin:?}, expected less than the {vertices} vertices and {slabs} slabs");
+            let reason = format!(
+                "fin {i} is {fin:?}, expected vertices less than {vertices} and a slab less than \
+                 {slabs}"
+            );
             return Err(fail(view.offset_of(i), reason));
         }
         Ok(())
@@ -200,15 +203,23 @@ impl<'a> FinsView<'a> {
         }
         let sum: u64 = view.part_counts().map(u64::from).sum();
         if sum != u64::from(count) {
-            return Err(fail(HEADER_BYTES, format!("the parts have {sum} fins, expected the {count} of the section")));
+            return Err(fail(
+                HEADER_BYTES,
+                format!(
+                    "the parts have {sum} fins, expected {count}, the fin count of the \
+                 section"
+                ),
+            ));
         }
         let sound = |f: &Fin| {
             let unit = (0.0..=1.0).contains(&f.start) && (0.0..=1.0).contains(&f.opacity);
             f.a != f.b && unit && f.length.is_finite()
         };
         if let Some((i, fin)) = view.fins().enumerate().find(|(_, f)| !sound(f)) {
-            let reason =
-                format!("fin {i} is {fin:?}, expected two vertices, start and opacity 0..=1 and a finite length");
+            let reason = format!(
+                "fin {i} is {fin:?}, expected two different vertices, start and opacity 0..=1 and a finite \
+                     length"
+            );
             return Err(fail(first + i as u64 * size_of::<Fin>() as u64, reason));
         }
         Ok(view)

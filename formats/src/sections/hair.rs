@@ -154,7 +154,7 @@ impl HairGroup {
         let offsets = self.guide_roots.len() as u64 * u64::from(self.guide_points.max(1) - 1);
         let lists = || {
             if self.guide_offsets.len() as u64 != offsets {
-                return Some(format!("{} points of guides, expected {offsets}", self.guide_offsets.len()));
+                return Some(format!("guide_offsets has {} entries, expected {offsets}", self.guide_offsets.len()));
             }
             if self.guide_roots.is_empty() {
                 return Some("no guide, expected one or more".into());

@@ -150,7 +150,7 @@ impl HairMotion {
                 ));
             }
             if !collider.from.iter().chain(&collider.to).all(near) {
-                return Some(format!("colliders[{i}] is {collider:?}, expected numbers within {FARTHEST_M}"));
+                return Some(format!("colliders[{i}] is {collider:?}, expected absolute values up to {FARTHEST_M}"));
             }
             let sane = collider.radius > 0.0 && collider.radius <= FARTHEST_M;
             (!sane).then(|| format!("colliders[{i}].radius is {}, expected above 0 and at most 1e6", collider.radius))

@@ -57,8 +57,8 @@ impl<'a> Package<'a> {
             let view = self.image_texture(index)?;
             if view.layers != layers || view.format.components() != 4 || view.format.is_srgb() {
                 let reason = format!(
-                    "is {} in {} layers, expected four components that are \
-                     not sRGB in {layers} as {what} of the ink style",
+                    "is {} in {} layers, expected a format with four components, not sRGB, in {layers} layers for \
+                     {what} of the ink style",
                     view.format.name(),
                     view.layers
                 );

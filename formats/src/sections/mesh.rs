@@ -62,7 +62,7 @@ impl<'a> Package<'a> {
         if view.skin.is_empty() {
             if joints > 0 && view.vertex_count > 0 {
                 return Err(fail(format!(
-                    "vertices without joints, expected joints and weights beside {joints} joints"
+                    "vertices have no joints, expected joints and weights because the skeleton has {joints} joints"
                 )));
             }
         } else {
@@ -362,7 +362,10 @@ impl<'a> MeshView<'a> {
             if !finite(&v.tile_uv) || !finite(&v.base_uv) || spare.iter().any(|b| *b != 0) {
                 let at = attributes + i as u64 * size_of::<AttributeVertex>() as u64;
                 let n = used.len();
-                let reason = format!("vertex {i} is {v:?}, expected finite numbers and groom 0 after the first {n}");
+                let reason = format!(
+                    "vertex {i} is {v:?}, expected finite numbers and a groom of 0 after its first \
+                     {n} bytes"
+                );
                 return Err(fail(reason, at));
             }
         }

@@ -43,7 +43,10 @@ impl<'a> Package<'a> {
         let parts = &self.manifest().parts;
         let (found, expected) = (view.part_count as usize, parts.len());
         if found != expected {
-            return Err(fail(4, format!("lists of {found} parts, expected the {expected} of the manifest")));
+            return Err(fail(
+                4,
+                format!("lists of {found} parts, expected {expected}, the part count of the manifest"),
+            ));
         }
         for level in 0..view.level_count as usize {
             let more = view.part_counts(level).zip(parts).position(|(found, part)| found > part.index_count);
@@ -54,7 +57,7 @@ impl<'a> Package<'a> {
         }
         let vertices = self.mesh()?.map_or(0, |mesh| mesh.vertex_count);
         if let Some(at) = view.indices().position(|index| index >= vertices) {
-            let reason = format!("index {at} is not less than the {vertices} vertices");
+            let reason = format!("index {at} is out of range, expected less than {vertices}, the vertex count");
             let first = layout(view.counts())[1];
             return Err(fail(first + 4 * at as u64, reason));
         }
@@ -191,7 +194,7 @@ impl<'a> SimplifiedView<'a> {
         }
         let sum: u64 = numbers(view.part_counts).map(u64::from).sum();
         if sum != u64::from(indices) {
-            let reason = format!("the lists have {sum} indices, expected the {indices} of the section");
+            let reason = format!("the lists have {sum} indices, expected {indices}, the index count of the section");
             return Err(fail(of_parts, reason));
         }
         Ok(view)

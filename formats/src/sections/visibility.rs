@@ -88,8 +88,8 @@ impl<'a> Package<'a> {
             let found = (view.width, view.height, view.layers);
             if found != expected || view.format.components() != 4 || view.format.is_srgb() {
                 let reason = format!(
-                    "is {}x{} texels of {} in {} layers, expected {}x{} of four components that are \
-                     not sRGB in {} as visibility of the hair",
+                    "is {}x{} texels of {} in {} layers, expected {}x{} texels with four components, not sRGB, in {} \
+                     layers for the visibility of the hair",
                     found.0,
                     found.1,
                     view.format.name(),

@@ -60,7 +60,7 @@ fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
         (12, "reserved byte"),
         (48, "reserved byte"),
         (63, "reserved byte"),
-        (304 + 22, "groom 0 after the first 2"),
+        (304 + 22, "a groom of 0 after its first 2"),
         (304 + 120, "padding byte"),
         (432 + 120, "padding byte"),
         (11, "flags are"),
@@ -116,7 +116,7 @@ fn version_1_checks_its_reserved_bytes() {
     let good = sample_package_v1();
     assert_eq!(Package::validate(&good, &LIMITS()), []);
     let mesh = section(&good, Tag::MESH).offset;
-    for (at, expected) in [(64 + 28, "lean 0 in version 1"), (64 + 31, "lean 0 in"), (304 + 20, "after the first 0")] {
+    for (at, expected) in [(64 + 28, "lean 0 in version 1"), (64 + 31, "lean 0 in"), (304 + 20, "after its first 0")] {
         let mut bytes = good.clone();
         bytes[(mesh + at) as usize] ^= 0x80;
         reseal(&mut bytes);
@@ -157,7 +157,7 @@ fn version_1_checks_its_reserved_bytes() {
     put(&mut longer, 32 + 16, &(coat.len() as u64).to_le_bytes());
     reseal(&mut longer);
     let error = Package::open(&longer, &LIMITS()).unwrap_err().to_string();
-    assert!(error.contains("bytes of coat after the manifest of version 2"), "{error}");
+    assert!(error.contains("bytes of coat follow the manifest of version 2"), "{error}");
     // In version 1 the tag of the fins is unknown.
     let any =
         PackageWriter::new(Manifest::default()).version(1).section(Tag::FINS, &b"x"[..]).section(Tag::FINS, &b""[..]);
@@ -180,14 +180,14 @@ fn fin_contents_are_checked() {
         (4, &1u32.to_le_bytes(), "padding byte is 1"),
         (4, &u32::MAX.to_le_bytes(), "fin offset is 32, expected 17179869200"),
         (8, &16u64.to_le_bytes(), "fin offset is 16, expected 32"),
-        (16, &9u32.to_le_bytes(), "the parts have 10 fins, expected the 3"),
+        (16, &9u32.to_le_bytes(), "the parts have 10 fins, expected 3"),
         (31, &[1], "padding byte is 1"),
         (first, &5u32.to_le_bytes(), "fin 0 is"),
-        (first + 4, &0u32.to_le_bytes(), "expected two vertices"),
+        (first + 4, &0u32.to_le_bytes(), "expected two different vertices"),
         (first + 24 + 8, &1.5f32.to_le_bytes(), "fin 1 is"),
         (first + 24 + 12, &nan, "a finite length"),
         (first + 20, &1.5f32.to_le_bytes(), "start and opacity 0..=1"),
-        (first + 48 + 16, &2u32.to_le_bytes(), "less than the 5 vertices and 2 slabs"),
+        (first + 48 + 16, &2u32.to_le_bytes(), "vertices less than 5 and a slab less than 2"),
     ];
     assert_one_fault_each(Tag::FINS, &cases);
     let finish = |manifest: Manifest, fins: &[FinData]| {
@@ -200,7 +200,7 @@ fn fin_contents_are_checked() {
     assert!(finish(bare(), &[sample_fins()]).contains("expected none where the manifest's fur.fins is none"));
     assert!(finish(bare(), &[sample_fins(), sample_fins()]).contains("a second section of this tag"));
     let uneven = FinData { part_counts: vec![1], ..sample_fins() };
-    assert!(finish(bare(), &[uneven]).contains("the parts have 1 fins, expected the 3"));
+    assert!(finish(bare(), &[uneven]).contains("the parts have 1 fins, expected 3"));
     // Textures without fins, and fins whose parts are not the manifest's.
     let textures = |writer: PackageWriter<'_>| {
         let package = Package::open(&good, &LIMITS()).unwrap();
@@ -210,7 +210,7 @@ fn fin_contents_are_checked() {
     let writer = || PackageWriter::new(sample_manifest()).mesh(&sample_mesh(false));
     assert!(textures(writer()).contains("section FINS number 0 is missing"));
     let one = FinData { part_counts: vec![3], ..sample_fins() };
-    assert!(textures(writer().fins(&one)).contains("fins of 1 parts, expected the 2"));
+    assert!(textures(writer().fins(&one)).contains("fins of 1 parts, expected 2"));
 }
 
 #[test]
@@ -397,10 +397,10 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.fur.wet.as_mut().unwrap().direction_texture = 8), "fur.wet.direction_texture is 8");
     refused(with(|m| m.fur.fins.as_mut().unwrap().color_texture = 8), "fur.fins.color_texture is 8");
     refused(with(|m| m.fur.fins.as_mut().unwrap().slabs = 0), "fur.fins is 8x4 texels in 0 slabs");
-    refused(with(|m| m.fur.layers = 0), "fur.layers is 0 beside fur.wet, fur.fins or a coat");
+    refused(with(|m| m.fur.layers = 0), "fur.layers is 0 but fur.wet, fur.fins or a coat is present");
     refused(with(|m| m.coat.as_mut().unwrap().height = f32::NAN), "coat.height is NaN, expected 0..=1");
     refused(with(|m| m.coat.as_mut().unwrap().light_slanted = 0.75), "coat.light_slanted is 0.75, expected 0..=0.5");
-    refused(with(|m| m.coat = None), "detail[2].step is 0, expected it only beside a coat");
+    refused(with(|m| m.coat = None), "detail[2].step is 0, expected above 0 in a package without a coat");
     refused(with(|m| m.detail[0].step = 2), "detail[0].step is 2, expected 1");
     refused(with(|m| m.detail[1].step = 4), "detail[1].step is 4, expected 2");
     refused(with(|m| m.detail[1].step = 0), "detail[1].step is 0, expected 2");
@@ -420,20 +420,20 @@ fn manifest_contents_are_checked() {
         change(manifest.choice.as_mut().unwrap());
         manifest
     };
-    refused(choice(|c| c.limits = ChoiceLimits::default()), "choice.limits has none, expected at least one");
+    refused(choice(|c| c.limits = ChoiceLimits::default()), "choice.limits sets no limit, expected at least one");
     refused(choice(|c| c.limits.max_frame_ms = Some(-1.0)), "choice.limits.max_frame_ms is -1");
     refused(
         choice(|c| c.binding = "max_frame_ms".into()),
         "choice.binding is \"max_frame_ms\", expected an empty string or one of [\"max_error\"",
     );
-    refused(choice(|c| c.height = 0), "choice is of 640x0 pixels");
+    refused(choice(|c| c.height = 0), "choice has a picture of 640x0 pixels");
     refused(choice(|c| c.trials[1].error = Some(f64::NAN)), "choice.trials[1].error is NaN");
     refused(choice(|c| c.chosen = 2), "choice.chosen is 2, expected less than the 2 trials");
     refused(choice(|c| c.next_better = Some(9)), "choice.next_better is 9");
     refused(with(|m| m.materials[1].alpha_cutoff = Some(f32::NAN)), "materials[1].alpha_cutoff is NaN");
     refused(with(|m| m.parts[0].material = 2), "parts[0].material is 2");
-    refused(with(|m| m.parts[1].first_index = 6), "parts[1] is 3 indices from 6");
-    refused(with(|m| m.parts[1].index_count = 4), "parts[1] is 4 indices");
+    refused(with(|m| m.parts[1].first_index = 6), "parts[1] has 3 indices from 6");
+    refused(with(|m| m.parts[1].index_count = 4), "parts[1] has 4 indices");
     refused(with(|m| m.textures[0].name = "../x".into()), "textures[0].name is \"../x\"");
     refused(with(|m| m.textures[2].name = "Shell_Color".into()), "is taken");
     refused(with(|m| m.quality[0].value = f64::NAN), "\"angle_distortion\" is NaN");

@@ -75,7 +75,7 @@ fn invalid_fibres_are_refused_with_the_reason() {
         file
     };
     for (texture, expected) in [
-        (tables(8, 8), "\"fibres\" is 8x8 texels of rgba16float in 8 layers, expected square rgba16float in 4"),
+        (tables(8, 8), "\"fibres\" is 8x8 texels of rgba16float in 8 layers, expected a square of rgba16float in 4"),
         (ktx2_file(TextureFormat::Rgba8Unorm, 8, 8, 4, 1, 0), "texels of rgba8unorm in 4 layers"),
         (ktx2_file(TextureFormat::Rgba16Float, 8, 4, 4, 1, 0), "is 8x4 texels of rgba16float"),
         (infinite, "has a number that is not finite"),

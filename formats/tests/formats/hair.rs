@@ -68,7 +68,7 @@ fn invalid_hair_groups_are_refused_with_the_reason() {
         (|g| g.scalp[0].0 = 1 << 20, "triangle 1048576, expected less than"),
         (|g| g.scalp.clear(), "hairs without a triangle"),
         (|g| g.guide_roots[1].1 = [40000, 40000], "guide 1: weights sum to more than 1"),
-        (|g| g.guide_offsets.truncate(5), "5 points of guides, expected 6"),
+        (|g| g.guide_offsets.truncate(5), "guide_offsets has 5 entries, expected 6"),
     ];
     for (change, expected) in cases {
         let mut group = group();

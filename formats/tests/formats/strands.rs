@@ -81,8 +81,8 @@ fn packages_without_strands_have_none() {
 fn strand_contents_are_checked() {
     type Change = fn(&mut StrandsData);
     let cases: [(Change, &str); 8] = [
-        (|s| s.roots.clear(), "for 0 strands of 3, expected one set or two"),
-        (|s| s.points.truncate(s.points.len() - 1), "points for 2 strands of 3, expected one set or two"),
+        (|s| s.roots.clear(), "for 0 strands of 3 points, expected one set or two"),
+        (|s| s.points.truncate(s.points.len() - 1), "points for 2 strands of 3 points, expected one set or two"),
         (
             |s| (s.points_per_strand, s.roots, s.points) = (1, vec![[0.0; 2]], vec![s.points[0]; 2]),
             "of 1 points, expected",
@@ -91,8 +91,8 @@ fn strand_contents_are_checked() {
             |s| (s.points_per_strand, s.roots, s.points) = (34, vec![[0.0; 2]], vec![s.points[0]; 68]),
             "of 34 points, expected",
         ),
-        (|s| s.roots[1][0] = 1.0, "a root outside the tile"),
-        (|s| s.points[2].aside[1] = f32::NAN, "a point that is not finite"),
+        (|s| s.roots[1][0] = 1.0, "a root is outside the tile"),
+        (|s| s.points[2].aside[1] = f32::NAN, "a point is not finite"),
         (|s| s.points[2].height = 1.5, "outside the fur"),
         (|s| s.points[2].radius = -1.0, "outside the fur"),
     ];

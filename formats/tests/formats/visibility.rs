@@ -59,9 +59,9 @@ fn visibility_contents_are_checked() {
         (VisibilityInfo { horizon: f32::INFINITY, ..INFO }, None, good(), "horizon is inf"),
         (VisibilityInfo { wet_texture: None, ..INFO }, None, good(), "wet_texture and the manifest's fur.wet"),
         (VisibilityInfo { texture: 9, ..INFO }, None, good(), "section KTX2 number 9 is missing"),
-        (INFO, None, ktx2_file(TEXELS, 4, 4, 3, 3, 7), "in 3 layers, expected 4x4 of four components"),
-        (INFO, None, ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 7), "that are not sRGB in 2 as visibility"),
-        (INFO, None, ktx2_file(TextureFormat::Rg8Unorm, 4, 4, 2, 3, 7), "of four components"),
+        (INFO, None, ktx2_file(TEXELS, 4, 4, 3, 3, 7), "in 3 layers, expected 4x4 texels with four components"),
+        (INFO, None, ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 2, 3, 7), "not sRGB, in 2 layers for the visibility"),
+        (INFO, None, ktx2_file(TextureFormat::Rg8Unorm, 4, 4, 2, 3, 7), "with four components"),
         (
             VisibilityInfo { wet_texture: None, ..INFO },
             Some((|m: &mut Manifest| (m.fur.layers, m.fur.wet) = (0, None)) as fn(&mut Manifest)),

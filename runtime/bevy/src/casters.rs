@@ -189,8 +189,8 @@ fn place<'a>(
     let Some(position) = position.filter(|position| position.format == VertexFormat::Float32x3 && flat) else {
         let found = position.map(|position| position.format);
         said.warn(format!(
-            "a mesh with ShadesPelage casts no shadow on fur: it has {topology:?} with positions {found:?}, expected \
-             triangles with Float32x3"
+            "a mesh with ShadesPelage casts no shadow on fur: its topology is {topology:?} and its positions are \
+             {found:?}, expected triangles with Float32x3 positions"
         ));
         return None;
     };

@@ -190,7 +190,8 @@ impl Drawing<'_> {
             match model.morph_index(name).filter(|_| weight.is_finite()) {
                 Some(index) => morphs.push((index, *weight)),
                 None => self.said.error(format!(
-                    "{}: PelageMorphs has {name:?} at {weight}, expected one of its targets at a finite weight",
+                    "{}: PelageMorphs has {name:?} with weight {weight}, expected a morph target of the model and a \
+                     finite weight",
                     package.name
                 )),
             }

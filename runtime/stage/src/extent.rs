@@ -170,6 +170,6 @@ pub fn no_match_error<'a>(
     }
     StageError::Request {
         what: format!("look-at {part:?}"),
-        reason: format!("no material and no joint with vertices of that name; {}", has.join("; ")),
+        reason: format!("no material and no joint with vertices has that name; {}", has.join("; ")),
     }
 }

@@ -120,7 +120,7 @@ impl Stage {
         let options = self.renderer.options();
         if picture.samples != options.sample_count {
             let reason = format!(
-                "found {}, expected the {} that the stage was created with",
+                "found {}, expected {}, the number that the stage was created with",
                 picture.samples, options.sample_count
             );
             return Err(StageError::Request { what: "samples".into(), reason });

@@ -51,8 +51,8 @@ pub struct ViewOptions {
 pub enum ViewError {
     /// No display is available.
     #[error(
-        "no window can be opened: {0}\nA window needs a desktop: on Linux an X server (DISPLAY; Wayland desktops bring \
-             one, Xwayland) and libxkbcommon-x11. Without one, `pelage render` draws into files."
+        "no window can be opened: {0}\nA window needs a desktop: on Linux an X server (DISPLAY; Wayland desktops \
+             provide one, Xwayland) and libxkbcommon-x11. Without one, `pelage render` draws into files."
     )]
     NoDisplay(String),
     /// No device can draw to the window, or the device was lost.
@@ -219,7 +219,11 @@ impl OpenWindow {
         let mut app = App::new(Show::new(gpu.clone()), workers, events, options.folder, options.look);
         app.panels = options.panels;
         app.lights = Lights::new(options.lights_of);
-        app.adapter = if is_software { format!("{adapter} (software: smaller while moving)") } else { adapter };
+        app.adapter = if is_software {
+            format!("{adapter} (software rendering: lower resolution while moving)")
+        } else {
+            adapter
+        };
         if let Some(path) = &options.open {
             app.open(path);
         }

@@ -120,7 +120,7 @@ impl Pass {
         let (color, size) = self.lent(color, options.color_format, "color")?;
         let (depth, depth_size) = self.lent(depth, options.depth_format, "depth")?;
         if size != depth_size {
-            return Err(asked(format!("depth: found {depth_size:?} pixels, expected those of color, {size:?}")));
+            return Err(asked(format!("depth: found {depth_size:?} pixels, expected {size:?}, the size of color")));
         }
         let camera = Camera { view_from_world: matrix(0), projection: Projection::Custom(matrix(1)) };
         let params = lit(&self.look, self.light_color).with(|params| {

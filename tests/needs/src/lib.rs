@@ -1,9 +1,9 @@
-//! Requirements of tests that a machine may lack: an adapter, test data, a C compiler, a desktop, a browser, Ninja.
+//! Optional resources that tests require: an adapter, test data, a C compiler, a desktop, a browser, Ninja.
 //!
-//! A test asks for its requirement here and passes its own name. If the requirement is missing, the test gets `None`, a
-//! message goes to stderr, and the test returns. Under `CI` a missing requirement is a failure. Each answer is written
-//! to the log named by `PELAGE_TEST_LOG`. `./run test` checks that log against [`register::REGISTER`] and fails if a
-//! registered test is missing or an unregistered one appears.
+//! A test requests its resource here and passes its own name. If the resource is missing, the test gets `None`, a
+//! message is printed to stderr, and the test returns. Under `CI` a missing resource is a failure. Each answer is
+//! written to the log named by `PELAGE_TEST_LOG`. `./run test` checks that log against [`register::REGISTER`] and fails
+//! if a registered test is missing or an unregistered one appears.
 
 pub mod register;
 
@@ -11,7 +11,7 @@ use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Requirement of a test.
+/// Optional resource that a test requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Need {
     /// An adapter that wgpu can open.
@@ -22,14 +22,14 @@ pub enum Need {
     Compiler,
     /// Virtual display and simulated input: `Xvfb` and `xdotool`.
     Desktop,
-    /// Chromium and the page built for it. The tests are in `runtime/web/tests` and write the same log.
+    /// Chromium and the web page built for it. The tests are in `runtime/web/tests` and write to the same log.
     Browser,
     /// Ninja, which runs herds.
     Ninja,
 }
 
 impl Need {
-    /// All requirements.
+    /// All resources.
     pub const ALL: [Self; 6] = [Self::Gpu, Self::Data, Self::Compiler, Self::Desktop, Self::Browser, Self::Ninja];
 
     /// Returns the name used in the log and the register.
@@ -45,7 +45,7 @@ impl Need {
     }
 }
 
-/// Logs that a test had its requirement.
+/// Logs that the resource of a test is available.
 ///
 /// # Panics
 ///
@@ -54,14 +54,14 @@ pub fn log_available(need: Need, test: &str, what: &str) {
     note("had", need, test, what);
 }
 
-/// Logs that a test lacks its requirement, and prints it to stderr.
+/// Logs that the resource of a test is missing, and prints it to stderr.
 ///
 /// # Panics
 ///
 /// If the log cannot be written, or if `CI` is set, where no test may be skipped.
 pub fn log_missing(need: Need, test: &str, why: &str) {
     note("lacked", need, test, why);
-    // Writes to the handle, because the harness captures the print macros only.
+    // Writes to the handle, because the test harness would capture the output of `eprintln!`.
     let said = writeln!(std::io::stderr(), "SKIPPED: {test} ({why})");
     assert!(said.is_ok(), "stderr cannot be written");
     assert!(!is_ci(), "{test}: {why}; CI is set, and nothing is skipped there");
@@ -69,7 +69,7 @@ pub fn log_missing(need: Need, test: &str, why: &str) {
 
 fn note(how: &str, need: Need, test: &str, words: &str) {
     let Some(path) = std::env::var_os("PELAGE_TEST_LOG") else { return };
-    // A single write in append mode keeps the lines of concurrent tests whole.
+    // In append mode, a single write cannot be interleaved with lines of concurrent tests.
     let line = format!("{how}\t{}\t{test}\t{}\n", need.name(), words.replace(['\n', '\t'], " "));
     let written =
         OpenOptions::new().append(true).create(true).open(&path).and_then(|mut f| f.write_all(line.as_bytes()));

@@ -1,12 +1,12 @@
 //! Checks the log of a complete test run against the register: `needs LOG`.
 //!
-//! Exit code 0: every registered test had its requirement. 77: some tests lacked theirs and are listed. 1: a test is
-//! missing or unknown, or the log cannot be read.
+//! Exit code 0: the resource of every registered test was available. 77: some tests lacked theirs and are listed. 1: a
+//! test is missing or unknown, or the log cannot be read.
 
 use pelage_needs::register::{REGISTER, check};
 use std::process::ExitCode;
 
-/// Exit code for skipped tests, as in other projects' harnesses; read by `run`.
+/// Exit code for skipped tests, as in harnesses of other projects; the script `run` reads it.
 const WENT_WITHOUT: u8 = 77;
 
 fn main() -> ExitCode {

@@ -1,19 +1,19 @@
-//! Register of all tests with requirements, and the check of a log against it.
+//! Register of all tests that require a resource, and the check of a log against it.
 
 use crate::Need;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Committed list; one line per test: name of the requirement, a space, name of the test.
+/// Committed list with one line per test: name of the resource, a space, name of the test.
 pub const REGISTER: &str = include_str!("../register.txt");
 
-/// Requirement and name of a test.
+/// Resource and name of a test.
 pub type Entry = (Need, String);
 
 /// Parses a register.
 ///
 /// # Errors
 ///
-/// The first line with an unknown requirement, without a test, or that repeats an earlier one.
+/// The first line with an unknown resource, without a test name, or that repeats an earlier line.
 pub fn entries(register: &str) -> Result<BTreeSet<Entry>, String> {
     let mut all = BTreeSet::new();
     for (number, line) in register.lines().enumerate() {
@@ -31,12 +31,12 @@ fn need_by_name(word: &str) -> Option<Need> {
     Need::ALL.into_iter().find(|n| n.name() == word)
 }
 
-/// Summary of a complete test run.
+/// Result of a complete test run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RunSummary {
-    /// Number of tests that had their requirement, per requirement.
+    /// Number of tests whose resource was available, per resource.
     pub had: BTreeMap<Need, usize>,
-    /// Registered tests that lacked their requirement, with the reason that each logged.
+    /// Registered tests whose resource was missing, with the logged reason.
     pub lacked: BTreeMap<Entry, String>,
 }
 
@@ -44,8 +44,8 @@ pub struct RunSummary {
 ///
 /// # Errors
 ///
-/// All faults: malformed log lines, registered tests that did not ask for their requirement, and tests that asked but
-/// are not registered.
+/// All faults: malformed log lines, registered tests that did not request their resource, and tests that did but are
+/// not registered.
 pub fn check(register: &str, log: &str) -> Result<RunSummary, Vec<String>> {
     let registered = entries(register).map_err(|e| vec![format!("register: {e}")])?;
     let (mut faults, mut had, mut lacked) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
@@ -68,7 +68,7 @@ pub fn check(register: &str, log: &str) -> Result<RunSummary, Vec<String>> {
     let mut roll = RunSummary::default();
     for (need, test) in registered {
         let key = (need.name(), test.as_str());
-        // A test that asks several times counts as served only if every request was served.
+        // A test that requests a resource several times lacked it if any of the requests failed.
         if let Some(why) = lacked.get(&key) {
             roll.lacked.insert((need, test.clone()), (*why).to_owned());
         } else if had.contains(&key) {
@@ -94,7 +94,7 @@ mod tests {
         let roll = check(LIST, LOG).unwrap();
         assert_eq!(roll.had, BTreeMap::from([(Need::Gpu, 2), (Need::Data, 1)]));
         assert!(roll.lacked.is_empty());
-        // Repeated requests count once.
+        // Checks that repeated requests count once.
         assert_eq!(check(LIST, &format!("{LOG}{LOG}")), Ok(roll));
     }
 

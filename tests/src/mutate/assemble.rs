@@ -1,6 +1,6 @@
-//! Packages with arbitrary sections: laid out as the format requires, with valid checksums.
+//! Assembles packages from arbitrary sections, with a valid layout and valid checksums.
 
-/// Operations of the fuzz targets on a package: open it, use everything in it, update its checksums.
+/// Operations of the fuzz targets on packages: open a package, use everything in it, and update its checksums.
 #[path = "../../../formats/fuzz/src/bodies.rs"]
 mod bodies;
 
@@ -11,14 +11,14 @@ use pelage_formats::{Limits, MAGIC, Package};
 /// Tag and contents of a section.
 pub type Section = ([u8; 4], Vec<u8>);
 
-/// Size of the header and of one table entry, bytes.
+/// Size of the header, and of each entry in the section table, bytes.
 const ENTRY: usize = 32;
 
 /// Returns the version and the sections of a valid package.
 ///
 /// # Panics
 ///
-/// If it does not open.
+/// If the package is invalid.
 pub fn sections(package: &[u8]) -> (u32, Vec<Section>) {
     let package = Package::open(package, &Limits::default()).unwrap_or_else(|e| panic!("a base that opens: {e}"));
     let bytes = |index: usize| {
@@ -29,7 +29,7 @@ pub fn sections(package: &[u8]) -> (u32, Vec<Section>) {
     (package.version(), list.collect())
 }
 
-/// Makes a package of the given sections.
+/// Assembles a package from the given sections.
 pub fn assemble(version: u32, sections: &[Section]) -> Vec<u8> {
     let mut table = Vec::new();
     let mut data = Vec::new();

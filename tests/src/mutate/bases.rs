@@ -1,5 +1,5 @@
-//! Bases of the cases: a small model with every feature that a model can have, recipes, a scene, a look, and packages
-//! baked from them.
+//! Valid inputs that the mutation run damages: a small model with every feature, recipes, a scene, a look, and
+//! packages.
 
 use super::case::Entry;
 use super::hair_files::{self, HAIR};
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;
 
-/// Settings for the smallest possible bake.
+/// Bake options for the smallest possible package.
 pub const SMALL: [&str; 16] = [
     "--threads",
     "1",
@@ -106,7 +106,7 @@ base_color_max = 64
 "##
 );
 
-/// Scene of two models of one package.
+/// Scene with two models that use the same package.
 pub const SCENE: &str = concat!(
     r##"# Two models, paths, a camera that moves.
 [look.picture]
@@ -204,7 +204,7 @@ ink_printed_lines = false
 ink_anchoring = "surface"
 "##;
 
-/// Box with every notation of a face corner, materials and an image.
+/// Box in OBJ format with every notation of a face corner, materials and an image.
 pub const OBJ: &str = "\
 # box
 mtllib a.mtl
@@ -242,34 +242,34 @@ l 1 2
 /// Materials of [`OBJ`].
 pub const MTL: &str = "# skins\nnewmtl a\nKd 1 0.5 0\nmap_Kd -s 1 1 -clamp on ./a.png\nnewmtl b\nKd 0.5\nd 0.5\n";
 
-/// All bases.
+/// Valid inputs that the cases damage.
 #[derive(Clone, Debug)]
 pub struct Bases {
-    /// Packages with display names.
+    /// Packages, each with a name for messages.
     pub packages: Vec<(&'static str, Vec<u8>)>,
-    /// Unpacked packages with a valid recipe, as entries below `in/`.
+    /// Unpacked packages with a valid recipe; their entries are in the folder `in/`.
     pub folders: Vec<(&'static str, Vec<Entry>)>,
-    /// glTF document and its buffer, which includes the images.
+    /// glTF document and its buffer, which contains the images.
     pub model: (Value, Vec<u8>),
     /// Compressed models as document and buffer; empty without the test data.
     pub packed: Vec<(&'static str, Value, Vec<u8>)>,
-    /// `a.png`.
+    /// Contents of `a.png`.
     pub png: Vec<u8>,
-    /// `b.jpg`.
+    /// Contents of `b.jpg`.
     pub jpg: Vec<u8>,
-    /// Recipes: two with everything that a recipe can name, for fur and for hair on guides, and one with all keys as
-    /// recorded in a package.
+    /// Recipes. Two contain everything that a recipe can name, one for fur and one for hair on guides; the third has
+    /// all keys, as recorded in a package.
     pub recipes: Vec<(&'static str, String)>,
-    /// Strands in every format that a recipe can name.
+    /// Files of strands in every format that a recipe can name.
     pub guides: Vec<Entry>,
 }
 
 impl Bases {
-    /// Makes the bases; packages are baked with the real binary.
+    /// Creates the valid inputs. Packages are baked with the real binary.
     ///
     /// # Errors
     ///
-    /// If a base does not bake, or a file cannot be read or written.
+    /// If a package cannot be baked, or a file cannot be read or written.
     pub fn make() -> anyhow::Result<Self> {
         let (png, jpg) = (picture(ImageFormat::Png)?, picture(ImageFormat::Jpeg)?);
         let model = model(&png, &jpg);
@@ -304,7 +304,7 @@ impl Bases {
             ("plain", plain),
             ("hairy", hairy),
         ];
-        // The golden package's recipe has a key that does not exist in recipes, for other tests.
+        // The recipe is cleared, because that of the golden package contains an unknown key for other tests.
         let v3 = with_manifest(&v3, |manifest| manifest.recipe.clear());
         let mut folders = Vec::new();
         for (name, bytes) in
@@ -316,17 +316,17 @@ impl Bases {
         Ok(Self { packages, folders, model, packed: compressed()?, png, jpg, recipes, guides })
     }
 
-    /// Returns both images.
+    /// Returns both images as files.
     pub fn images(&self) -> Vec<Entry> {
         vec![Entry::file("a.png", &*self.png), Entry::file("b.jpg", &*self.jpg)]
     }
 
-    /// Returns the model as `m.glb`.
+    /// Returns the model as the file `m.glb`.
     pub fn glb(&self) -> Entry {
         Entry::File("m.glb".into(), glb(&self.model.0, &self.model.1))
     }
 
-    /// Returns the model as a document that refers to external files, and those files.
+    /// Returns the model as a document with external files, and those files.
     pub fn gltf(&self) -> (Value, Vec<Entry>) {
         let (mut document, bin) = self.model.clone();
         document["buffers"][0]["uri"] = json!("m.bin");
@@ -346,7 +346,7 @@ pub fn glb(document: &Value, bin: &[u8]) -> Vec<u8> {
     glb_of_text(&document.to_string(), bin)
 }
 
-/// Encodes a .glb file as [`glb`] does, but from a text that need not be JSON.
+/// Encodes a .glb file like [`glb`], but from a text that may be invalid JSON.
 ///
 /// # Panics
 ///
@@ -355,7 +355,7 @@ pub fn glb_of_text(text: &str, bin: &[u8]) -> Vec<u8> {
     container_of_text(text.into(), bin).unwrap_or_else(|e| panic!("a small model: {e}"))
 }
 
-/// Encodes a picture with varying colours and a dark stroke from left to right, as small as a scanned stroke may be.
+/// Encodes a picture that has varying colours, and a dark horizontal stroke of the minimum size for a scanned stroke.
 fn picture(format: ImageFormat) -> anyhow::Result<Vec<u8>> {
     const SIZE: u32 = 48;
     let texel = |x: u32, y: u32| {
@@ -369,7 +369,7 @@ fn picture(format: ImageFormat) -> anyhow::Result<Vec<u8>> {
     Ok(out.into_inner())
 }
 
-/// Makes a box of twelve triangles with two joints, two clips, two textured materials, vertex colours and a morph
+/// Returns a box of twelve triangles with two joints, two clips, two textured materials, vertex colours and a morph
 /// target.
 fn model(png: &[u8], jpg: &[u8]) -> (Value, Vec<u8>) {
     let mut buffer = Buffer::default();
@@ -508,7 +508,7 @@ fn unpacked(folder: &Path, package: &[u8]) -> anyhow::Result<Vec<Entry>> {
         let name = format!("in/{}", file.file_name().to_string_lossy());
         entries.push(Entry::File(name, std::fs::read(file.path())?));
     }
-    // The system lists a folder in arbitrary order.
+    // The order in which the system lists a folder is undefined.
     entries.sort_by(|a, b| a.name().cmp(b.name()));
     std::fs::remove_dir_all(folder.join("in"))?;
     Ok(entries)

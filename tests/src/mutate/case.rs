@@ -1,4 +1,5 @@
-//! Single case: files in an otherwise empty folder, the commands run on them, and the requirements on their output.
+//! Case of the mutation run: files in an otherwise empty folder, the commands to run on them, and the requirements on
+//! their output.
 
 use std::path::Path;
 
@@ -9,7 +10,7 @@ pub enum Entry {
     File(String, Vec<u8>),
     /// Empty folder.
     Folder(String),
-    /// Symbolic link and its target.
+    /// Symbolic link, and its target.
     Link(String, String),
 }
 
@@ -19,7 +20,7 @@ impl Entry {
         Self::File(name.into(), bytes.into())
     }
 
-    /// Returns the path within the folder.
+    /// Returns the path of the entry, relative to the folder.
     pub fn name(&self) -> &str {
         match self {
             Self::File(name, _) | Self::Folder(name) | Self::Link(name, _) => name,
@@ -30,7 +31,7 @@ impl Entry {
     ///
     /// # Errors
     ///
-    /// If the system refuses.
+    /// If the entry cannot be written.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
         let path = folder.join(self.name());
         if let Some(parent) = path.parent() {
@@ -41,7 +42,8 @@ impl Entry {
             Self::Folder(_) => std::fs::create_dir_all(path),
             #[cfg(unix)]
             Self::Link(_, target) => std::os::unix::fs::symlink(target, path),
-            // A file that contains the link's target is a fault as well.
+            // Without symbolic links, a file with the link's target as its text is written instead, which is invalid as
+            // well.
             #[cfg(not(unix))]
             Self::Link(_, target) => std::fs::write(path, target),
         }
@@ -51,32 +53,32 @@ impl Entry {
 /// Requirement on the output of a command that exits with 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputCheck {
-    /// No further requirement.
+    /// No requirement.
     Nothing,
-    /// Package that `pelage validate` accepts.
+    /// The output is a package that `pelage validate` accepts.
     Validates,
-    /// Folder from which `pelage pack` makes an identical package.
+    /// The output is a folder from which `pelage pack` makes an identical package.
     PacksBack,
 }
 
-/// Run of `pelage`.
+/// Command of a case: one run of `pelage`.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Arguments.
+    /// Command-line arguments.
     pub args: Vec<String>,
-    /// Output in the case's folder; must exist if and only if the exit code is 0.
+    /// Name of the output in the case's folder. It must exist if and only if the exit code is 0.
     pub makes: Option<&'static str>,
     /// Requirement on the output.
     pub then: OutputCheck,
 }
 
 impl Step {
-    /// Returns a command that writes nothing.
+    /// Creates a command without an output file.
     pub fn reads(args: &[&str]) -> Self {
         Self { args: args.iter().map(|a| (*a).to_owned()).collect(), makes: None, then: OutputCheck::Nothing }
     }
 
-    /// Returns a command that writes `output`.
+    /// Creates a command that writes `output`.
     pub fn makes(args: &[&str], output: &'static str, then: OutputCheck) -> Self {
         Self { makes: Some(output), then, ..Self::reads(args) }
     }
@@ -85,29 +87,29 @@ impl Step {
 /// Files, and the commands run on them.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Description of the change, for messages.
+    /// Description of the damage, for messages.
     pub what: String,
-    /// Contents of the folder. A later entry replaces an earlier one of the same name.
+    /// Contents of the folder. An entry replaces earlier entries of the same name.
     pub entries: Vec<Entry>,
     /// Commands, in order.
     pub steps: Vec<Step>,
-    /// Name of the package entry, which is checked in this process as well.
+    /// Name of the package, if any, that is also checked in this process.
     pub package: Option<&'static str>,
 }
 
 impl Case {
-    /// Makes a case with `entries` over those of its base.
+    /// Creates a case from the entries of `base`, some of which `entries` replace.
     pub fn new(what: String, base: &[Entry], entries: Vec<Entry>, steps: Vec<Step>) -> Self {
         let stays = |old: &&Entry| !entries.iter().any(|new| new.name() == old.name());
         let all = base.iter().filter(stays).cloned().chain(entries.iter().cloned()).collect();
         Self { what, entries: all, steps, package: None }
     }
 
-    /// Replaces the contents of a folder by the case's files.
+    /// Replaces the contents of a folder with the files of the case.
     ///
     /// # Errors
     ///
-    /// If the system refuses.
+    /// If a file cannot be removed or written.
     pub fn write_into(&self, folder: &Path) -> std::io::Result<()> {
         if folder.exists() {
             std::fs::remove_dir_all(folder)?;

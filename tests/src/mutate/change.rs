@@ -1,9 +1,9 @@
-//! Changes to bytes, JSON and TOML, with the tables of replacement values.
+//! Random changes to bytes, JSON, TOML and words, with tables of replacement values.
 
 use super::random::Random;
 use serde_json::Value;
 
-/// Replacements for fields of 4 or 8 bytes: integer limits, and floats that are not numbers, too large or too small.
+/// Replacement values for fields of 4 or 8 bytes: limits of integers; NaN, infinities, and very large or small floats.
 const NUMBERS: [u64; 24] = [
     0,
     1,
@@ -31,13 +31,13 @@ const NUMBERS: [u64; 24] = [
     0x7ff8_0000_0000_0000, // NaN of 64 bits
 ];
 
-/// Changes some bytes and returns a description.
+/// Changes some bytes, and returns a description of the change.
 pub fn bytes(bytes: &mut Vec<u8>, random: &mut Random) -> String {
     if bytes.is_empty() {
         bytes.push(random.next_u64() as u8);
         return "a byte added".into();
     }
-    // Half of the changes are within the first 128 bytes, where most files have their headers.
+    // Half of the changes are in the first 128 bytes, where most files have their headers.
     let reach = if random.below(2) == 0 { bytes.len() } else { bytes.len().min(128) };
     let at = random.below(reach);
     let most = *random.pick(&[4, 64, 1024]);
@@ -53,7 +53,7 @@ pub fn bytes(bytes: &mut Vec<u8>, random: &mut Random) -> String {
             format!("byte {at} is {}", bytes[at])
         }
         3..=5 => {
-            // Fields are aligned to four bytes in data read in place, and unaligned in encoded data.
+            // Fields are aligned to four bytes in sections that are read in place, but not in encoded data.
             let at = if random.below(2) == 0 { at & !3 } else { at };
             let (number, width) = (*random.pick(&NUMBERS), *random.pick(&[4, 8]));
             for (byte, new) in bytes[at..].iter_mut().zip(&number.to_le_bytes()[..width]) {
@@ -81,7 +81,7 @@ pub fn bytes(bytes: &mut Vec<u8>, random: &mut Random) -> String {
     }
 }
 
-/// Replacements for JSON values; some are not valid JSON.
+/// Replacement values for JSON; some are invalid.
 const JSON: [&str; 44] = [
     "null",
     "true",
@@ -129,10 +129,10 @@ const JSON: [&str; 44] = [
     "{\"a\": 1}",
 ];
 
-/// Placeholder for a value inserted as text; does not occur in any base.
+/// Placeholder for a replacement that is inserted as text; it does not occur in any valid input.
 const MARK: &str = "\u{fffd}changed\u{fffd}";
 
-/// Collects the JSON pointers of all values of a document except the root.
+/// Collects the JSON pointers of all values in a document except the root.
 fn pointers(value: &Value, here: &str, out: &mut Vec<String>) {
     let mut add = |key: &str, value: &Value| {
         let key = key.replace('~', "~0").replace('/', "~1");
@@ -147,15 +147,15 @@ fn pointers(value: &Value, here: &str, out: &mut Vec<String>) {
     }
 }
 
-/// Returns a number close to `value` or of similar size: typical errors of indices, counts and offsets.
+/// Returns a number close to `value` or of similar magnitude, as in typical errors of indices, counts and offsets.
 fn near_number(value: &Value, random: &mut Random) -> Option<String> {
     let number = value.as_f64()?;
     let whole = |x: f64| if number.fract() == 0.0 && x.fract() == 0.0 { format!("{x:.0}") } else { format!("{x:e}") };
     Some(whole(*random.pick(&[number + 1.0, number - 1.0, number * 2.0, -number, number / 2.0, number * 1e6])))
 }
 
-/// Returns the description of a change and the document's text with that one value changed. Consecutive cases change
-/// consecutive values, so that a run of many cases covers all.
+/// Changes one value of a document. Returns a description and the text of the changed document. The value is chosen by
+/// `turn`, so that consecutive cases cover all values.
 pub fn json(document: &Value, turn: u64, random: &mut Random) -> (String, String) {
     let mut all = Vec::new();
     pointers(document, "", &mut all);
@@ -166,7 +166,7 @@ pub fn json(document: &Value, turn: u64, random: &mut Random) -> (String, String
     let (parent, key) = place.rsplit_once('/').unwrap_or(("", place));
     let mut changed = document.clone();
     let old = document.pointer(place).cloned().unwrap_or_default();
-    // Inserted as text, since a JSON tree cannot hold all replacements.
+    // The replacement is inserted as text, because a JSON tree cannot hold invalid values.
     let text = match random.below(10) {
         0 => {
             match changed.pointer_mut(parent) {
@@ -188,7 +188,7 @@ pub fn json(document: &Value, turn: u64, random: &mut Random) -> (String, String
             }
             _ => old.to_string(),
         },
-        // In an object the same key twice; in a list an additional element.
+        // An object gets the same key twice; a list gets an additional element.
         2 => format!("{old}, {}{}", if key.parse::<usize>().is_ok() { "" } else { "@" }, random.pick(&JSON)),
         3 => {
             let other = random.pick(&all);
@@ -210,7 +210,7 @@ pub fn json(document: &Value, turn: u64, random: &mut Random) -> (String, String
     (format!("{place} = {short}"), changed.to_string().replacen(&Value::from(MARK).to_string(), &text, 1))
 }
 
-/// Replacements for values of a TOML file; some are not valid TOML.
+/// Replacement values for TOML; some are invalid.
 const TOML: [&str; 50] = [
     "nan",
     "-nan",
@@ -264,8 +264,8 @@ const TOML: [&str; 50] = [
     "",
 ];
 
-/// Changes one line of the text; consecutive cases change consecutive lines, as in [`json`]. A value must end on the
-/// line on which it begins.
+/// Changes one line of a TOML text. The line is chosen by `turn`, as in [`json`]. A value must end on the line on which
+/// it begins.
 pub fn toml(text: &str, turn: u64, random: &mut Random) -> (String, String) {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let with_words = |line: &String| !line.trim().is_empty() && !line.starts_with('#');
@@ -276,7 +276,7 @@ pub fn toml(text: &str, turn: u64, random: &mut Random) -> (String, String) {
     let (key, value) = (key.trim(), value.trim());
     let number: Option<f64> = value.parse().ok();
     let changed = match random.below(20) {
-        // Numbers close to the current one, mostly within its range.
+        // Scales the number by a small factor, which often keeps it within its range.
         16.. if number.is_some_and(|number| number != 0.0) => {
             let factor = *random.pick(&[0.1, 0.5, 2.0, 3.0, 10.0, -1.0]);
             let whole = value.parse::<i64>().is_ok();
@@ -298,7 +298,7 @@ pub fn toml(text: &str, turn: u64, random: &mut Random) -> (String, String) {
             format!("{key} = {other}")
         }
         7 => {
-            // One digit of the value, which may be nested deep in a list.
+            // Changes one digit of the value, which may be deep inside a list.
             let digits: Vec<usize> = value.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
             let new = *random.pick(&["nan", "-", "e", "9", "999999999999", ".", "\"x\""]);
             let place = if digits.is_empty() { value.len() } else { *random.pick(&digits) };
@@ -310,7 +310,7 @@ pub fn toml(text: &str, turn: u64, random: &mut Random) -> (String, String) {
             format!("{key} = {}{}", "[".repeat(depth), "]".repeat(depth))
         }
         8 => {
-            // Truncates the text within the line, at a character boundary.
+            // Truncates the text in this line, at a character boundary.
             let cut = random.below(line.len());
             let cut = (0..=cut).rev().find(|i| line.is_char_boundary(*i)).unwrap_or(0);
             lines.truncate(at + 1);
@@ -323,7 +323,7 @@ pub fn toml(text: &str, turn: u64, random: &mut Random) -> (String, String) {
     (format!("line {}: {short:?} for {line:?}", at + 1), lines.join("\n") + "\n")
 }
 
-/// Replacements for words of a text such as an OBJ file.
+/// Replacement words for a text such as an OBJ file.
 const WORDS: [&str; 26] = [
     "",
     "-1",
@@ -353,7 +353,7 @@ const WORDS: [&str; 26] = [
     "ä",
 ];
 
-/// Removes, duplicates or replaces a word or line of the text.
+/// Removes, duplicates or replaces a word or line of a text.
 pub fn words(text: &str, random: &mut Random) -> (String, String) {
     let by_line = random.below(3) == 0;
     let mut pieces: Vec<&str> = text.split_inclusive(if by_line { &['\n'][..] } else { &[' ', '\n'] }).collect();

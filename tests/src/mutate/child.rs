@@ -1,4 +1,4 @@
-//! Run of the real binary with a time limit, and its peak memory.
+//! Runs the real binary with a time limit, and measures its peak memory.
 
 use crate::binary::pelage;
 use std::fs::File;
@@ -6,10 +6,10 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Result of a run.
+/// Result of a process.
 #[derive(Clone, Debug)]
 pub struct ProcessResult {
-    /// Exit code; `None` if a signal ended the process, including the time limit.
+    /// Exit code; `None` if the process was ended by a signal or killed at the time limit.
     pub code: Option<i32>,
     /// Whether the run exceeded the time limit and was killed.
     pub too_long: bool,
@@ -23,20 +23,20 @@ pub struct ProcessResult {
     pub peak: u64,
 }
 
-/// Polling interval. Memory grows slower than this: writing a gigabyte takes a tenth of a second.
+/// Polling interval of the peak memory. It is short enough: filling a gigabyte takes a tenth of a second.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// Runs `pelage` in a folder, for at most `limit`. Output goes to files in `notes`, so that no pipe can fill up.
+/// Runs `pelage` in a folder, for at most `limit`. Its output goes to files in `notes`, because a pipe could fill up.
 ///
 /// # Errors
 ///
-/// If the system refuses to start the process, or to create or read those files.
+/// If the process cannot be started, or those files cannot be created or read.
 pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std::io::Result<ProcessResult> {
     let [out, err] = ["stdout", "stderr"].map(|name| notes.join(name));
     let mut command = Command::new(pelage());
     command.args(args).current_dir(folder).stdin(Stdio::null());
     command.stdout(File::create(&out)?).stderr(File::create(&err)?);
-    // Mesa looks there for a display, and writes to stderr if the variable is unset.
+    // If the variable is unset, Mesa prints lines to stderr.
     command.env("XDG_RUNTIME_DIR", notes);
     let begun = Instant::now();
     let mut child = command.spawn()?;
@@ -57,10 +57,10 @@ pub fn run(args: &[String], folder: &Path, notes: &Path, limit: Duration) -> std
     Ok(ProcessResult { code: status.code(), too_long, stdout: text(&out)?, stderr: text(&err)?, seconds, peak })
 }
 
-/// Returns the peak memory of a process so far, bytes. Linux reports it, other systems do not.
+/// Returns the peak memory of a running process, bytes; 0 on systems other than Linux.
 fn peak_memory(child: &Child) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-    // Until `exec`, the new process is a copy of this one, with all its memory.
+    // Before `exec`, the child is a copy of this process and has its memory size.
     if !status.starts_with("Name:\tpelage\n") {
         return 0;
     }

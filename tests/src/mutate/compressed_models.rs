@@ -1,4 +1,4 @@
-//! Compressed models: streams of Draco and meshopt, and their descriptions in the documents.
+//! Cases of compressed models: streams of Draco and meshopt, and their descriptions in the glTF documents.
 
 use super::bases::{Bases, glb, glb_of_text};
 use super::case::{Case, Entry};
@@ -6,7 +6,7 @@ use super::change;
 use super::models::bake;
 use super::random::Random;
 
-/// Makes a case. The bases must contain compressed models.
+/// Creates a case. `bases` must contain compressed models.
 pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     let (name, document, bin) = random.pick(&bases.packed);
     let (how, file) = if random.below(4) == 0 {

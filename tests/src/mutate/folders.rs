@@ -1,4 +1,4 @@
-//! Unpacked folders: fields of the manifest, the animation and the mesh, and replaced files.
+//! Cases of unpacked folders: changed fields of the manifest, the animation and the mesh, and replaced files.
 
 use super::bases::{Bases, chunks, glb, glb_of_text};
 use super::case::{Case, Entry, OutputCheck, Step};
@@ -6,8 +6,7 @@ use super::change;
 use super::random::Random;
 use serde_json::Value;
 
-/// Targets of links in the folder: an endless device, the link itself, a missing file, a folder, a file of another
-/// type.
+/// Targets of symbolic links: an endless device, the link itself, a missing file, a folder, and a file of another type.
 const TARGETS: [&str; 5] = ["/dev/zero", "", "gone", "..", "manifest.json"];
 
 /// Makes a case.
@@ -24,7 +23,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
         11 => strands(base, random),
         _ => replacement(base, random),
     };
-    // A removed entry is left out of the base.
+    // The entry is removed from the base, so that a removed file stays removed.
     let base: Vec<Entry> = base.iter().filter(|entry| entry.name() != file).cloned().collect();
     let steps = vec![Step::makes(&["pack", "in", "out.pelage"], "out.pelage", OutputCheck::Validates)];
     Case::new(format!("{name}: {file}: {how}"), &base, entry.into_iter().collect(), steps)
@@ -48,7 +47,7 @@ fn document(base: &[Entry], name: &str, turn: u64, random: &mut Random) -> FileC
     (name.into(), how, Some(Entry::file(name, text)))
 }
 
-/// Changes the mesh: its document or its buffer.
+/// Changes the mesh file, either its document or its buffer.
 fn mesh(base: &[Entry], turn: u64, random: &mut Random) -> FileChange {
     const NAME: &str = "in/mesh.glb";
     let Some((document, mut bin)) = bytes_of(base, NAME).and_then(chunks) else { return change_bytes(base, random) };
@@ -67,7 +66,7 @@ fn recipe(base: &[Entry], turn: u64, random: &mut Random) -> FileChange {
     (NAME.into(), how, Some(Entry::file(NAME, text)))
 }
 
-/// Changes the bytes of any file.
+/// Changes bytes of a random file.
 fn change_bytes(base: &[Entry], random: &mut Random) -> FileChange {
     let name = random.pick(base).name().to_owned();
     let mut bytes = bytes_of(base, &name).unwrap_or_default().to_vec();
@@ -75,7 +74,7 @@ fn change_bytes(base: &[Entry], random: &mut Random) -> FileChange {
     (name.clone(), how, Some(Entry::File(name, bytes)))
 }
 
-/// Changes the bytes of a strand file, mostly of its header.
+/// Changes bytes of a strand file, mostly in its header.
 fn strands(base: &[Entry], random: &mut Random) -> FileChange {
     let files: Vec<&str> = base.iter().map(Entry::name).filter(|name| name.ends_with(".hair")).collect();
     if files.is_empty() {
@@ -94,7 +93,7 @@ fn strands(base: &[Entry], random: &mut Random) -> FileChange {
     (name.clone(), how, Some(Entry::File(name, bytes)))
 }
 
-/// Replaces a file by a different entry or removes it.
+/// Replaces a file with a different entry, or removes it.
 fn replacement(base: &[Entry], random: &mut Random) -> FileChange {
     let name = random.pick(base).name().to_owned();
     let (how, entry) = match random.below(5) {

@@ -1,4 +1,4 @@
-//! Strand files named by recipes: `.hair`, `.tfx`, text, lines of a glTF.
+//! Cases of strand files that recipes name: `.hair`, `.tfx`, text, and lines in glTF.
 
 use super::bases::{Bases, SMALL, chunks, glb, glb_of_text};
 use super::case::{Case, Entry, OutputCheck, Step};
@@ -6,7 +6,7 @@ use super::change;
 use super::hair_files::recipe_of;
 use super::random::Random;
 
-/// Byte offsets of the numbers in file headers.
+/// Byte offsets of the numbers in the headers of strand files.
 const HEADS: [(&str, &[usize]); 3] =
     [("g.hair", &[0, 4, 8, 12, 16]), ("g3.tfx", &[0, 4, 8, 144, 148]), ("g4.tfx", &[0, 4, 8, 12])];
 
@@ -44,7 +44,7 @@ fn change_header(bytes: &mut [u8], at: usize, random: &mut Random) -> String {
     format!("{new} in place of {old} at byte {at}")
 }
 
-/// Changes lines in a glTF, stored in one file or in two.
+/// Changes a glTF file that contains lines. The buffer is in the same file or in a second one.
 fn lines(file: &[u8], turn: u64, random: &mut Random) -> (String, Vec<Entry>) {
     let Some((mut document, mut bin)) = chunks(file) else { unreachable!("a whole .glb") };
     match random.below(4) {

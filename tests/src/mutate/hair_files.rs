@@ -1,4 +1,4 @@
-//! Hair on guides as bases: a recipe that names strands in each supported format, and those files.
+//! Valid inputs with hair on guides: a recipe that names strands in each supported format, and the strand files.
 
 use super::case::Entry;
 use anyhow::Context as _;
@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use pelage_bake::strands::export::StrandFormat;
 use pelage_bake::strands::{CurvePoint, Curves};
 
-/// Recipe with every key of groups and tufts, and the strands of the tile.
+/// Recipe with every key of groups and tufts, and with strands for the tile.
 pub const HAIR: &str = r##"# Hair that is no coat.
 [strands]
 enabled = true
@@ -84,14 +84,14 @@ enabled = false
 bc_quality = "fast"
 "##;
 
-/// Returns the recipe for a single file of guides.
+/// Returns a recipe that uses a single file of guides.
 pub fn recipe_of(file: &str) -> String {
     let head = "[strands]\n[[strands.group]]\nname = \"guides\"\nhairs = 12\nloose_m = 10\nscale_m = 1.0\n";
     format!("{head}file = \"{file}\"\n")
 }
 
-/// Encodes the same eight strands in each format. They have two to five points; the roots are side by side above the
-/// model.
+/// Encodes the same eight strands in each format. They have two to five points, and their roots are side by side above
+/// the model.
 pub fn files() -> anyhow::Result<Vec<Entry>> {
     let points = |strand: u32| {
         (0..2 + strand % 4).map(move |k| CurvePoint {
@@ -117,7 +117,7 @@ pub fn files() -> anyhow::Result<Vec<Entry>> {
     Ok(out)
 }
 
-/// Encodes a TressFX file of the given version: four strands of three points.
+/// Encodes a TressFX file of the given version, with four strands of three points.
 fn tfx(version: u32) -> Vec<u8> {
     const STRANDS: u32 = 4;
     const POINTS: u32 = 3;

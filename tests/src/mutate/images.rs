@@ -1,4 +1,4 @@
-//! Images: PNG and JPEG files named by models and recipes, KTX2 files in unpacked folders.
+//! Cases of images: PNG and JPEG files that models and recipes name, and KTX2 files in unpacked folders.
 
 use super::bases::{Bases, MAPS};
 use super::case::{Case, Entry, OutputCheck, Step};
@@ -26,7 +26,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     }
 }
 
-/// Returns one of the two images with changed bytes; PNG files mostly with valid checksums.
+/// Returns one of the images with changed bytes. The checksums of PNG files are mostly updated.
 fn image(bases: &Bases, random: &mut Random) -> (String, Entry) {
     let (name, mut bytes) = match random.below(3) {
         0 => ("b.jpg", bases.jpg.clone()),
@@ -44,7 +44,7 @@ fn image(bases: &Bases, random: &mut Random) -> (String, Entry) {
     (format!("{name}: {how}"), Entry::File(name.into(), bytes))
 }
 
-/// Changes the width, height, bit depth or colour type in the header.
+/// Changes the width, height, bit depth or colour type in the header of a PNG.
 fn size(png: &mut [u8], random: &mut Random) -> String {
     let at = *random.pick(&[16, 20]);
     let size = *random.pick(&[0, 1, 9, 255, 16_384, 65_536, 0x7fff_ffff, u32::MAX]);
@@ -59,7 +59,7 @@ fn size(png: &mut [u8], random: &mut Random) -> String {
     how
 }
 
-/// Updates the checksum of each chunk of a PNG, as far as its lengths are valid.
+/// Updates the checksums of a PNG's chunks, up to the first invalid length.
 fn seal_png(bytes: &mut [u8]) {
     let mut at = 8;
     while let Some(length) =

@@ -1,4 +1,4 @@
-//! Decides whether a case shows a fault of pelage.
+//! Decides whether a case reveals a fault of pelage.
 
 use super::assemble;
 use super::case::{Case, Entry, OutputCheck, Step};
@@ -17,17 +17,17 @@ use std::time::Duration;
 pub const SECONDS: u64 = 10;
 /// Memory limit of a command, bytes.
 pub const BYTES: u64 = 1 << 30;
-/// Exit codes allowed for bad input: success, usage, file system, bad input, faults found.
+/// Exit codes that bad input may cause: success, usage, file system, bad input, faults found.
 const CODES: [i32; 5] = [0, 1, 2, 3, 7];
 
 /// Outcome of a case.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// Number of runs per command and exit code; keys like `bake 3`.
+    /// Number of runs for each command and exit code; the keys are like `bake 3`.
     pub exits: BTreeMap<String, u64>,
     /// Faults of pelage.
     pub faults: Vec<String>,
-    /// Whether a command took too long, which may be the fault of a busy machine.
+    /// Whether a command exceeded the time limit, which may only mean that the machine was busy.
     pub slow: bool,
     /// Duration of the longest command, seconds.
     pub seconds: f64,
@@ -42,7 +42,7 @@ impl Outcome {
     }
 }
 
-/// Runtime in which every package must load, unless it has a fault that stops drawing.
+/// Runtime that must load every package, unless `validate` finds a fault that prevents drawing.
 #[derive(Debug)]
 pub struct Loader {
     gpu: Gpu,
@@ -62,14 +62,14 @@ impl Loader {
         Ok(Self { gpu, renderer: Mutex::new(renderer) })
     }
 
-    /// Loads a package. Exceeding a limit of the device is not a fault of the package.
+    /// Loads a package. A package that exceeds a limit of the device is not faulty.
     ///
     /// # Errors
     ///
     /// The runtime's error message, or the message of a panic.
     pub fn load(&self, bytes: &[u8]) -> Result<(), String> {
         let loaded = catch_unwind(AssertUnwindSafe(|| {
-            // A panic while the lock was held is reported; the run continues.
+            // The lock may be poisoned by an earlier panic, which was reported; the run continues.
             let renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
             let loaded = renderer.load_bytes(bytes).map(drop);
             (loaded, self.gpu.wait())
@@ -88,7 +88,7 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
 
-/// Folder for cases, emptied before each, and a folder beside it for the output of commands.
+/// Folder for cases, emptied before each, and a separate folder for the output of commands.
 #[derive(Debug)]
 pub struct CaseRunner {
     folder: tempfile::TempDir,
@@ -99,7 +99,7 @@ impl CaseRunner {
     ///
     /// # Errors
     ///
-    /// If the system refuses.
+    /// If a folder cannot be created.
     pub fn new() -> std::io::Result<Self> {
         let out = Self { folder: tempfile::tempdir()? };
         std::fs::create_dir(out.notes())?;
@@ -115,11 +115,11 @@ impl CaseRunner {
         self.folder.path().join("notes")
     }
 
-    /// Replaces the files of the previous case by those of `case`.
+    /// Replaces the files of the previous case with those of `case`.
     ///
     /// # Errors
     ///
-    /// If the system refuses.
+    /// If a file cannot be removed or written.
     pub fn write_case(&self, case: &Case) -> std::io::Result<()> {
         case.write_into(&self.case())
     }
@@ -128,13 +128,13 @@ impl CaseRunner {
     ///
     /// # Errors
     ///
-    /// If the system refuses files or processes.
+    /// If files cannot be written, or processes cannot be started.
     pub fn judge(&self, case: &Case, loader: Option<&Loader>) -> std::io::Result<Outcome> {
         self.write_case(case)?;
         let mut outcome = Outcome::default();
         let mut drawable = None;
         for step in &case.steps {
-            // Without a loader there may be no adapter.
+            // Without a loader there may be no adapter, so nothing is drawn.
             if step.args[0] == "render" && loader.is_none() {
                 continue;
             }
@@ -185,7 +185,7 @@ impl CaseRunner {
             outcome.fault(step, format!("exit code {code} without a message"));
         }
         let named = |entry: &Entry| said.contains(entry.name().rsplit('/').next().unwrap_or_default());
-        // A missing file is not an entry, but its folder is an argument.
+        // The message may name a missing file, which has no entry; its folder is an argument.
         let below = |arg: &String| said.contains(&format!("{arg}/")) || said.contains(&format!("{arg}:"));
         if ended.code == Some(3) && !case.entries.iter().any(named) && !step.args.iter().any(below) {
             outcome.fault(step, format!("exit code 3 and no file named: {said}"));
@@ -247,7 +247,7 @@ impl CaseRunner {
     }
 }
 
-/// Returns whether `validate --json` found nothing that stops drawing; `None` if it could not judge.
+/// Returns whether `validate --json` found no fault that prevents drawing; `None` if it could not validate the package.
 fn drawable_by(ended: &ProcessResult) -> Option<bool> {
     if !matches!(ended.code, Some(0 | 7)) {
         return None;
@@ -256,8 +256,8 @@ fn drawable_by(ended: &ProcessResult) -> Option<bool> {
     Some(answer["faults"].as_array()?.iter().all(|fault| fault["stops_drawing"] == false))
 }
 
-/// Checks a package in this process. The formats must not panic on it. The runtime must draw it if and only if
-/// `validate` says so. Returns the faults, and whether the package loads if that was tried.
+/// Checks a package in this process. The formats crate must not panic on it. The runtime must load it if and only if
+/// `drawable` is true. Returns the faults, and whether the package loads, if that was tried.
 fn check_in_process(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader>) -> (Vec<String>, Option<bool>) {
     let (mut faults, mut loads) = (Vec::new(), None);
     let used = catch_unwind(|| assemble::open(bytes) && !assemble::round_trip(bytes));

@@ -1,16 +1,16 @@
-//! Mutation run: tens of thousands of damaged inputs through the real binary, each judged by exit code, output and
+//! Mutation run: runs the real binary on tens of thousands of damaged inputs. Each is judged by exit code, output and
 //! files left behind.
 //!
-//! A case depends only on the seed, its kind and its number. A command has a fault if it
+//! A case depends only on the seed, its kind and its number. A command is at fault if it
 //!
 //! * panics, is ended by a signal, or exits with a code other than 0, 1, 2, 3 and 7,
 //! * takes longer than [`judge::SECONDS`], also when run alone, or holds more memory than [`judge::BYTES`],
 //! * exits with 0, and its output is missing or is a package that `pelage validate` rejects,
-//! * exits with another code and leaves something behind, or prints no message, or, with 3, names no file;
+//! * exits with another code and leaves something behind, or prints no message, or, with 3, names no file.
 //!
-//! and a package shows a fault if
+//! A package reveals a fault if
 //!
-//! * the formats panic on it, or cannot write it again although it is valid,
+//! * the formats crate panics on it, or cannot write it again although it is valid,
 //! * `validate --json` finds nothing that stops drawing, but the runtime does not load it, or vice versa,
 //! * `unpack` succeeds, and `pack` does not make the same bytes from the result.
 
@@ -45,9 +45,9 @@ use std::time::Instant;
 /// Kind of input.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// Name in `--only`.
+    /// Name for `--only`.
     pub name: &'static str,
-    /// Share of all cases, per cent.
+    /// Percentage of all cases.
     pub share: u64,
     make: fn(&Bases, u64, &mut Random) -> Case,
 }
@@ -63,19 +63,19 @@ pub const KINDS: [Kind; 7] = [
     Kind { name: "guides", share: 6, make: guides::case },
 ];
 
-/// Cases to run, and how to run them.
+/// Cases to run, and the number to run at once.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Kind and number of each case.
+    /// Index of the kind and number of each case.
     pub cases: Vec<(usize, u64)>,
-    /// Number of concurrent cases.
+    /// Number of cases to run at once.
     pub jobs: usize,
 }
 
 impl Plan {
-    /// Plans `cases` cases in all, each kind with its share.
+    /// Plans a total of `cases` cases, divided among the kinds by their percentages.
     pub fn all(seed: u64, cases: u64, jobs: usize) -> Self {
         let of_kind = |(kind, k): (usize, &Kind)| (0..(cases * k.share).div_ceil(100)).map(move |i| (kind, i));
         Self { seed, cases: KINDS.iter().enumerate().flat_map(of_kind).collect(), jobs }
@@ -87,14 +87,14 @@ impl Plan {
     }
 }
 
-/// Results of the cases of a kind.
+/// Results of all cases of a kind.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Number of cases run.
     pub cases: u64,
-    /// Number of runs per command and exit code; keys like `bake 3`.
+    /// Number of runs for each command and exit code; the keys are like `bake 3`.
     pub exits: BTreeMap<String, u64>,
-    /// Number and description of each case that shows a fault, with its faults.
+    /// Cases that reveal faults: number, description, and the faults.
     pub faults: Vec<(u64, String, Vec<String>)>,
     /// Duration of the longest command, seconds.
     pub seconds: f64,
@@ -128,13 +128,13 @@ pub struct Report {
 }
 
 impl Report {
-    /// Returns the number of cases that show a fault.
+    /// Returns the number of cases that reveal a fault.
     pub fn faulty(&self) -> usize {
         self.tallies.iter().map(|tally| tally.faults.len()).sum()
     }
 
-    /// Formats a table with a row per kind. Below it each fault is listed once, with its frequency and the first case
-    /// that shows it.
+    /// Formats a table with a row per kind, followed by a list of faults. Each fault is listed once, with its frequency
+    /// and the first case that reveals it.
     pub fn text(&self, seed: u64) -> String {
         let mut out =
             "| kind | cases | exits | faults | longest, s | peak, MiB |\n|---|---|---|---|---|---|\n".to_owned();
@@ -154,7 +154,7 @@ impl Report {
             let mut classes: BTreeMap<String, (u64, u64, &str, &str)> = BTreeMap::new();
             for (index, what, faults) in &tally.faults {
                 for fault in faults {
-                    // Numbers differ from case to case and are removed.
+                    // Digits are removed, so that faults that differ only in numbers count as the same.
                     let class: String = fault.chars().filter(|c| !c.is_ascii_digit()).take(160).collect();
                     classes.entry(class).or_insert((0, *index, what, fault)).0 += 1;
                 }
@@ -173,16 +173,16 @@ impl Report {
 
 /// Runs the cases of a plan.
 ///
-/// * `loader`: runtime in which packages must load; `None` skips that and all drawing
-/// * `keep`: folder for inputs that show a fault, each in a subfolder with its commands
+/// * `loader`: runtime that must load packages; `None` skips loading and drawing
+/// * `keep`: folder for the inputs of cases with faults, each in a subfolder with its commands
 ///
 /// # Errors
 ///
-/// If a base cannot be made, or the system refuses files or processes.
+/// If a valid input cannot be created, files cannot be written, or processes cannot be started.
 ///
 /// # Panics
 ///
-/// If a case cannot be made, which is a fault of this chore.
+/// If a case cannot be created, which is a fault of this chore.
 pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow::Result<Report> {
     let begun = Instant::now();
     let bases = Bases::make().context("the bases")?;
@@ -202,7 +202,7 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
             let Some((kind, index)) = cases.get(at) else { break };
             if at > 0 && at.is_multiple_of(2000) {
                 let seconds = begun.elapsed().as_secs();
-                // Progress report, since a run takes a quarter of an hour.
+                // Progress is printed, because a run takes a quarter of an hour.
                 eprintln!("{at} of {} cases after {seconds} s, now {}", cases.len(), KINDS[*kind].name);
             }
             let case = make(plan.seed, *kind, *index, &bases);
@@ -222,7 +222,7 @@ pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow:
     for (kind, index, what, mut outcome) in outcomes {
         let case = || make(plan.seed, kind, index, &bases);
         if outcome.slow {
-            // The machine may have been busy, so the case runs once more.
+            // The machine may have been busy, so a slow case is run again.
             outcome = bench.judge(&case(), loader)?;
         }
         if let Some(keep) = keep.filter(|_| !outcome.faults.is_empty()) {
@@ -238,7 +238,7 @@ fn make(seed: u64, kind: usize, index: u64, bases: &Bases) -> Case {
     (KINDS[kind].make)(bases, index, &mut Random::for_case(seed, kind as u64, index))
 }
 
-/// Writes the files of a case into a folder of its own, with the commands to run there.
+/// Writes the files of a case into its own subfolder, with the commands to run there.
 fn keep(case: &Case, outcome: &Outcome, folder: &Path) -> anyhow::Result<()> {
     case.write_into(folder)?;
     let mut text = format!("# {}\n", case.what.replace('\n', " "));

@@ -1,12 +1,12 @@
-//! Models: both forms of glTF, and OBJ.
+//! Cases of models: glTF (both forms) and OBJ.
 
 use super::bases::{Bases, MTL, OBJ, SMALL, glb, glb_of_text};
 use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::random::Random;
 
-/// Bakes as small as possible to `out.pelage`, whose contents must all be valid. Every other bake skips the ink style,
-/// which takes as long as everything else.
+/// Returns the commands that bake `model` to `out.pelage` as small as possible. The package must be valid. Every other
+/// bake skips the ink style, which takes as long as everything else.
 pub fn bake(model: &str, more: &[&str], turn: u64) -> Vec<Step> {
     let ink: &[&str] = if turn.is_multiple_of(2) { &["--set", "ink.enabled=false"] } else { &[] };
     let args = [&["bake", model, "-o", "out.pelage"][..], &SMALL, ink, more].concat();
@@ -74,7 +74,7 @@ fn obj(bases: &Bases, how: String, entries: Vec<Entry>, turn: u64) -> Case {
     Case::new(how, &base, entries, bake("m.obj", &[], turn))
 }
 
-/// Changes the file header or a chunk header.
+/// Changes the header of the file or of a chunk.
 fn change_header(file: &mut Vec<u8>, random: &mut Random) -> String {
     let document = u32::from_le_bytes([file[12], file[13], file[14], file[15]]) as usize;
     let at = *random.pick(&[0, 4, 8, 12, 16, 20 + document, 24 + document]);

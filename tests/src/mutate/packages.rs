@@ -1,4 +1,5 @@
-//! Packages: arbitrary bytes, the table of sections, and the contents of sections, with valid and invalid checksums.
+//! Cases of packages: changes to arbitrary bytes, the section table, and section contents, with valid and invalid
+//! checksums.
 
 use super::assemble::{assemble, reseal, sections};
 use super::bases::Bases;
@@ -9,10 +10,9 @@ use pelage_formats::{Animation, HairGroup, Limits, Manifest, Morphs, Package, Ta
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Interval at which cases are drawn; a frame takes as long as many other commands.
+/// Interval between the cases that are drawn; a frame takes as long as many other commands.
 const DRAWN: u64 = 8;
-/// Maximum number of attempts to change a field to a value of its type. Fields that never fit are left to changes of
-/// bytes.
+/// Maximum number of attempts to give a field another value of its type. After that, bytes are changed instead.
 const TRIES: u64 = 12;
 
 /// Makes a case.
@@ -24,7 +24,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
             (change::bytes(&mut bytes, random), bytes)
         }
         1 | 2 => {
-            // Header and table, with valid checksums.
+            // Changes the header or the section table, and updates the checksums.
             let mut bytes = base.clone();
             let how = if random.below(2) == 0 {
                 change::bytes(&mut bytes, random)
@@ -56,7 +56,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     Case { package: Some("a.pelage"), ..Case::new(format!("{name}: {how}"), &[], entries, steps) }
 }
 
-/// Changes a field of the header or of a table entry.
+/// Changes a field of the header or of an entry in the section table.
 fn change_header(bytes: &mut [u8], random: &mut Random) -> String {
     let count = bytes.get(12).copied().unwrap_or(0);
     let at = 8 + 4 * random.below(6 + 8 * usize::from(count));
@@ -112,8 +112,8 @@ fn change_table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     (how, assemble(version, &list))
 }
 
-/// Changes a field of the manifest, the animation, the morph targets or the hair on guides. The value has the right
-/// type but need not make sense.
+/// Changes a field of the manifest, the animation, the morph targets or the hair on guides. The new value has the right
+/// type, but may be meaningless.
 fn change_field(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);
     let package = Package::open(base, &Limits::default());
@@ -140,14 +140,14 @@ fn change_field(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>
     (format!("{tag}: {how}"), assemble(version, &list))
 }
 
-/// Changes one field of the value and encodes it as a section.
+/// Changes one field of `value`, and encodes the result as a section.
 fn encode_changed<T: Serialize + DeserializeOwned>(
     value: &T,
     turn: u64,
     random: &mut Random,
 ) -> Option<(String, Vec<u8>)> {
     let document = serde_json::to_value(value).ok()?;
-    // Fixed width, little-endian: the encoding specified in `FORMAT.md`.
+    // `FORMAT.md` specifies this encoding: integers of fixed width, little-endian.
     let config = bincode::config::standard().with_little_endian().with_fixed_int_encoding();
     (0..TRIES).find_map(|_| {
         let (how, text) = change::json(&document, turn, random);
@@ -156,11 +156,11 @@ fn encode_changed<T: Serialize + DeserializeOwned>(
     })
 }
 
-/// Changes the bytes of one section. The package is laid out again for any length, so that the section readers see the
-/// change.
+/// Changes the bytes of one section. The package is reassembled with the new length, so that the change reaches the
+/// section readers.
 fn change_bytes(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);
-    // The manifest holds most fields and is chosen in half of the cases.
+    // Half of the cases change the manifest, because it has most of the fields.
     let at = if random.below(2) == 0 { 0 } else { random.below(list.len()) };
     let mut how = Vec::new();
     for _ in 0..=random.below(2) {

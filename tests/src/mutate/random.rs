@@ -1,4 +1,4 @@
-//! Random numbers that are the same on all machines.
+//! Random numbers that are reproducible on all machines.
 
 /// Random number generator shared with the formats' own tests of damaged packages.
 #[path = "../../../formats/tests/formats/common/random.rs"]
@@ -7,8 +7,7 @@ mod numbers;
 pub use numbers::Random;
 
 impl Random {
-    /// Returns the random numbers of one case. They depend only on the three arguments, so that a case can be repeated
-    /// alone.
+    /// Returns the random numbers of one case. They depend only on the arguments, so a single case can be repeated.
     pub fn for_case(seed: u64, kind: u64, index: u64) -> Self {
         let mut out = Self(seed);
         out.0 = out.next_u64() ^ kind;

@@ -1,11 +1,11 @@
-//! Texts written by people: recipes, scenes and looks.
+//! Cases of texts that people write: recipes, scenes and looks.
 
 use super::bases::{Bases, LOOK, SCENE};
 use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::random::Random;
 
-/// Makes a case. Recipes are twice as frequent as scenes and looks, which take longer if valid.
+/// Creates a case. Recipes are twice as frequent as scenes and looks, which take longer if they are valid.
 pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     match random.below(6) {
         0..=3 => recipe(bases, turn, random),

@@ -1,5 +1,5 @@
-//! Checks that the committed models match the code that makes them, and have the properties that recipes and other
-//! tests rely on.
+//! Checks that the committed models equal those that the code generates, and have the properties that recipes and tests
+//! rely on.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -23,13 +23,13 @@ fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets").join(name)
 }
 
-/// Returns the hare, which takes seconds to make and is shared by the tests.
+/// Returns the hare. Generating it takes seconds, so the tests share it.
 fn hare() -> &'static Model {
     static HARE: OnceLock<Model> = OnceLock::new();
     HARE.get_or_init(|| hare::model().unwrap())
 }
 
-/// Returns the ox, shared like the hare; the other animals and the hills follow.
+/// Returns the ox, which the tests share.
 fn ox() -> &'static Model {
     static OX: OnceLock<Model> = OnceLock::new();
     OX.get_or_init(|| ox::model().unwrap())
@@ -65,7 +65,7 @@ fn bounds(p: &Primitive) -> [DVec3; 2] {
     [positions().fold(DVec3::MAX, |m, &p| m.min(p)), positions().fold(DVec3::MIN, |m, &p| m.max(p))]
 }
 
-/// Returns the mesh surface of an animal as one primitive: all materials except the balls of its eyes and nose.
+/// Returns the mesh surface of an animal as one primitive. It includes all materials except the eyeballs and the nose.
 fn whole_skin(model: &Model) -> Primitive {
     let mut whole = Primitive::new(&model.name, 0);
     for p in model.primitives.iter().filter(|p| !["eyes", "nose"].contains(&p.name.as_str())) {
@@ -84,14 +84,14 @@ fn report(p: &Primitive) -> ChartReport {
     charts::report(&p.positions, &p.uvs, &p.triangles)
 }
 
-/// Bit pattern of a position; equal for all copies of a vertex along a seam.
+/// Bit pattern of a position; the same for all copies of a vertex along a seam.
 type PositionKey = [u64; 3];
 
 fn key(p: DVec3) -> PositionKey {
     p.to_array().map(|x| (x + 0.0).to_bits())
 }
 
-/// Counts the uses of every undirected edge per direction, after merging equal positions.
+/// Counts how often each edge is used in each direction, after vertices with equal positions are merged.
 fn edges(p: &Primitive) -> BTreeMap<[PositionKey; 2], [u32; 2]> {
     let mut edges: BTreeMap<_, [u32; 2]> = BTreeMap::new();
     for t in &p.triangles {
@@ -108,7 +108,7 @@ fn is_closed_manifold(p: &Primitive) -> bool {
     edges(p).values().all(|ways| *ways == [1, 1])
 }
 
-/// Returns vertices - edges + triangles after merging equal positions: 2 for a ball, 0 for a torus.
+/// Returns the Euler characteristic, after vertices with equal positions are merged: 2 for a ball, 0 for a torus.
 fn euler_characteristic(p: &Primitive) -> i64 {
     let edges = edges(p);
     let vertices: BTreeSet<_> = edges.keys().flatten().collect();
@@ -151,7 +151,7 @@ fn committed_patterns_match_their_generators_and_tile() {
         let path = folder("patterns").join(format!("{name}.png"));
         let committed = image::open(&path).unwrap().into_rgb8();
         assert!(committed == made, "{} differs from what the code makes; run make_assets", path.display());
-        // Neighbours across the border differ no more than inside.
+        // Across the border, neighbouring texels must differ no more than inside.
         let step = |x0: u32, x1: u32| -> f64 {
             let rows = (0..patterns::SIDE)
                 .map(|y| (made[(x0, y)][0].abs_diff(made[(x1, y)][0]), made[(y, x0)][0].abs_diff(made[(y, x1)][0])));
@@ -185,7 +185,7 @@ fn the_ox_is_as_large_as_a_water_buffalo() {
     let [low, high] = bounds(&skin);
     assert!(low.y.abs() < 0.01, "it stands on the ground: {}", low.y);
     assert!((2.5..3.1).contains(&(high.z - low.z)), "{low} {high}");
-    // Positions of the materials: hooves at the bottom, horns above the back, the muzzle foremost.
+    // Checks where the materials are: hooves at the bottom, horns above the back, the muzzle foremost.
     let [hooves, horns, muzzle] = ["hooves", "horns", "muzzle"].map(|name| bounds(part(ox(), name)));
     assert!(hooves[1].y < 0.12 && horns[0].y > 0.9 && muzzle[0].z > 1.4, "{hooves:?} {horns:?} {muzzle:?}");
     assert_eq!(horns[1].y, high.y);
@@ -217,7 +217,7 @@ fn pony_has_correct_proportions_and_hair_regions() {
     assert!(pony().to_glb().unwrap().len() <= 600_000);
     let [low, high] = bounds(&skin);
     assert!(low.y.abs() < 0.005 && (1.25..1.4).contains(&high.y), "it stands on the ground, ears up: {low} {high}");
-    // 1 m at the withers: the highest point of the mesh surface above the elbows.
+    // The height at the withers, the highest point of the mesh surface above the elbows, must be 1 m.
     let withers = skin.positions.iter().filter(|p| (0.0..0.15).contains(&p.z)).map(|p| p.y).fold(0.0, f64::max);
     assert!((0.98..1.05).contains(&withers), "{withers}");
     let [crest, poll, dock, hooves] = ["crest", "poll", "dock", "hooves"].map(|name| part(pony(), name));
@@ -231,7 +231,7 @@ fn pony_has_correct_proportions_and_hair_regions() {
     assert!(bounds(poll)[0].y > 1.15 && bounds(poll)[0].z > withers.z && width(poll) < 0.07, "{:?}", bounds(poll));
     assert!(bounds(dock)[1].z < -0.5 && bounds(dock)[0].y > 0.6, "{:?}", bounds(dock));
     assert!(bounds(hooves)[1].y < 0.08, "{:?}", bounds(hooves));
-    // Short hair on the face, hardly any at the eyes.
+    // Checks that hair is short on the face, and almost absent at the eyes.
     let (coat, eyes) = (part(pony(), "body"), part(pony(), "eyes"));
     let to_eye = |p: DVec3| eyes.positions.iter().map(|e| e.distance(p)).fold(f64::MAX, f64::min);
     let lids = coat.positions.iter().zip(&coat.colors).filter(|(p, _)| to_eye(**p) < 0.003);
@@ -283,7 +283,7 @@ fn hills_are_ordered_in_depth_and_the_path_is_flat() {
     for pair in ridges.windows(2) {
         assert!(pair[1][1].z < pair[0][0].z && pair[1][1].y > pair[0][1].y, "{ridges:?}");
     }
-    // Ground for the animals, with nothing in front that hides their feet.
+    // Checks that the animals have ground to stand on, and that nothing in front hides their feet.
     let path = part(hills(), "path");
     assert!(path.positions.iter().all(|p| p.y.abs() < 1e-6 && p.z.abs() < 1.4), "{:?}", bounds(path));
     let [left, right] = bounds(path);
@@ -292,7 +292,7 @@ fn hills_are_ordered_in_depth_and_the_path_is_flat() {
         assert!(p.z < 0.0 || p.y < 1e-6, "{p} stands before the path");
         assert!(p.z.abs() > 1.6 || p.y.abs() < 1e-6, "{p} is not flat");
     }
-    // The ridges reach below the ground, since a floating foot of a ridge would show a gap.
+    // The foot of a ridge must be below the ground, because a gap would be visible otherwise.
     assert!(ridges.iter().all(|r| r[0].y < -1.0), "{ridges:?}");
 }
 
@@ -346,7 +346,7 @@ fn the_hares_hair_is_short_round_its_eyes_and_long_on_its_back() {
 
 #[test]
 fn hare_triangles_are_well_shaped() {
-    // 1 for an equilateral triangle, 0 for a sliver.
+    // The quality of a triangle is 1 if it is equilateral and 0 if it is a sliver.
     let quality = |[a, b, c]: [DVec3; 3]| {
         let squares = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
         2.0 * 3.0_f64.sqrt() * (b - a).cross(c - a).length() / squares
@@ -395,11 +395,11 @@ fn tube_seams_are_whole_tiles_apart() {
     }
 }
 
-/// Joint of a foot, and rest position of its tip.
+/// Joint of a foot, and position of the foot's tip at rest.
 type Foot = (usize, DVec3);
 
-/// Returns the models with a skeleton, with their feet, and with the distance (m) and duration (s) of a cycle of a
-/// gait.
+/// Returns the models with a skeleton, each with a gait, its feet, and the distance (m) and duration (s) of a cycle of
+/// the gait.
 fn animals() -> Vec<(&'static Model, &'static str, Vec<Foot>, [f64; 2])> {
     vec![
         (hare(), "Walk", hare_rig::feet(), [hare_rig::HOP_M, hare_rig::HOP_S]),
@@ -438,8 +438,8 @@ fn joint_weights_sum_to_one_and_clips_loop() {
     assert_eq!(names, ["EarBreath", "Walk"]);
 }
 
-/// Returns, for `steps` moments of a gait, the height of a foot's tip above its lowest (m) and its backward speed
-/// (m/s).
+/// Samples a foot's tip at `steps` times of a gait. Returns its height above the lowest point (m) and its backward
+/// speed (m/s).
 fn foot_path(model: &Model, gait: &str, (joint, tip): Foot, seconds: f64, steps: u32) -> Vec<[f64; 2]> {
     let clip = model.clips.iter().find(|c| c.name == gait).unwrap();
     let at = |k: u32| {
@@ -458,7 +458,7 @@ fn feet_on_the_ground_move_at_its_speed() {
         let high = model.primitives[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
         for foot in feet {
             let path = foot_path(model, gait, foot, seconds, 48);
-            // Excludes the moments of touch-down and lift-off.
+            // Touch-down and lift-off are excluded.
             let low = |k: usize| path[k % 48][0] < 0.006 * high;
             let down: Vec<f64> = (0..48).filter(|&k| low(k + 47) && low(k) && low(k + 1)).map(|k| path[k][1]).collect();
             let (slow, fast) = down.iter().fold((f64::MAX, f64::MIN), |m, v| (m.0.min(*v), m.1.max(*v)));
@@ -482,7 +482,7 @@ fn every_recipe_parses_and_names_materials_that_exist() {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let recipe = Recipe::parse(&name, &fs::read_to_string(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
         recipe.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
-        // Each model is made once, when its recipe comes up.
+        // Each model is generated only once, for its recipe.
         let model = match name.as_str() {
             "hare.toml" => Some(hare()),
             "ox.toml" => Some(ox()),

@@ -1,11 +1,11 @@
-//! Checks the floors of the crates: which crate may depend on which, by `cargo tree`.
+//! Checks the layering of the crates with `cargo tree`: which crate may depend on which.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::workspace;
 use std::collections::BTreeSet;
 use std::process::Command;
 
-/// Returns the stdout of a cargo command in this workspace, run without network access.
+/// Runs a cargo command in this workspace without network access, and returns its stdout.
 pub fn cargo(command: &str, arguments: &[&str]) -> String {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
@@ -18,7 +18,7 @@ pub fn cargo(command: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Returns the names of all crates that a normal build of `package` links, including itself.
+/// Returns the names of all crates that a normal build of `package` links, itself included.
 fn tree(package: &str, options: &[&str]) -> BTreeSet<String> {
     let normal = ["--package", package, "--edges", "normal", "--prefix", "none", "--format", "{p}", "--target", "all"];
     let text = cargo("tree", &[&normal, options].concat());
@@ -80,7 +80,7 @@ fn stage_depends_on_the_gpu_only_with_its_draw_feature() {
 fn viewer_depends_on_windowing_and_not_on_importers() {
     let never = ["clap", "rayon", "gltf", "pelage-bake", "pelage-glb"];
     assert_dependencies("pelage-viewer", &[], &["winit", "egui", "wgpu", "pelage-stage", "pelage-runtime"], &never);
-    // Without its window feature the tool draws but links no window crate.
+    // Without the window feature, the tool can draw but links no window crate.
     assert_dependencies("pelage-tool", &["--no-default-features"], &["wgpu"], &["winit", "egui", "pelage-viewer"]);
 }
 
@@ -147,12 +147,12 @@ fn asset_models_depend_only_on_the_gltf_writer() {
 
 #[test]
 fn tool_depends_on_the_runtime_and_not_on_the_lab() {
-    // Negative control: the same check of the full tree finds wgpu and the window crates.
+    // Negative control: in the full tree, the same check finds wgpu and the window crates.
     assert_dependencies("pelage-tool", &[], &["pelage-runtime", "wgpu", "pelage-viewer"], &["pelage-lab"]);
     assert_dependencies("pelage-lab", &[], &["pelage-tool", "plotters"], &[]);
 }
 
-/// Checks that the printed forms are compiled for the laboratory only.
+/// Checks that published forms of formulas are compiled only for the laboratory.
 #[test]
 fn shipped_packages_lack_the_study_feature() {
     for (package, expected) in

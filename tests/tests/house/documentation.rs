@@ -28,7 +28,7 @@ fn the_readme_names_every_subcommand() {
     let readme = std::fs::read_to_string(workspace().join("README.md")).unwrap();
     let help = Sandbox::new().run(&["--help"]).stdout;
     let commands = help.split("Commands:").nth(1).unwrap().split("Options:").next().unwrap();
-    // A command is indented by two spaces; continuation lines of its description are indented further.
+    // A line with a command is indented by two spaces; continuation lines of its description are indented further.
     let names: Vec<_> = commands
         .lines()
         .filter_map(|l| l.strip_prefix("  ").filter(|l| !l.starts_with(' '))?.split_whitespace().next())
@@ -59,7 +59,7 @@ fn every_cited_formula_exists() {
     let sheet = std::fs::read_to_string(workspace().join(SHEET)).unwrap();
     let sections = numbered_headings(&sheet);
     let mut cited = 0;
-    // The citation parser of this crate has made-up citations in its tests.
+    // The tests of the citation parser contain fictitious citations.
     let all = documents(&["rs", "wgsl", "md", "toml"]).into_iter().filter(|d| d.path != "tests/src/documents.rs");
     for document in all {
         for section in cited_formulas(&document.text) {
@@ -80,7 +80,7 @@ fn every_named_document_is_in_the_repository() {
     };
     let mut named = 0;
     for document in documents(&["rs", "wgsl", "md", "toml"]) {
-        // Its tests contain made-up names of documents.
+        // The tests in this file contain fictitious names of documents.
         if document.path == "tests/src/documents.rs" {
             continue;
         }
@@ -92,7 +92,7 @@ fn every_named_document_is_in_the_repository() {
     assert!(named > 20, "only {named} found");
 }
 
-/// Checks that each page of decisions is in the index, and that each decision has the required parts.
+/// Checks that the index lists every page of decisions, and that every decision has the required parts.
 #[test]
 fn every_decision_states_reason_and_revision_criterion() {
     let index = std::fs::read_to_string(workspace().join("formats/docs/decisions.md")).unwrap();
@@ -111,7 +111,7 @@ fn every_decision_states_reason_and_revision_criterion() {
     assert!(decisions >= 43, "only {decisions} decisions");
 }
 
-/// Checks that files and folders named by documents exist, and that links resolve.
+/// Checks that all files, folders and link targets in documents exist.
 #[test]
 fn paths_and_links_in_documents_exist() {
     let mut pointed = 0;
@@ -134,7 +134,8 @@ fn paths_and_links_in_documents_exist() {
     assert!(pointed > 100, "only {pointed} found");
 }
 
-/// Checks line widths, since documents are read in narrow windows, and the length of the two that are read first.
+/// Checks the line widths of documents, which are read in narrow windows, and the length of the two that are read
+/// first.
 #[test]
 fn documents_stay_within_size_limits() {
     let read_first = ["README.md", "ARCHITECTURE.md"];
@@ -145,7 +146,7 @@ fn documents_stay_within_size_limits() {
             let lines = document.text.lines().count();
             assert!(lines <= 150, "{} has {lines} lines, expected at most 150", document.path);
         }
-        // Generated pages have the line widths of the comments in the code.
+        // Lines of generated pages are as wide as the comments in the code that they come from.
         let made = document.text.contains("\nThis page is made from ");
         if first || (document.path.contains("/docs/") && !made) {
             let long = long_lines(&document.text, 120);
@@ -156,7 +157,7 @@ fn documents_stay_within_size_limits() {
     assert!(seen > 20, "only {seen} documents");
 }
 
-/// Checks that the input shown on the pages for artists and scripts is valid: recipes, single keys, options.
+/// Checks that all recipes, keys and options on the pages for artists and scripts are valid.
 #[test]
 fn commands_in_documents_are_valid() {
     let sandbox = Sandbox::new().with_lab();
@@ -177,7 +178,7 @@ fn commands_in_documents_are_valid() {
     ] {
         options += &sandbox.run(&[command, "--help"]).stdout;
     }
-    // Options of cargo.
+    // These options belong to cargo, not to pelage.
     let others = ["path", "release", "bin", "example", "no-default-features", "workspace", "bench", "exhaustive"];
     let (mut recipes, mut keys_set, mut options_named) = (0, 0, 0);
     for path in ["README.md", "bake/docs/artists.md", "bake/docs/scripts.md", "runtime/docs/performance.md"] {
@@ -189,7 +190,7 @@ fn commands_in_documents_are_valid() {
             recipes += 1;
         }
         for assignment in text.split("--set ").skip(1) {
-            // Assignments are quoted where the shell would split them.
+            // An assignment is quoted if the shell would split it.
             let end: &[char] = if assignment.starts_with('\'') { &['\''] } else { &[' ', '`', '\n'] };
             let assignment = assignment.trim_start_matches('\'').split(end).next().unwrap();
             if assignment != "key=value" {

@@ -1,7 +1,8 @@
-//! Language of the sources: first words of doc comments, phrases and line lengths, counted for each folder.
+//! Checks the language of the sources: counts banned first words of doc comments, banned phrases, and long lines, per
+//! folder.
 //!
-//! `language.txt` holds the counts. A count that rises fails the test; one that falls must be lowered in the file, so
-//! that it cannot rise again.
+//! `language.txt` holds the committed counts. The test fails if a count rises. A count that has fallen must be lowered
+//! in the file, so that it cannot rise again.
 
 use pelage_tests::binary::workspace;
 use pelage_tests::documents::{Document, documents};
@@ -28,27 +29,27 @@ const PHRASES: [&str; 11] = [
 /// Largest number of characters in a line of code or of a comment.
 const COLUMNS: usize = 120;
 
-/// Files with quotations or word lists, whose phrases do not count.
+/// Files with quotations or word lists, in which phrases are not counted.
 const QUOTING: [&str; 1] = ["tests/tests/house/language.rs"];
 
-/// Faults of a folder.
+/// Counts of one folder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts {
-    /// Doc comments that begin with one of [`FIRST_WORDS`].
+    /// Number of doc comments that begin with one of [`FIRST_WORDS`].
     first_words: usize,
-    /// Lines of comments or documents that contain one of [`PHRASES`].
+    /// Number of lines in comments or documents that contain one of [`PHRASES`].
     phrases: usize,
-    /// Lines of code or comments with more than [`COLUMNS`] characters.
+    /// Number of lines with more than [`COLUMNS`] characters, code included.
     long_lines: usize,
 }
 
-/// Returns the text of a comment line and its marker.
+/// Returns the marker and the text of a comment line.
 fn comment(line: &str) -> Option<(&str, &str)> {
     let line = line.trim_start();
     ["///", "//!", "//"].into_iter().find_map(|marker| Some((marker, line.strip_prefix(marker)?)))
 }
 
-/// Whether the text contains the phrase as whole words.
+/// Returns true if the text contains the phrase as whole words.
 fn contains_phrase(text: &str, phrase: &str) -> bool {
     let bounded = |end: Option<char>| !end.is_some_and(char::is_alphanumeric);
     text.match_indices(phrase)
@@ -75,7 +76,7 @@ fn counts(document: &Document) -> Counts {
     counts
 }
 
-/// Returns the folder whose counts a file belongs to: one of its crate, or `documents`.
+/// Returns the folder that a file is counted for: the folder of its crate, or `documents`.
 fn folder(path: &str) -> String {
     if path.ends_with(".md") {
         return "documents".into();

@@ -1,11 +1,11 @@
-//! Checks dependencies within crates by their sources: no cycles between the files of a crate, and in runtime and bake
-//! a file uses only lower floors.
+//! Checks dependencies between the files of a crate: there are no cycles, and in runtime and bake a file uses only
+//! lower layers.
 
 use super::sources::{Dependencies, Module, UsedPath, dependencies, find_cycle, modules, used_paths};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Floors of the runtime from the lowest up. A room is a file or a folder of `runtime/src`; runtime/docs/house.md
+/// Layers of the runtime, lowest first. An entry is a file or a folder of `runtime/src`; runtime/docs/house.md
 /// describes each.
 const RUNTIME: [&[&str]; 14] = [
     &["error", "report", "shared", "bounds"],
@@ -24,8 +24,8 @@ const RUNTIME: [&[&str]; 14] = [
     &["renderer"],
 ];
 
-/// Floors of the baker from the lowest up: basics; masks and sampling; pictures; the recipe; the stages; strands and
-/// files on disk; the order of the stages; users of the pipeline.
+/// Layers of the baker, lowest first: basics; masks and sampling; pictures; the recipe; the stages; strands and files
+/// on disk; the order of the stages; users of the pipeline.
 const BAKE: [&[&str]; 8] = [
     &["decision", "noise", "progress", "temp_files", "memo", "io_trace", "hexadecimal"],
     &["mask", "sample"],
@@ -37,20 +37,20 @@ const BAKE: [&[&str]; 8] = [
     &["reslice", "rebake", "groom_map", "environment_file", "cache"],
 ];
 
-/// Reads the dependencies between the files of a crate.
+/// Returns the dependencies between the files of a crate.
 fn dependencies_of(folder: &str) -> Dependencies {
     dependencies(&modules(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src")))
 }
 
-/// Returns the folders of the workspace's crates from its manifest.
+/// Returns the folders of all crates, from the manifest of the workspace.
 fn crates() -> Vec<String> {
     let manifest = include_str!("../../../Cargo.toml");
     let list = manifest.split("members = [").nth(1).and_then(|rest| rest.split(']').next()).unwrap_or_default();
     list.split('"').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// Returns the uses of rooms that are not on a lower floor, and the number of uses. Crate roots list all rooms and have
-/// no floor.
+/// Returns the dependencies on an entry that is not on a lower layer, and the number of all dependencies. Crate roots
+/// use every entry and have no layer.
 fn upward_dependencies(arrows: &Dependencies, floors: &[&[&str]]) -> (Vec<String>, usize) {
     let floor =
         |module: &Module| floors.iter().position(|rooms| module.first().is_some_and(|r| rooms.contains(&r.as_str())));
@@ -82,7 +82,7 @@ fn files_have_no_import_cycles() {
     assert!(files > 300 && count > 800, "{files} files and {count} arrows were read");
 }
 
-/// Returns the dependencies between the rooms of a crate; a room is a file or a folder of `src`.
+/// Returns the dependencies between the top-level files and folders of a crate's `src`.
 fn folder_graph(arrows: &Dependencies) -> Dependencies {
     let room = |module: &Module| module[..module.len().min(1)].to_vec();
     let mut out = Dependencies::new();
@@ -93,7 +93,7 @@ fn folder_graph(arrows: &Dependencies) -> Dependencies {
     out
 }
 
-/// Crates whose folders still have cyclic dependencies; this list may only shrink.
+/// Crates whose folders still have cyclic dependencies. No crate may be added.
 const CIRCLES: [&str; 2] = ["formats", "bake/lab"];
 
 #[test]
@@ -101,7 +101,7 @@ fn folders_have_no_import_cycles() {
     let circles: Vec<_> =
         crates().into_iter().filter_map(|c| Some((find_cycle(&folder_graph(&dependencies_of(&c)))?, c))).collect();
     assert_eq!(circles.iter().map(|(_, folder)| folder).collect::<Vec<_>>(), CIRCLES.each_ref(), "{circles:?}");
-    // Two files of one folder and a file beside it: no cycle of files, but a cycle of rooms.
+    // Two files in one folder and a file beside it have no cyclic dependency, but the folder and that file do.
     let module = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Module>();
     let files = Dependencies::from([
         (module(&["a", "b"]), BTreeSet::from([module(&["d"])])),
@@ -147,7 +147,7 @@ fn imports_are_found() {
     assert!(handed_on.len() == 1 && handed_on[0].called == "L", "{handed_on:?}");
 }
 
-/// Returns a crate of three files.
+/// Returns the dependencies of a crate with three files.
 fn three_file_crate(root: &str, a: &str, b: &str) -> Dependencies {
     let module = |name: &str| if name.is_empty() { Vec::new() } else { vec![name.to_string()] };
     dependencies(&BTreeMap::from([(module(""), root.into()), (module("a"), a.into()), (module("b"), b.into())]))

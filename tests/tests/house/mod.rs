@@ -1,4 +1,4 @@
-//! Checks that need no GPU, bake or test data and take seconds: dependencies of crates and files, and documents.
+//! Checks that take seconds, without GPU, bake or test data: dependencies of crates and files, and documents.
 
 mod dependencies;
 mod documentation;

@@ -1,4 +1,4 @@
-//! Checks the crates for publication: their manifests, and that the gate checks each of their features alone.
+//! Checks that the crates can be published: their manifests, and that the gate checks each feature alone.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::dependencies::cargo;
@@ -6,10 +6,10 @@ use pelage_tests::binary::workspace;
 use serde_json::Value;
 use std::path::Path;
 
-/// Returns the crates that may be published, as described by `cargo metadata`.
+/// Returns the `cargo metadata` of the crates that may be published.
 fn publishable_crates() -> Vec<Value> {
     let metadata: Value = serde_json::from_str(&cargo("metadata", &["--no-deps", "--format-version", "1"])).unwrap();
-    // `publish = false` appears as an empty list of registries.
+    // In the metadata, `publish = false` is an empty list of registries.
     let may = |package: &&Value| package["publish"].is_null();
     let packages: Vec<Value> = metadata["packages"].as_array().unwrap().iter().filter(may).cloned().collect();
     assert!(packages.len() >= 7, "{packages:?}");
@@ -29,7 +29,7 @@ fn published_manifests_have_registry_metadata() {
         let readme = std::fs::read_to_string(folder.join(package["readme"].as_str().unwrap())).unwrap();
         assert!(readme.starts_with(&format!("# {name}\n")), "{name}: {}", readme.lines().next().unwrap());
         assert_eq!(package["metadata"]["docs"]["rs"]["all-features"], true, "{name}");
-        // Links to the licences of the repository; the published archive has their texts.
+        // The licences are links to those of the repository; a published archive contains their texts.
         for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
             let text = |folder: &Path| std::fs::read_to_string(folder.join(licence)).unwrap_or_default();
             assert!(text(folder) == text(workspace()) && !text(folder).is_empty(), "{name} has no {licence}");
@@ -37,7 +37,7 @@ fn published_manifests_have_registry_metadata() {
     }
 }
 
-/// Checks the copies in `bake/tool/built_in` of everything that the demo shows; a published package must contain all
+/// Checks that `bake/tool/built_in` has unmodified copies of the demo's files; a published package must contain all of
 /// its sources.
 #[test]
 fn built_in_files_equal_those_in_assets() {
@@ -58,7 +58,7 @@ fn built_in_files_equal_those_in_assets() {
     }
 }
 
-/// Returns the selections of crates and features in `run` that the gate lints in addition to the whole workspace.
+/// Returns the crates and features in the script `run` that the gate lints in addition to the whole workspace.
 fn selections() -> Vec<String> {
     let run = std::fs::read_to_string(workspace().join("run")).unwrap();
     let list = run.split("for selection in ").nth(1).and_then(|rest| rest.split("; do").next()).unwrap();
@@ -69,7 +69,7 @@ fn selections() -> Vec<String> {
 fn the_gate_checks_every_feature_on_and_off() {
     let selections = selections();
     let workspace_build = "--workspace".to_owned();
-    // `NAME vVERSION (FOLDER) FEATURES` of every crate, per selection.
+    // Each line of a tree is `NAME vVERSION (FOLDER) FEATURES`, for every crate of a selection.
     let trees: Vec<String> = selections
         .iter()
         .map(|selection| format!("--package {selection}"))

@@ -1,7 +1,7 @@
-//! Checks that no test vanishes: each file of tests belongs to a binary, and each test with a requirement is
+//! Checks that no test is lost: each test file belongs to a binary, and each test that requires a resource is
 //! registered.
 //!
-//! The log of a run is checked against the register by `./run test`.
+//! `./run test` checks the log of a run against the register.
 
 use pelage_needs::Need;
 use pelage_needs::register::{Entry, REGISTER, entries};
@@ -9,7 +9,7 @@ use pelage_tests::binary::{walk, workspace};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Functions by which a test asks for its requirement; the name of the test is the argument, as a literal.
+/// Functions with which a test requests a resource; the argument is the test's name as a literal.
 const ASKED: [(&str, Need); 7] = [
     ("gpu(", Need::Gpu),
     ("data(", Need::Data),
@@ -20,13 +20,13 @@ const ASKED: [(&str, Need); 7] = [
     ("ninja(", Need::Ninja),
 ];
 
-/// Returns the files whose tests may ask.
+/// Returns the files whose tests may request resources.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     for folder in ["formats/tests", "runtime/src", "runtime/bevy/tests", "runtime/web/tests", "tests/tests"] {
         walk(&workspace().join(folder), &mut files);
     }
-    // Excludes this file, which contains function names and made-up tests, and files installed by npm.
+    // Excludes files installed by npm, and this file, which contains the function names and fictitious tests.
     files.retain(|f| {
         let is_ours = !f.ends_with("house/register.rs") && !f.iter().any(|part| part == "node_modules");
         is_ours && f.extension().is_some_and(|e| e == "rs" || e == "mjs")
@@ -38,7 +38,7 @@ fn sources() -> Vec<(PathBuf, String)> {
     files.into_iter().map(read).collect()
 }
 
-/// Returns the requirements and test names that code asks with.
+/// Returns the resources that code requests, with the names of the tests.
 fn requests(code: &str) -> BTreeSet<Entry> {
     let mut found = BTreeSet::new();
     for (word, need) in ASKED {
@@ -53,7 +53,7 @@ fn requests(code: &str) -> BTreeSet<Entry> {
     found
 }
 
-/// Returns whether code contains the name as a literal or as a whole word.
+/// Returns whether the code contains the name, as a literal or as a whole word.
 fn mentions(code: &str, name: &str) -> bool {
     let in_a_word = |c: char| c.is_alphanumeric() || c == '_';
     code.match_indices(name)
@@ -88,7 +88,7 @@ fn requests_for_needs_are_found() {
     assert!(mentions("rows!(shells, ink);", "ink") && !mentions("drawn_ink inky", "ink"));
 }
 
-/// Returns the modules beside a crate root or a `mod.rs` that it does not declare.
+/// Returns the modules in the folder of a crate root or `mod.rs` that it does not declare.
 fn orphans(root: &str, beside: &[String]) -> Vec<String> {
     let declared = |line: &str| {
         let line = line.trim();
@@ -110,7 +110,7 @@ fn every_file_of_tests_is_part_of_its_binary() {
         let mut files = Vec::new();
         walk(&folder, &mut files);
         files.retain(|f| f.extension().is_some_and(|e| e == "rs"));
-        // Cargo makes a binary of each file directly in the folder, and of each folder with a `main.rs`.
+        // Cargo makes a binary from each file directly in the folder, and from each folder with a `main.rs`.
         let is_root = |f: &Path| f.ends_with("main.rs") || f.ends_with("mod.rs") || f.parent() == Some(&folder);
         for root in files.iter().filter(|f| is_root(f)) {
             let text = std::fs::read_to_string(root).unwrap_or_else(|e| panic!("{}: {e}", root.display()));

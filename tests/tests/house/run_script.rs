@@ -1,11 +1,11 @@
-//! Checks the gate itself: an omitted check gives a message to developers, and a failure if `CI` is set.
+//! Checks the gate script: a skipped check prints a message for developers, and is a failure if `CI` is set.
 #![cfg(unix)]
 
 use pelage_tests::binary::workspace;
 use std::process::Command;
 
-/// Runs `tests/not_checked.sh advisories` with `CI` and `PELAGE_EXCEPTIONS`. Returns whether the gate continues, and
-/// its stderr.
+/// Runs `tests/not_checked.sh advisories` with the given `CI` and `PELAGE_EXCEPTIONS`. Returns whether the gate
+/// continues, and the stderr.
 fn not_checked(ci: Option<&str>, exceptions: Option<&str>) -> (bool, String) {
     let mut command = Command::new("sh");
     command.args(["tests/not_checked.sh", "advisories", "no network"]).current_dir(workspace());
@@ -26,7 +26,7 @@ fn skipped_checks_fail_in_ci_unless_excepted() {
         (Some("false"), None, true),
         (Some("true"), None, false),
         (Some("true"), Some("wasm shell"), false),
-        // A longer name does not match.
+        // Checks that a longer name does not match.
         (Some("true"), Some("advisories2"), false),
         (Some("true"), Some("wasm advisories"), true),
     ] {

@@ -1,4 +1,5 @@
-//! Dependencies of the shaders: every WGSL file that names declarations of other files says so in its first line.
+//! Checks the dependencies of the shaders: a WGSL file that uses declarations of other files must list them in its
+//! first line.
 
 use pelage_tests::documents::{Document, documents};
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,12 +7,12 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Folder of the shaders.
 const SOURCES: &str = "runtime/src/";
 
-/// Returns the source with comments replaced by spaces.
+/// Returns the source without comments.
 fn code(text: &str) -> String {
     text.lines().map(|line| line.split_once("//").map_or(line, |(code, _)| code)).collect::<Vec<_>>().join("\n")
 }
 
-/// Returns the identifiers of a source, without members (`.x`) and attributes (`@x`).
+/// Returns the identifiers in a source, except members (`.x`) and attributes (`@x`).
 fn identifiers(code: &str) -> impl Iterator<Item = &str> {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     code.split(move |c: char| !is_word(c)).filter(move |word| {
@@ -28,7 +29,7 @@ fn declared(code: &str) -> BTreeSet<&str> {
         let words: Vec<&str> = line.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
         let keyword = words.iter().position(|w| matches!(*w, "fn" | "struct" | "const" | "override" | "alias" | "var"));
         let Some(keyword) = keyword else { continue };
-        // `var<storage, read_write> name: Type`: the name is the last word before the colon.
+        // In `var<storage, read_write> name: Type`, the name is the last word before the colon.
         let declaration = line[line.find(words[keyword]).unwrap_or(0)..].split([':', '=', '(', '{']).next();
         let last = declaration.unwrap_or_default().trim_end_matches([' ', ';']).rsplit(' ').next().unwrap_or_default();
         if !last.is_empty() && last != words[keyword] {
@@ -38,7 +39,7 @@ fn declared(code: &str) -> BTreeSet<&str> {
     names
 }
 
-/// Returns the names that a file declares within functions and as parameters or members.
+/// Returns the names that a file declares in functions, as parameters and as members.
 fn local(code: &str) -> BTreeSet<&str> {
     let mut names = BTreeSet::new();
     let words: Vec<&str> = identifiers(code).collect();
@@ -54,8 +55,8 @@ fn local(code: &str) -> BTreeSet<&str> {
     names
 }
 
-/// Returns the files of `owners` that `user` can be joined with. A pass is joined with no other pass; a printed form of
-/// `study` replaces the file of the same name.
+/// Returns the files of `owners` that can be joined with `user`. Passes are not joined with each other. A published
+/// form in `study` replaces the file of the same name.
 fn providers(user: &str, owners: &BTreeSet<&str>) -> String {
     let folder = user.rsplit_once('/').map_or("", |(folder, _)| folder);
     let mut files: Vec<&str> = owners.iter().copied().collect();
@@ -66,7 +67,7 @@ fn providers(user: &str, owners: &BTreeSet<&str>) -> String {
     files.join(" or ")
 }
 
-/// Returns the first line that each shader should have, if it uses other files.
+/// Returns the required first line of each shader that uses other files.
 fn first_lines(shaders: &[Document]) -> BTreeMap<&str, String> {
     let sources: Vec<(&str, String)> = shaders.iter().map(|d| (d.path.as_str(), code(&d.text))).collect();
     let mut owners = BTreeMap::<&str, BTreeSet<&str>>::new();

@@ -1,7 +1,7 @@
-//! Reads the names in a crate's sources: imports and paths, with re-exports followed to the declaring module.
+//! Reads the names that a crate's sources use: imports and paths. Re-exports are followed to the declaring module.
 //!
-//! Items compiled only for tests are skipped. This is not a compiler and reads only this project's style. A path counts
-//! if it begins with `crate`, `super`, `self` or a child module of the file.
+//! Items compiled only for tests are skipped. This is not a full parser and supports only this project's style. A path
+//! counts if it begins with `crate`, `super`, `self` or a child module of the file.
 
 use pelage_tests::binary::walk;
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 /// Module path as a list of names, such as `passes::skin`; empty for the crate root.
 pub type Module = Vec<String>;
 
-/// Module of each file, with the modules of the files that it uses.
+/// Modules that each file uses, by the file's module.
 pub type Dependencies = BTreeMap<Module, BTreeSet<Module>>;
 
-/// Returns the module path of a file below `src`: `passes/skin/mod.rs` is `passes::skin`.
+/// Returns the module path of a file in `src`, such as `passes::skin` for `passes/skin/mod.rs`.
 fn module_of(file: &Path, source: &Path) -> Module {
     let inside = file.strip_prefix(source).expect("inside the sources").with_extension("");
     let mut names: Module = inside.iter().map(|part| part.to_string_lossy().into_owned()).collect();
@@ -27,7 +27,7 @@ fn is_test(module: &[String]) -> bool {
     module.iter().any(|name| name == "tests" || name == "probe" || name.ends_with("_tests"))
 }
 
-/// Returns the modules below a folder `src`, with their code.
+/// Returns the code of all modules in a folder `src`.
 pub fn modules(source: &Path) -> BTreeMap<Module, String> {
     let mut files = Vec::new();
     walk(source, &mut files);
@@ -39,7 +39,7 @@ pub fn modules(source: &Path) -> BTreeMap<Module, String> {
     files.into_iter().map(read).filter(|(module, _)| !is_test(module)).collect()
 }
 
-/// Returns the end of the first brace block in `code`.
+/// Returns the offset of the end of the first brace block in `code`.
 fn end_of_braces(code: &str) -> usize {
     let mut depth = 0;
     for (at, c) in code.char_indices() {
@@ -70,8 +70,8 @@ fn code_of(text: &str) -> String {
     code
 }
 
-/// Adds the paths that `a::b`, `a::{b, c::d as e}` or `a::*` refers to, with their local names. Returns the length
-/// read.
+/// Adds all paths that an expression such as `a::b`, `a::{b, c::d as e}` or `a::*` refers to, with their local names.
+/// Returns the number of bytes read.
 fn expand_path(text: &str, mut path: Module, own: &[String], found: &mut BTreeSet<(Module, String)>) -> usize {
     let skip = |at: usize| at + text[at..].len() - text[at..].trim_start().len();
     let mut at = 0;
@@ -83,7 +83,7 @@ fn expand_path(text: &str, mut path: Module, own: &[String], found: &mut BTreeSe
             "crate" => path.clear(),
             "self" if path.is_empty() => path = own.to_vec(),
             "self" => {}
-            // The first `super` starts at this file; each further one goes up a level.
+            // The first `super` means the parent of this file; each further one means the next parent.
             "super" if path.is_empty() => path = own[..own.len().saturating_sub(1)].to_vec(),
             "super" => drop(path.pop()),
             _ => path.push(name),
@@ -93,7 +93,7 @@ fn expand_path(text: &str, mut path: Module, own: &[String], found: &mut BTreeSe
             while !text[at..].starts_with('}') && !text[at..].is_empty() {
                 let length = expand_path(&text[at..], path.clone(), own, found);
                 at = skip(at + length);
-                // Unreadable text is skipped.
+                // Text that cannot be parsed is skipped.
                 at = if text[at..].starts_with(',') || length == 0 { skip(at + 1) } else { at };
             }
             return at + 1;
@@ -112,20 +112,20 @@ fn expand_path(text: &str, mut path: Module, own: &[String], found: &mut BTreeSe
     }
 }
 
-/// Path named in code.
+/// Path that code uses.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct UsedPath {
     /// Path from the crate root.
     pub path: Module,
     /// Local name in the file.
     pub called: String,
-    /// Whether the path is re-exported by `pub use`.
+    /// Whether `pub use` re-exports the path.
     pub handed_on: bool,
 }
 
-/// Returns the paths that the code of module `own` names. `children`: its child modules that are files.
+/// Returns the paths that the code of the module `own` uses. `children`: child modules that have their own files.
 pub fn used_paths(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSet<UsedPath> {
-    // Inline modules of the file.
+    // Finds the inline module that contains an offset.
     let inner = |at: usize| {
         let mut module = own.to_vec();
         for (start, _) in code.match_indices("mod ") {
@@ -143,7 +143,7 @@ pub fn used_paths(code: &str, own: &[String], children: &BTreeSet<String>) -> BT
         for (start, _) in code.match_indices(&format!("{first}::")) {
             let before = code[..start].trim_end_matches(' ');
             let glued = code[..start].chars().next_back().is_some_and(|c| c.is_alphanumeric() || "_:".contains(c));
-            // Within the braces of an import, a name continues the path before them; a visibility is not an import.
+            // A name within the braces of an import continues the path before them. A visibility is not an import.
             let line = code[..start].rfind(';').map_or(0, |at| at + 1);
             let continued = children.contains(first)
                 && code[line..start].rfind("::{").is_some_and(|open| {
@@ -165,8 +165,8 @@ pub fn used_paths(code: &str, own: &[String], children: &BTreeSet<String>) -> BT
     found
 }
 
-/// Returns the dependencies between files. A re-export of a file's own child module is not a dependency of that file.
-/// Imports of such a name count as dependencies on the declaring module.
+/// Returns the dependencies between files. If a file re-exports an item of its child module, this is not a dependency
+/// of the file. Files that import the item depend on the module that declares it.
 pub fn dependencies(modules: &BTreeMap<Module, String>) -> Dependencies {
     let children = |own: &Module| -> BTreeSet<String> {
         let child = |m: &Module| m.len() == own.len() + 1 && m.starts_with(own);
@@ -182,7 +182,7 @@ pub fn dependencies(modules: &BTreeMap<Module, String>) -> Dependencies {
     }
     let home = |path: &Module| -> Option<Module> {
         let mut path = path.clone();
-        // Limit on the length of re-export chains.
+        // Limits the length of re-export chains.
         for _ in 0..8 {
             let module = (0..=path.len()).rev().map(|n| path[..n].to_vec()).find(|m| modules.contains_key(m))?;
             let further = path.get(module.len()).and_then(|name| handed_on.get(&(module.clone(), name.clone())));

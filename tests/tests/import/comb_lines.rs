@@ -1,11 +1,11 @@
-//! Lines and empty nodes of a model that define the comb direction.
+//! Tests of lines and empty nodes of a model that define the comb direction.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::import::support::{Bytes as _, Doc, U8, U16, assert_near, assert_warns};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-/// Returns a document that shows a triangle.
+/// Returns a document with a triangle.
 fn with_triangle() -> Doc {
     let mut doc = Doc::new();
     let position = doc.triangle();
@@ -13,7 +13,7 @@ fn with_triangle() -> Doc {
     doc
 }
 
-/// Adds a line from the origin along x, then along y, with additional keys of its node.
+/// Adds a line from the origin along x, then along y. `node` contains additional keys of its node.
 fn line(doc: &mut Doc, mode: u64, mesh_name: &str, mut node: Value) {
     let position = doc.floats(&[0., 0., 0., 1., 0., 0., 1., 2., 0.], "VEC3");
     let indices: &[u16] = if mode == 1 { &[0, 1, 1, 2] } else { &[0, 1, 2] };
@@ -35,7 +35,7 @@ fn comb_lines_are_read_in_world_space() {
     let model = doc.model();
     let found: Vec<(&str, usize)> = model.combs.iter().map(|c| (c.name.as_str(), c.places.len())).collect();
     assert_eq!(found, [("Comb_neck", 3), ("COMB_back", 3), ("comb", 4)]);
-    // Quarter turn about z (x becomes y), scaled by two, and translated.
+    // The node rotates by a quarter turn about z (x becomes y), scales by two, and translates.
     let turned = &model.combs[0].places;
     assert_near(turned[1].0, [0.0, 2.0, 5.0]);
     assert_near(turned[2].0, [-4.0, 2.0, 5.0]);
@@ -64,8 +64,8 @@ fn comb_markers_point_along_their_y_axis() {
     assert_warns(&model, "\"comb_flat\" has no direction");
 }
 
-/// Returns a triangle and a line, both bound to a joint a metre above its bind pose. The joint has a child with the
-/// name of a comb.
+/// Returns a triangle and a line, both bound to a joint that is one metre above its bind pose. The joint has a child
+/// node with the name of a comb.
 fn skinned_line(joint_of_line: u8) -> Doc {
     let mut doc = Doc::new();
     let (position, points) = (doc.triangle(), doc.floats(&[0., 0., 0., 1., 0., 0.], "VEC3"));
@@ -88,7 +88,7 @@ fn skinned_line(joint_of_line: u8) -> Doc {
     doc.push("meshes", json!({"name": "comb_arm", "primitives": [comb]}));
     doc.push("skins", json!({"joints": [2]}));
     doc.push("nodes", json!({"mesh": 0, "skin": 0}));
-    // For a skinned mesh the node's own transform does not count.
+    // The node's own transform must be ignored, because its mesh is skinned.
     doc.push("nodes", json!({"mesh": 1, "skin": 0, "translation": [9, 9, 9]}));
     doc.push("nodes", json!({"name": "comb_joint", "translation": [0, 1, 0], "children": [3]}));
     doc.push("nodes", json!({"name": "comb_tip", "translation": [0, 1, 0]}));

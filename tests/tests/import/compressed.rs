@@ -1,5 +1,5 @@
-//! Compressed glTF: our decoder must restore the data of meshopt's own encoder bit for bit, and damage must not cause
-//! harm.
+//! Tests of compressed glTF: our decoder must restore the data of meshopt's own encoder bit for bit, and damaged data
+//! must give an error.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -31,7 +31,7 @@ fn sheet(side: usize) -> (Vec<[f32; 3]>, Vec<[f32; 4]>, Vec<u32>) {
     (positions, normals, triangles)
 }
 
-/// Document of one mesh with compressed views. Buffer 0 holds compressed bytes only; buffer 1 has no data.
+/// Document with one mesh and compressed views. Buffer 0 contains only compressed bytes; buffer 1 has no data.
 struct CompressedDoc {
     doc: Doc,
     plain: usize,
@@ -44,7 +44,7 @@ impl CompressedDoc {
         Self { doc, plain: 0 }
     }
 
-    /// Adds a view of `count` elements of `stride` bytes, compressed as `bytes`.
+    /// Adds a view of `count` elements of `stride` bytes; `bytes` is its compressed form.
     fn view(&mut self, bytes: &[u8], mode: &str, filter: &str, count: usize, stride: usize) -> usize {
         let view = self.doc.view(bytes);
         let offset = self.doc.json["bufferViews"][view]["byteOffset"].clone();
@@ -83,7 +83,7 @@ fn packed_vertices<T>(elements: &[T]) -> Vec<u8> {
     meshopt::encode_vertex_buffer_level(elements, 2, Some(0)).unwrap()
 }
 
-/// Returns the sheet with everything compressed: quantized positions, filtered normals, triangles of two-byte indices.
+/// Returns the sheet with quantized positions, filtered normals and two-byte indices, all compressed.
 fn packed_sheet(side: usize) -> (CompressedDoc, Vec<[u16; 4]>, Vec<u32>) {
     let (positions, normals, triangles) = sheet(side);
     let n = positions.len();
@@ -116,7 +116,7 @@ fn quantized_meshopt_model_decodes_to_its_input() {
     for (found, expected) in model.mesh.positions.iter().zip(&quantized) {
         assert_eq!(*found, Vec3::new(expected[0].into(), expected[1].into(), expected[2].into()) / 65_535.0);
     }
-    // The encoder may rotate the corners of a triangle but not flip it.
+    // The encoder may rotate the corners of a triangle but must not flip it.
     let corners = |t: [u32; 3]| {
         let mut t = t;
         let least = (0..3).min_by_key(|k| t[*k]).unwrap();
@@ -127,12 +127,12 @@ fn quantized_meshopt_model_decodes_to_its_input() {
     let expected: Vec<_> = triangles.as_chunks::<3>().0.iter().map(|t| corners(*t)).collect();
     assert_eq!(found, expected);
     for (found, expected) in model.mesh.normals.iter().zip(sheet(40).1) {
-        // Octahedral encoding with eight bits: 1.5 degrees.
+        // Octahedral encoding with eight bits has an error of up to 0.025 rad, about 1.5°.
         assert!(found.angle_between(Vec3::from_slice(&expected)) < 0.025, "{found} for {expected:?}");
     }
 }
 
-/// Reads a compressed view through one accessor, as the vertex positions of a mesh.
+/// Reads a compressed view as the vertex positions of a mesh.
 fn decode_positions(
     bytes: &[u8],
     filter: &str,
@@ -149,7 +149,7 @@ fn decode_positions(
 
 #[test]
 fn meshopt_vertices_of_all_counts_and_spreads_decode() {
-    // Counts around the sizes of groups and blocks; deltas of zero, two, four and eight bits.
+    // The counts are around the sizes of groups and blocks; the spreads need deltas of zero, two, four and eight bits.
     for count in [3, 15, 16, 17, 240, 255, 256, 257, 700] {
         for spread in [0_u32, 1, 5, 100, 1 << 20] {
             let mut state = 1_u32;
@@ -182,7 +182,7 @@ fn meshopt_filters_decode_as_in_the_library() {
     let short = meshopt::encode_filter_oct::<i16>(&normals, 12);
     let model = decode_positions(&packed_vertices(&short), "OCTAHEDRAL", n, 8, I16).unwrap();
     for (found, expected) in model.mesh.positions.iter().zip(&normals) {
-        // Octahedral encoding with twelve bits.
+        // The tolerance is for octahedral encoding with twelve bits.
         assert!((*found - Vec3::from_slice(expected)).length() < 2e-3, "{found} for {expected:?}");
     }
 
@@ -197,7 +197,8 @@ fn meshopt_filters_decode_as_in_the_library() {
     let model = decode_positions(&packed_vertices(&quaternions), "QUATERNION", n, 8, I16).unwrap();
     for (found, expected) in model.mesh.positions.iter().zip(&expected) {
         let expected = Vec3::new(expected[0].into(), expected[1].into(), expected[2].into()) / 32_767.0;
-        // The reference decoder uses a reciprocal square root of twelve bits if the processor has one.
+        // The tolerance allows for the reference decoder, which uses a 12-bit reciprocal square root if the processor
+        // has one.
         assert!((*found - expected).length() < 1e-3, "{found} for {expected}");
     }
 }
@@ -222,7 +223,7 @@ fn meshopt_index_lists_decode_in_any_order() {
             let model = import_bytes(&packed.glb()).unwrap();
             let mut found: Vec<u32> = model.mesh.triangles.iter().flatten().copied().collect();
             if mode == "TRIANGLES" {
-                // Compared as sets of corners; another test checks orientation.
+                // Triangles are compared as sets of corners; another test checks orientation.
                 let sort = |v: &mut Vec<u32>| v.as_chunks_mut::<3>().0.iter_mut().for_each(|t| t.sort_unstable());
                 let mut expected = list.clone();
                 sort(&mut expected);
@@ -276,7 +277,8 @@ fn ext(json: &mut Value) -> &mut Value {
 
 #[test]
 fn small_compressed_file_cannot_expand_without_bound() {
-    // The first view is decompressed. The second is rejected beforehand, since both would take more than a gibibyte.
+    // The first view is decompressed. The second is rejected before decompression, because both would exceed a
+    // gibibyte.
     let elements = vec![[0.5_f32; 64]; 64];
     let mut packed = CompressedDoc::new();
     let bytes = packed_vertices(&elements);
@@ -304,7 +306,7 @@ fn imports_without_panic(bytes: &[u8], folder: &Path) -> bool {
     }
 }
 
-/// Flips bits of `glb` from `start` on, one at a time, and counts the rejected and the readable files.
+/// Flips single bits of `glb`, from the byte `start` on. Returns the numbers of rejected and of readable files.
 fn flip_bits(glb: &[u8], start: usize, step: usize, folder: &Path) -> [usize; 2] {
     let mut counts = [0; 2];
     for at in (start..glb.len()).step_by(step) {
@@ -363,7 +365,7 @@ fn draco_and_plain_agree() {
     )
     .unwrap();
     assert_sound(&model);
-    // Box of edge 1 around the origin, with normals along the axes.
+    // The model is a box of edge 1 around the origin, with normals along the axes.
     assert_eq!((model.mesh.positions.len(), model.mesh.triangles.len()), (24, 12));
     for (position, normal) in model.mesh.positions.iter().zip(&model.mesh.normals) {
         assert!((position.abs() - Vec3::splat(0.5)).abs().max_element() < 1e-3, "{position}");

@@ -1,4 +1,4 @@
-//! Cross-check against the `gltf` crate's own reader on valid files, number by number.
+//! Compares the importer with the `gltf` crate's own reader on valid files, number by number.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -22,7 +22,7 @@ struct GltfReading {
     weights: Vec<[f32; 4]>,
 }
 
-/// Collects nodes depth first, in the importer's order of parts.
+/// Collects nodes depth first, which is the order of the importer's parts.
 fn collect_mesh(node: &gltf::Node<'_>, parent: Mat4, blob: &[u8], seen: &mut GltfReading) {
     let world = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
     for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
@@ -81,7 +81,8 @@ fn importer_and_gltf_crate_read_the_same_vertices() {
         assert_eq!(mesh.uvs, seen.uvs, "{name}");
         assert_eq!(mesh.triangles, seen.triangles, "{name}");
         assert_eq!(mesh.skin.len(), seen.joints.len(), "{name}");
-        // The importer sorts by weight and lists joints of weight zero as 0, so each joint's share is compared.
+        // The importer sorts joints by weight and replaces those of weight zero, so the total weight per joint is
+        // compared.
         for ((found, joints), weights) in mesh.skin.iter().zip(&seen.joints).zip(&seen.weights) {
             let total: f32 = weights.iter().sum();
             let share = |joints: &[u16; 4], weights: &[f32; 4], joint: u16| -> f32 {
@@ -109,7 +110,7 @@ fn importer_and_gltf_crate_read_the_same_animation_keys() {
             let mut channels = clip.channels.iter();
             for channel in expected.channels() {
                 let target = channel.target().node();
-                // Nodes that move no vertex are dropped; several may have an empty name.
+                // The importer drops nodes that move no vertex, and several nodes may have an empty name.
                 let node = target.name().unwrap_or_default();
                 if !animation.nodes.iter().any(|n| n.name == node) {
                     continue;
@@ -136,7 +137,7 @@ fn importer_and_gltf_crate_read_the_same_animation_keys() {
 
 const MORPHED: [&str; 2] = ["morph/AnimatedMorphCube/AnimatedMorphCube.gltf", "morph/MorphStressTest.gltf"];
 
-/// Reads the buffers that a `.gltf` file names.
+/// Reads the buffers of a `.gltf` file.
 fn buffers(gltf: &gltf::Gltf, folder: &Path) -> Vec<Vec<u8>> {
     let bytes = |uri: &str| match uri.split_once("base64,") {
         Some((_, text)) => base64::Engine::decode(&base64::engine::general_purpose::STANDARD, text).unwrap(),
@@ -150,7 +151,7 @@ fn buffers(gltf: &gltf::Gltf, folder: &Path) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Returns the weights of a node's morph targets at a time of a clip, by linear interpolation between keys.
+/// Returns the weights of a node's morph targets at a time of a clip, interpolated linearly between keys.
 fn weights_at(node: &gltf::Node<'_>, clip: &gltf::Animation<'_>, time_s: f64, buffers: &[Vec<u8>]) -> Vec<f64> {
     let own = node.weights().or(node.mesh().and_then(|mesh| mesh.weights())).unwrap_or_default();
     let mut weights: Vec<f64> = own.iter().map(|w| f64::from(*w)).collect();
@@ -170,7 +171,7 @@ fn weights_at(node: &gltf::Node<'_>, clip: &gltf::Animation<'_>, time_s: f64, bu
     weights
 }
 
-/// Evaluates the vertex positions of a file in double precision.
+/// Computes the morphed vertex positions of a file in double precision.
 fn morphed_positions(
     node: &gltf::Node<'_>,
     parent: DMat4,
@@ -193,8 +194,9 @@ fn morphed_positions(
     found
 }
 
-/// Checks that a package poses morph targets as the file does in double precision. Every vertex of one must be a vertex
-/// of the other. Normals are not compared, because the fur has its own, closed over hard edges.
+/// Checks that a package poses morph targets as the glTF file does in double precision. Every vertex of one must be a
+/// vertex of the other. Normals are not compared, because the fur has its own normals, which are smooth over hard
+/// edges.
 #[test]
 fn morphed_package_matches_its_gltf_file() {
     let Some(data) = data("morphed_package_matches_its_gltf_file") else { return };

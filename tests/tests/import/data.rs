@@ -1,4 +1,4 @@
-//! Every glTF file of the shared test data, with its expected result or error.
+//! Imports every glTF file of the shared test data, and checks the expected result or error.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -32,8 +32,8 @@ fn extent(model: &Model) -> Vec3 {
     positions.iter().fold(Vec3::NEG_INFINITY, |a, b| a.max(*b)) - low
 }
 
-/// File, triangles, extent once posed, images, joints, clips. Triangles and extents are from the data's README (four
-/// digits), except where a comment says otherwise. Every instance counts.
+/// File, triangles, posed extent, images, joints, clips. Triangles and extents are those of the data's README (four
+/// digits), except where a comment says otherwise. Triangles of every instance count.
 type Row = (&'static str, usize, [f32; 3], usize, usize, usize);
 const READABLE: &[Row] = &[
     ("static/Duck.glb", 4212, [1.655, 1.54, 1.153], 1, 0, 0),
@@ -46,13 +46,14 @@ const READABLE: &[Row] = &[
     ("skinned/quaternius_ShibaInu.glb", 1950, [1.071, 3.089, 4.165], 0, 46, 12),
     ("skinned/quaternius_Velociraptor.glb", 1248, [2.636, 6.075, 12.74], 0, 29, 6),
     ("skinned/quaternius_Wolf.glb", 1962, [1.057, 2.701, 5.272], 0, 51, 12),
-    // Two skins of 43 joints and twelve rigid parts; the README's posed extent covers the skinned parts only.
+    // The file has two skins of 43 joints and twelve rigid parts; the README's posed extent covers only the skinned
+    // parts.
     ("compressed/RobotExpressive_quantized.glb", 3237, [3.1, 4.461, 2.685], 0, 98, 11),
     ("compressed/BoxMeshopt.glb", 12, [1.0, 1.0, 1.0], 0, 0, 0),
     ("compressed/BoxDraco/BoxDraco.gltf", 12, [1.0, 1.0, 1.0], 0, 0, 0),
-    // Meshes with several instances in the scene.
+    // The scene has several instances of some meshes.
     ("compressed/2CylinderEngine_draco/2CylinderEngine.gltf", 110_336, [743.4, 273.0, 268.0], 0, 0, 0),
-    // A glTF skin of 43 joints and a rigid weapon; when posed, the character's arms are down.
+    // The file has a glTF skin of 43 joints and a rigid weapon. The posed character's arms are down.
     ("compressed/quaternius_RedPandaAstronaut_draco.glb", 8032, [3.4, 3.147, 1.244], 1, 44, 18),
     ("morph/AnimatedMorphCube/AnimatedMorphCube.gltf", 12, [2.0, 2.0, 2.0], 0, 1, 1),
     ("morph/MorphStressTest.gltf", 2412, [4.0, 0.6, 1.0], 2, 1, 3),
@@ -60,13 +61,13 @@ const READABLE: &[Row] = &[
     ("gltf-asset-generator/Mesh_PrimitiveMode_06.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
     ("gltf-asset-generator/Mesh_PrimitiveMode_12.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
     ("gltf-asset-generator/Mesh_PrimitiveMode_14.gltf", 2, [1.0, 1.0, 0.0], 0, 0, 0),
-    // One of its meshes has two instances in the scene.
+    // The scene has two instances of one mesh.
     ("hard-gltf/ShapeCollection.glb", 3542, [14.5, 2.0, 2.5], 0, 0, 0),
     ("hard-gltf/assimp_BoxBadNormals-glTF-Binary/BoxBadNormals.glb", 12, [1.0, 1.0, 1.0], 0, 0, 0),
     // The README's extent includes the lines.
     ("hard-gltf/assimp_IncorrectVertexArrays/Cube.gltf", 46, [7.0, 2.0, 4.5], 0, 0, 0),
     ("hard-gltf/assimp_issue_3269/texcoord_crash.gltf", 10, [2.4, 2.4, 0.05259], 1, 0, 0),
-    // Errors in the scale of a normal texture and in the name of a scene, neither of which fur needs.
+    // The errors are in the scale of a normal texture and in the name of a scene, which the importer does not need.
     ("hard-gltf/assimp_wrongTypes/badNumber.gltf", 12, [1.0, 1.0, 1.0], 1, 0, 0),
     ("hard-gltf/assimp_wrongTypes/badString.gltf", 12, [1.0, 1.0, 1.0], 1, 0, 0),
     ("hard-gltf/barycentric.gltf", 2, [2.0, 2.0, 0.0], 0, 0, 0),
@@ -82,7 +83,7 @@ const READABLE: &[Row] = &[
     ("hard-gltf/trimesh_no_indices_3storybuilding.glb", 72, [56.08, 9.0, 63.36], 0, 0, 0),
 ];
 
-/// File, location and a part of the reason.
+/// Rejected files: path, location of the error, and part of its reason.
 const REFUSED: &[(&str, &str, &str)] = &[
     (
         "hard-gltf/assimp_IndexOutOfRange/IndexOutOfRange.gltf",
@@ -209,7 +210,7 @@ fn every_gltf_test_file_is_read_or_refused_with_a_position() {
     assert!(files.len() > 180 && read > 50 && refused.len() > 50);
 }
 
-/// Checks that files accepted by the Khronos validator are readable, with the triangle count that it reports.
+/// Checks that the importer reads all files that the Khronos validator accepts, with the validator's triangle count.
 #[test]
 fn files_that_the_validator_accepts_are_read() {
     let Some(data) = data("files_that_the_validator_accepts_are_read") else { return };
@@ -240,7 +241,7 @@ fn clips_have_the_known_names_and_lengths() {
     assert_eq!((man.clips[0].name.as_str(), man.clips[0].duration_s), ("clip_0", 2.0));
 }
 
-/// Checks that the triangles of the animals face outward once posed. They are stored a hundred times smaller and with
+/// Checks that the triangles of the posed animals face outward. The stored meshes are a hundred times smaller and have
 /// different axes.
 #[test]
 fn closed_animals_enclose_a_positive_volume_once_posed() {

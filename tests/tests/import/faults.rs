@@ -1,4 +1,4 @@
-//! Broken models: each fault gives an error with the location, the value found and the value expected.
+//! Tests of broken models: each fault gives an error with its location, the value found and the value expected.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -18,7 +18,7 @@ fn valid_doc() -> Doc {
     doc
 }
 
-/// Replaces the value at `pointer` in a valid document and expects the given error.
+/// Replaces the value at `pointer` in a valid document, and asserts the location and reason of the error.
 #[track_caller]
 fn expect(pointer: &str, value: Value, place: &str, reason: &str) {
     let mut doc = valid_doc();
@@ -83,7 +83,7 @@ fn invalid_references_and_types_are_reported_at_their_field() {
 
 #[test]
 fn ranges_are_checked_against_the_bytes_there_are() {
-    let cut = "4 elements of 12 bytes every 12 from byte 0 need 48 bytes of the bufferView, which has 36";
+    let cut = "4 elements of 12 bytes, 12 bytes apart from byte 0 on, need 48 bytes of the bufferView, which has 36";
     expect("/accessors/0/count", json!(4), "/accessors/0", cut);
 
     expect(
@@ -99,7 +99,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
         "has 4294967295 elements, expected 3, one per POSITION",
     );
 
-    let offset = "3 elements of 12 bytes every 12 from byte 4 need 40 bytes of the bufferView, which has 36";
+    let offset = "3 elements of 12 bytes, 12 bytes apart from byte 4 on, need 40 bytes of the bufferView, which has 36";
     expect("/accessors/0/byteOffset", json!(4), "/accessors/0", offset);
     expect(
         "/bufferViews/0/byteStride",
@@ -119,7 +119,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
         "/bufferViews/0/buffer",
         "is 1, expected less than 1, the number of buffers",
     );
-    // The keys of a clip have no earlier count to compare with.
+    // A clip's keys are not compared with the count of an earlier accessor.
     let mut doc = valid_doc();
     let keys = doc.floats(&[0.], "SCALAR");
     let sampler = json!({"input": keys, "output": 0});
@@ -127,7 +127,7 @@ fn ranges_are_checked_against_the_bytes_there_are() {
     doc.push("animations", json!({"samplers": [sampler], "channels": [channel]}));
     let place = format!("/accessors/{keys}");
     doc.json["accessors"][keys]["count"] = json!(u64::MAX);
-    let over = "18446744073709551615 elements of 4 bytes every 4 from byte 0 \
+    let over = "18446744073709551615 elements of 4 bytes, 4 bytes apart from byte 0 on, \
                 need more than 2^64 bytes of the bufferView, which has 4";
     assert_eq!(doc.fault(), (place.clone(), over.to_owned()));
     doc.json["accessors"][keys]["count"] = json!(1_u64 << 40);
@@ -136,7 +136,8 @@ fn ranges_are_checked_against_the_bytes_there_are() {
     assert_eq!(doc.fault(), (format!("{place}/count"), zeros.to_owned()));
 }
 
-/// Checks that small files that would expand beyond the limits of a package are rejected before memory is allocated.
+/// Checks that small files are rejected if their expanded data would exceed the limits of a package. No memory must be
+/// allocated for the data.
 #[test]
 fn shared_accessors_cannot_expand_without_bound() {
     let million = json!({"componentType": F32, "type": "VEC3", "count": 1_000_000});
@@ -319,10 +320,10 @@ fn buffers_that_are_missing_or_short_are_named() {
     assert!(place == "/buffers/0" && reason.contains("has no `uri`, and the file has no BIN chunk"), "{reason}");
     let (place, reason) = text(&doc, json!({"byteLength": 104, "uri": "data:;base64,AAAA"}));
     assert_eq!(place, "/buffers/0/uri");
-    assert_eq!(reason, "buffer 0 holds 3 bytes, byteLength says 104: it is cut off");
+    assert_eq!(reason, "buffer 0 holds 3 bytes, but byteLength says 104: it is cut off");
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:;base64,A!"})).1.contains("invalid base64"));
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:AAAA"})).1.contains("without a comma"));
-    // Percent-encoded data: one triangle, all zeros except a single one.
+    // The data is percent-encoded: one triangle, all zeros except for a single one.
     doc.bin.clear();
     let encoded: String = valid_doc().bin.iter().map(|b| format!("%{b:02X}")).collect();
     let mut root = doc.json.clone();

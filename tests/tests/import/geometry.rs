@@ -1,4 +1,4 @@
-//! Shapes, transforms and materials: models built in code, compared with numbers worked out by hand.
+//! Tests of shapes, transforms and materials: models built in code, compared with numbers computed by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -109,7 +109,7 @@ fn sparse_accessors_work_with_and_without_a_base() {
 #[test]
 fn interleaved_vertices_are_read_by_stride() {
     let mut doc = Doc::new();
-    // An offset of two bytes in the view misaligns floats. Exporters do this, and it must work.
+    // An offset of two bytes in the view misaligns the floats; some exporters do this.
     let mut bytes = vec![0xff; 2];
     for v in [[0.0_f32, 0., 0., 0.25, 0.5], [1., 0., 0., 0.75, 0.5], [0., 1., 0., 0.25, 1.]] {
         bytes.extend(v[..].bytes());
@@ -132,7 +132,7 @@ fn interleaved_vertices_are_read_by_stride() {
 fn quantised_attributes_are_read_with_and_without_normalisation() {
     let mut doc = Doc::new();
     doc.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    // Normalised i8: -128 clamps to -1, 127 is 1. Plain i16: the number itself. Normalised u8: 255 is 1. Plain u16.
+    // Normalised i8 maps -128 to -1 and 127 to 1; normalised u8 maps 255 to 1. Plain i16 and u16 are unchanged.
     let mut add = |bytes: Vec<u8>, component: u32, kind: &str, normalized: bool| {
         let accessor = doc.accessor(&bytes, component, kind, 3);
         doc.json["accessors"][accessor]["normalized"] = json!(normalized);
@@ -156,7 +156,7 @@ fn quantised_attributes_are_read_with_and_without_normalisation() {
     assert_eq!(mesh.uvs[3..5], [Vec2::new(0.0, 3.0), Vec2::new(1.0, 0.0)]);
 }
 
-/// Encodes a white PNG of one texel.
+/// Encodes a PNG of one white texel.
 fn png() -> Vec<u8> {
     let mut out = std::io::Cursor::new(Vec::new());
     image::RgbaImage::from_pixel(1, 1, image::Rgba([255; 4])).write_to(&mut out, image::ImageFormat::Png).unwrap();
@@ -174,8 +174,8 @@ fn textured(doc: &mut Doc, info: serde_json::Value) -> usize {
 
 #[test]
 fn texture_transform_rotates_and_selects_its_coordinate_set() {
-    // Example of the extension's specification: quarter turn, half size, shifted down; the lower left quarter of the
-    // image.
+    // The transform is an example in the extension's specification: quarter turn, half size, shifted down. It selects
+    // the lower left quarter of the image.
     let mut doc = Doc::new();
     let position = square(&mut doc);
     let zero = doc.floats(&[9.0; 8], "VEC2");
@@ -219,7 +219,7 @@ fn material_properties_needed_by_fur_are_kept() {
     let mask = doc.push("materials", mask);
     let old = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.5, 0.5, 1.0]}}});
     let old = doc.push("materials", old);
-    // No part uses it, so its broken image does not matter.
+    // No part uses this material, so its broken image is not an error.
     doc.push("materials", json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 99}}}));
     for material in [json!(mask), json!(texture), json!(null), json!(old), json!(mask)] {
         doc.show(json!({"attributes": {"POSITION": position}, "material": material}));
@@ -242,9 +242,9 @@ fn roughness_and_metallic_are_known_only_without_a_texture() {
     let position = doc.triangle();
     for pbr in [
         json!({"roughnessFactor": 0.25, "metallicFactor": 0.5}),
-        // Omitted factors are 1 by the specification.
+        // By the specification, omitted factors are 1.
         json!({}),
-        // With an image the factors are only upper bounds; the image itself does not matter.
+        // With an image, the factors are only upper bounds. The image is not read for this.
         json!({"roughnessFactor": 0.25, "metallicRoughnessTexture": {"index": 99}}),
     ] {
         let material = doc.push("materials", json!({"pbrMetallicRoughness": pbr}));
@@ -272,7 +272,7 @@ fn parts_have_the_names_of_their_node_and_mesh() {
     assert_eq!(names, [vec!["Horn.L", "Cone.003"], vec!["Cone.003"], vec![]]);
 }
 
-/// Eight faces of the octahedron with corners at distance 1, without an index.
+/// Eight faces of the octahedron with corners at distance 1 from the centre, without an index.
 const OCTAHEDRON: [[[f32; 3]; 3]; 8] = {
     let (x, y, z) = ([1., 0., 0.], [0., 1., 0.], [0., 0., 1.]);
     let (mx, my, mz) = ([-1., 0., 0.], [0., -1., 0.], [0., 0., -1.]);
@@ -285,7 +285,7 @@ fn missing_normals_are_smooth_over_equal_positions() {
     let position = doc.floats(OCTAHEDRON.as_flattened().as_flattened(), "VEC3");
     doc.show(json!({"attributes": {"POSITION": position}}));
     let model = doc.model();
-    // By symmetry the mean normal at a corner points through it; flat ones would be (±1,±1,±1)/√3.
+    // By symmetry, the mean normal at a corner points away from the centre; flat normals would be (±1,±1,±1)/√3.
     for (p, n) in model.mesh.positions.iter().zip(&model.mesh.normals) {
         assert_near(*n, p.to_array());
     }
@@ -350,7 +350,8 @@ fn node_transforms_compose_and_mirroring_keeps_the_outside() {
     let child = doc.show(json!({"attributes": {"POSITION": position, "NORMAL": normal}}));
     doc.json["nodes"][child]["translation"] = json!([1, 0, 0]);
     let half = std::f32::consts::FRAC_1_SQRT_2;
-    // A quarter turn about z, twice the size: (1,0,0)+(1,0,0) = (2,0,0) becomes (0,4,0)+(0,0,5).
+    // The parent rotates by a quarter turn about z and scales by two: (1,0,0)+(1,0,0) = (2,0,0) becomes
+    // (0,4,0)+(0,0,5).
     let parent =
         json!({"children": [child], "rotation": [0, 0, half, half], "scale": [2, 2, 2], "translation": [0, 0, 5]});
     doc.push("nodes", parent);
@@ -359,13 +360,13 @@ fn node_transforms_compose_and_mirroring_keeps_the_outside() {
         assert_near(*p, q);
     }
     assert_near(face_normal(&model, 0), [0., 0., 4.]);
-    // Mirroring x alone would turn the back of the triangle towards +z.
+    // If only x were mirrored, the back of the triangle would face +z.
     doc.json["nodes"][1]["scale"] = json!([-2, 2, 2]);
     let model = doc.model();
     assert_near(face_normal(&model, 0), [0., 0., 4.]);
     assert_eq!(model.mesh.triangles, [[0, 2, 1]]);
     assert!(model.mesh.normals.iter().all(|n| n.abs_diff_eq(Vec3::Z, 1e-6)));
-    // Mirroring z turns the outside to -z, normal and triangle together.
+    // Mirroring z turns both the normal and the front of the triangle to -z.
     doc.json["nodes"][1]["scale"] = json!([2, 2, -2]);
     let model = doc.model();
     assert_near(face_normal(&model, 0), [0., 0., -4.]);
@@ -477,7 +478,7 @@ fn morph_targets_have_names_and_belong_to_nodes() {
     let row = |v: usize| &model.morph_rows.0[model.mesh.morph_rows[v] as usize];
     assert_eq!((row(0)[0].normal, row(0)[0].target, row(3)[0].target), (Some(Vec3::X), 0, 1));
     assert!(row(1).is_empty());
-    // The normal at rest is (0.75, 0, 1) normalised; a morph target's delta shrinks by the same factor.
+    // The rest normal is (0.75, 0, 1) normalised; the delta of a morph target is scaled by the same factor.
     let length = model.mesh.normals[3].distance(Vec3::new(0.6, 0.0, 0.8));
     assert!(length < 1e-6 && (row(3)[0].normal.unwrap().x - 0.8).abs() < 1e-6, "{:?}", row(3));
 

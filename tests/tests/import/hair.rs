@@ -1,5 +1,5 @@
-//! Hair files of other programs from the test data: their contents, and the error of hair interpolated between every
-//! tenth strand.
+//! Tests of hair files of other programs from the test data: their contents, and the error of hair that is interpolated
+//! between every tenth strand.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::import::support::Bytes as _;
@@ -15,8 +15,7 @@ use pelage_import::import_strands;
 use pelage_needs::data;
 use serde_json::{Value, json};
 
-/// File, strands, points per strand, and greatest RMS error of hair between every tenth strand, as a share of its
-/// length.
+/// File, strands, points per strand, and largest allowed interpolation error (see [`interpolation_error`]).
 const FILES: [(&str, usize, usize, f64); 5] = [
     ("straight.hair", 10_000, 16, 0.075),
     ("ponytail_back.tfx", 517, 16, 0.18),
@@ -25,11 +24,11 @@ const FILES: [(&str, usize, usize, f64); 5] = [
     ("Ratboy_mohawk.tfx", 2228, 32, 0.25),
 ];
 
-/// Number of points at which strands are compared.
+/// Number of points per strand that are compared.
 const POINTS: usize = 24;
 
-/// Returns the RMS distance between all strands and hair grown from their roots with every tenth strand as a guide,
-/// divided by the mean length of all.
+/// Returns the RMS distance between all strands and hair grown from the same roots, with every tenth strand as a guide.
+/// It is relative to the mean length of all strands.
 fn interpolation_error(guides: &Guides) -> f64 {
     let shapes: Vec<Vec<Vec3>> = (0..guides.len()).map(|i| resampled(guides.strand(i))).collect();
     let followed = GuideInterpolator::new(shapes.iter().step_by(10).cloned().collect());
@@ -48,7 +47,7 @@ fn interpolation_error(guides: &Guides) -> f64 {
     (sum / f64::from(count)).sqrt() / mean
 }
 
-/// Resamples a strand at equal distances.
+/// Resamples a strand at equal arc lengths.
 fn resampled(strand: &[Vec3]) -> Vec<Vec3> {
     let curve = smoothed(strand, 8 * POINTS);
     let mut along = vec![0.0f32];
@@ -83,7 +82,7 @@ fn interpolated_hair_is_near_the_combed_hair() {
     }
 }
 
-/// Reads the strands of a glTF that names no files.
+/// Reads the strands of a glTF file without external files.
 fn import_lines(bytes: &[u8]) -> Result<Guides, BakeError> {
     let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
     let (guides, inputs) = import_strands("folder/hair.glb", bytes, &mut resolve)?;
@@ -116,7 +115,7 @@ fn exported_strands_are_imported_unchanged() {
     assert_eq!(guides.colors, curves.points.iter().map(|p| p.color).collect::<Vec<_>>());
 }
 
-/// Returns a document with a node for each of `primitives`, which use six given points on the x axis.
+/// Returns a document with a node for each of `primitives`, which share six points on the x axis.
 fn line_doc(primitives: &[Value]) -> Doc {
     let mut doc = Doc::new();
     let points: Vec<f32> = (0..6).flat_map(|i| [i as f32, 0.0, 0.0]).collect();
@@ -152,7 +151,7 @@ fn lines_of_all_modes_are_strands() {
     let guides = import_lines(&doc.glb()).unwrap();
     let expected: [&[f32]; 8] = [
         &[4.0, 5.0],
-        // Two of its three lines run downwards.
+        // Two of the three lines run downwards.
         &[3.0, 2.0, 1.0, 0.0],
         &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
         &[2.0, 0.0, 4.0],
@@ -163,7 +162,7 @@ fn lines_of_all_modes_are_strands() {
     ];
     assert_eq!((point_xs(&guides), guides.left_out), (expected.map(<[f32]>::to_vec).to_vec(), 1));
     assert!(guides.radii.is_empty() && guides.colors.is_empty());
-    // Nodes transform the lines.
+    // Checks that nodes transform the lines.
     let nodes = doc.json["nodes"].as_array_mut().unwrap();
     nodes[1]["translation"] = json!([0, 7, 0]);
     nodes[1]["scale"] = json!([-2, 1, 1]);
@@ -173,7 +172,7 @@ fn lines_of_all_modes_are_strands() {
     let guides = import_lines(&doc.gltf()).unwrap();
     assert_eq!(point_xs(&guides), [[102.0, 100.0, 104.0].to_vec(), (0..6).map(|i| 100.0 - 2.0 * i as f32).collect()]);
     assert_eq!(guides.strand(1)[0].y, 7.0);
-    // Separate segments continue a strand if they begin at the last end point.
+    // Checks that a separate segment continues a strand if it begins at the last end point.
     let mut doc = Doc::new();
     let ends =
         doc.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 9.0, 0.0, 0.0, 8.0, 0.0, 0.0], "VEC3");

@@ -1,4 +1,4 @@
-//! `EXT_mesh_gpu_instancing`: several instances of a mesh in one node.
+//! Tests of `EXT_mesh_gpu_instancing`: several instances of a mesh in one node.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -39,12 +39,13 @@ fn mesh_is_placed_at_its_instances_and_not_at_its_node() {
     assert_eq!(model.mesh.triangles.len(), 2);
     assert_near(places[0], [1.0, 0.0, 10.0]);
     assert_near(places[1], [2.0, 0.0, 10.0]);
-    // Scaled threefold along x, rotated by a quarter turn about z by a quaternion of length 2, and translated.
+    // The instance is scaled threefold along x, rotated by a quarter turn about z with a quaternion of length 2, and
+    // translated.
     assert_near(places[3], [0.0, 2.0, 10.0]);
     assert_near(places[4], [0.0, 5.0, 10.0]);
     assert_near(places[5], [-1.0, 2.0, 10.0]);
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
-    // Two parts with the node's name, and one node of that name.
+    // All parts have the node's name, and only one node has that name.
     assert!(model.mesh.parts.iter().all(|part| part.names.contains(&"grove".to_owned())));
     assert_eq!(model.nodes.iter().filter(|place| place.name == "grove").count(), 1);
 }
@@ -52,7 +53,7 @@ fn mesh_is_placed_at_its_instances_and_not_at_its_node() {
 #[test]
 fn integer_rotations_are_read_and_mirroring_keeps_the_outside() {
     let model = doc(|doc| {
-        // A quarter turn about z in normalised bytes; mirrored in x.
+        // The rotation is a quarter turn about z in normalised bytes; the scale mirrors x.
         let rotation = doc.accessor(&[0_i8, 0, 90, 90][..].bytes(), I8, "VEC4", 1);
         doc.json["accessors"][rotation]["normalized"] = json!(true);
         json!({"ROTATION": rotation, "SCALE": doc.floats(&[-1., 1., 1.], "VEC3")})
@@ -112,7 +113,7 @@ fn instance_errors_name_the_field() {
         let found = doc(attributes).fault();
         assert!(found.0.contains(place) && found.1.contains(reason), "{found:?}, expected {place}: {reason}");
     }
-    // The limit applies to the sum over all nodes.
+    // Checks that the limit applies to the sum over all nodes.
     let mut many = doc(
         |doc| json!({"SCALE": doc.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 40_000}))}),
     );
@@ -128,7 +129,7 @@ fn zero_instances_show_nothing_and_skinned_meshes_appear_once() {
     );
     let found = nothing.fault();
     assert!(found.1.contains("has no triangles"), "{found:?}");
-    // Without a mesh there are no instances.
+    // Checks that a node without a mesh has no instances.
     let mut bare = doc(two_places);
     let node = bare.json["nodes"][0].clone();
     bare.push("nodes", json!({"extensions": node["extensions"]}));

@@ -1,4 +1,4 @@
-//! Input and output files: paths named by models, and output that is complete or absent.
+//! Tests of input and output files: paths that models name, and output that is either complete or absent.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -15,7 +15,7 @@ fn names(folder: &Path) -> Vec<String> {
     out
 }
 
-/// Returns a model whose buffer is the file named by `uri`.
+/// Returns a model whose buffer is the external file `uri`, and the contents of that file.
 fn external(uri: &str) -> (Vec<u8>, Vec<u8>) {
     let mut doc = Doc::new();
     let position = doc.triangle();
@@ -123,7 +123,7 @@ fn atomic_writes_keep_permissions_and_symbolic_links() {
     write_atomic(&link, b"through").unwrap();
     assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(std::fs::read(&path).unwrap(), b"through");
-    // A device is written to, not replaced.
+    // Checks that a device is written to and not replaced.
     write_atomic(Path::new("/dev/null"), b"gone").unwrap();
     assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
 }
@@ -155,7 +155,7 @@ fn files_outside_the_model_folder_need_permission() {
         );
         assert!(read(uri, Reach::Anywhere).is_ok(), "{uri}");
     }
-    // A missing file is rejected in the same way, so that a model cannot probe for files.
+    // The error for a missing file is the same, so that a model cannot find out which files exist.
     let (_, reason) = fault(read("../no-such-file.bin", Reach::OwnFolder));
     assert!(reason.contains("leads out of the model's folder"), "{reason}");
     for uri in ["bin/inside.bin", "./bin/inside.bin", "bin/../bin/inside.bin"] {
@@ -178,14 +178,14 @@ fn only_regular_files_are_read_and_only_to_their_declared_length() {
         let (place, reason) = fault(read_model(&model, &ImportOptions::default(), Reach::Anywhere));
         assert_eq!(place, "/buffers/0/uri");
         assert!(reason.contains(what), "{reason}");
-        // In an OBJ a missing image gives a warning.
+        // Checks that a missing image of an OBJ file only causes a warning.
         let obj = folder.path().join("m.obj");
         std::fs::write(&obj, "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
         std::fs::write(folder.path().join("m.mtl"), format!("newmtl a\nmap_Kd {uri}\n")).unwrap();
         let found = read_model(&obj, &ImportOptions::default(), Reach::Anywhere).unwrap();
         assert!(found.warnings.iter().any(|w| w.contains(what)), "{:?}", found.warnings);
     }
-    // A file of a terabyte, of which the model declares 36 bytes.
+    // The file has a terabyte, of which the model declares only 36 bytes.
     let bin = external("x").1;
     let large = std::fs::File::create(folder.path().join("large.bin")).unwrap();
     std::io::Write::write_all(&mut &large, &bin).unwrap();
@@ -193,7 +193,7 @@ fn only_regular_files_are_read_and_only_to_their_declared_length() {
     std::fs::write(&model, external("large.bin").0).unwrap();
     let read = read_model(&model, &ImportOptions::default(), Reach::OwnFolder).unwrap();
     assert_eq!((read.inputs[1].bytes, read.mesh.triangles.len()), (36, 1));
-    // A model that declares a terabyte.
+    // The model itself declares a terabyte.
     let mut doc = Doc::new();
     let position = doc.triangle();
     doc.show(json!({"attributes": {"POSITION": position}}));

@@ -1,4 +1,4 @@
-//! Tests of the importer: valid, broken and hostile files; cross-checks against other crates.
+//! Tests of the importer with valid, broken and hostile files; comparisons with other crates.
 
 mod comb_lines;
 mod compressed;

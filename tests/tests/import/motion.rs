@@ -1,4 +1,4 @@
-//! Skins and clips: models built in code, compared with numbers worked out by hand.
+//! Tests of glTF skins and clips: models built in code, compared with numbers computed by hand.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -8,7 +8,8 @@ use pelage_formats::{Interpolation, Pose, Property, SkinVertex};
 use pelage_import::mesh::{Model, RestPose};
 use serde_json::json;
 
-/// Returns a triangle bound to two joints, nodes 0 and 1; node 1 is a child at (0, 1, 0). Node 2 has the mesh.
+/// Returns a triangle bound to two joints, the nodes 0 and 1. Node 1 is a child of node 0 at (0, 1, 0); node 2 has the
+/// mesh.
 fn skinned(joints: &[u8], weights: &[f32]) -> Doc {
     let mut doc = Doc::new();
     let position = doc.triangle();
@@ -18,7 +19,7 @@ fn skinned(joints: &[u8], weights: &[f32]) -> Doc {
     doc.push("nodes", json!({"name": "head", "translation": [0, 1, 0]}));
     let node = doc.show(json!({"attributes": {"POSITION": position, "JOINTS_0": joints, "WEIGHTS_0": weights}}));
     doc.json["nodes"][node]["skin"] = json!(0);
-    // The node transform of a skinned mesh is ignored.
+    // The node transform must be ignored, because the mesh is skinned.
     doc.json["nodes"][node]["translation"] = json!([500, 0, 0]);
     doc.push("skins", json!({"joints": [0, 1]}));
     doc
@@ -39,8 +40,8 @@ fn skins_bind_to_joints_and_ignore_the_mesh_node() {
     assert_eq!(names, ["hip", "head"], "the mesh's own node moves nothing and is dropped");
     assert_eq!(animation.nodes[1].parent, Some(0));
     assert!(animation.clips.is_empty());
-    // Missing inverse bind matrices are identities. The second joint therefore lifts by 1, and the last vertex by three
-    // quarters of that.
+    // Missing inverse bind matrices are identities. The second joint therefore raises vertices by 1, and the last
+    // vertex by three quarters of that.
     assert_eq!(rest(&model), [Vec3::ZERO, Vec3::new(1., 1., 0.), Vec3::new(0., 1.75, 0.)]);
     assert_eq!(model.mesh.positions[1], Vec3::X, "mesh space stays");
     assert_eq!(model.mesh.skin[1], SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] });
@@ -93,7 +94,7 @@ fn four_largest_of_eight_influences_are_kept() {
     let attributes = &mut doc.json["meshes"][0]["primitives"][0]["attributes"];
     (attributes["JOINTS_1"], attributes["WEIGHTS_1"]) = (json!(joints), json!(weights));
     let model = doc.model();
-    // The shares are 0.3, 0.25, 0.2 and 0.1 of 0.85.
+    // The weights are 0.3, 0.25, 0.2 and 0.1, divided by their sum of 0.85.
     assert_eq!(model.mesh.skin[0].joints, [0, 1, 1, 0]);
     for (found, expected) in model.mesh.skin[0].weights.iter().zip([0.3, 0.25, 0.2, 0.1]) {
         assert!((found - expected / 0.85).abs() < 1e-6);
@@ -124,7 +125,7 @@ fn mirroring_skeleton_flips_the_triangles() {
     assert!(normals.iter().all(|n| n.abs_diff_eq(Vec3::Z, 1e-6)));
 }
 
-/// Adds an animation with one channel and its `values` per key.
+/// Adds an animation with one channel; `values` contains those of all keys.
 fn clip(doc: &mut Doc, node: usize, path: &str, interpolation: &str, times: &[f32], values: &[f32]) {
     let kind = if path == "rotation" { "VEC4" } else { "VEC3" };
     let (input, output) = (doc.floats(times, "SCALAR"), doc.floats(values, kind));
@@ -137,7 +138,7 @@ fn clip(doc: &mut Doc, node: usize, path: &str, interpolation: &str, times: &[f3
     );
 }
 
-/// Returns two rigid triangles on nodes 0 (a child of 1) and 2, without any skin.
+/// Returns two rigid triangles, on node 0 (a child of 1) and on node 2, without a glTF skin.
 fn rigid() -> Doc {
     let mut doc = Doc::new();
     let position = doc.triangle();
@@ -184,7 +185,7 @@ fn mirrored_moving_rigid_parts_are_flipped() {
 fn every_interpolation_keeps_its_keys() {
     let mut doc = rigid();
     clip(&mut doc, 1, "scale", "STEP", &[0.5, 1.], &[1., 1., 1., 2., 2., 2.]);
-    // One second of a cubic spline from 0 to 1 in x with zero tangents: half the time gives half the distance.
+    // The clip is one second of a cubic spline from 0 to 1 in x with zero tangents. At half the time, x is 0.5.
     let cubic = [[0.; 3], [0., 0., 0.], [0.; 3], [0.; 3], [1., 0., 0.], [0.; 3]].concat();
     clip(&mut doc, 1, "translation", "CUBICSPLINE", &[0., 1.], &cubic);
     let model = doc.model();
@@ -290,7 +291,7 @@ fn shear_of_animated_nodes_is_dropped_with_a_warning() {
     let model = doc.model();
     assert_warns(&model, "shears");
     assert_warns(&model, "begins before 0 s");
-    // The second term of x' = x + y/2 is lost.
+    // The shear cannot be represented, so the second term of x' = x + y/2 is lost.
     assert_near(rest(&model)[2], [0., 1., 2.]);
 }
 
@@ -315,7 +316,7 @@ fn parts_without_joints_under_a_skin_follow_their_node() {
     let eye = json!({"attributes": {"POSITION": 0}});
     doc.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(eye);
     let model = doc.model();
-    assert_warns(&model, "has no joints; it follows its node");
+    assert_warns(&model, "has no joints, but its node has a skin; it follows the node");
     assert_near(rest(&model)[3], [500., 0., 0.]);
     assert_eq!(model.animation.unwrap().joints.len(), 3);
 }

@@ -1,5 +1,5 @@
-//! Damaged models: truncated, with flipped bits, with replaced fields. The importer must return a valid model or an
-//! error with a location, and never panic. The seed is fixed, so failures are reproducible.
+//! Tests of damaged models: truncated, with flipped bits, with replaced fields. The importer must return a valid model
+//! or an error with a location, and never panic. The seed is fixed, so failures are reproducible.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::panic::catch_unwind;
 use std::path::Path;
 
-/// xorshift64* (Marsaglia 2003, Vigna 2016); sufficient for random positions.
+/// Random number generator xorshift64* (Marsaglia 2003, Vigna 2016).
 struct Random(u64);
 
 impl Random {
@@ -21,8 +21,8 @@ impl Random {
     }
 }
 
-/// Returns a small document with all features: joints of two skins, a clip of each kind, a sparse and a quantised
-/// accessor, an image.
+/// Returns a small document with all features: joints of two glTF skins, a clip of each kind, a sparse and a quantised
+/// accessor, and an image.
 fn full_doc() -> Doc {
     let mut doc = Doc::new();
     let position = doc.floats(&[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.], "VEC3");
@@ -75,8 +75,8 @@ fn full_doc() -> Doc {
     doc
 }
 
-/// Imports damaged bytes and returns whether they were accepted. Panics if and only if the importer panics or returns
-/// an invalid model.
+/// Imports damaged bytes, and returns whether they were accepted. Panics only if the importer panics or returns an
+/// invalid model.
 fn imports_without_panic(what: &str, bytes: &[u8], folder: &Path) -> bool {
     let folder = folder.to_owned();
     let outcome = catch_unwind(|| {
@@ -101,7 +101,7 @@ fn imports_without_panic(what: &str, bytes: &[u8], folder: &Path) -> bool {
     outcome.unwrap_or_else(|_| panic!("{what}: panicked, or gave an unsound model"))
 }
 
-/// Checks that the model checker itself can fail.
+/// Checks that the check for valid models can fail.
 #[test]
 fn invalid_models_are_detected() {
     let good = full_doc().model();
@@ -120,7 +120,7 @@ fn invalid_models_are_detected() {
     }
 }
 
-/// Collects the JSON pointers of all values of a tree.
+/// Collects the JSON pointers of all values in a tree.
 fn pointers(value: &Value, here: String, out: &mut Vec<String>) {
     match value {
         Value::Array(list) => list.iter().enumerate().for_each(|(i, v)| pointers(v, format!("{here}/{i}"), out)),
@@ -172,7 +172,7 @@ fn arbitrary_field_values_never_panic() {
         }
     }
     println!("{tried} changed fields, {refused} refused");
-    // Both results must be frequent, else the test covers only one.
+    // Both outcomes must be frequent, or else the test covers only one of them.
     assert!(tried > 5000 && refused > 1000 && tried - refused > 1000, "{tried} tried, {refused} refused");
 }
 
@@ -229,15 +229,15 @@ fn flipped_bits_and_truncations_of_files_never_panic() {
         "morph/AnimatedMorphCube/AnimatedMorphCube.gltf",
     ] {
         let path = data.join("meshes").join(name);
-        // White space after the last brace can be removed without harm.
+        // White space after the last brace may be removed, so it is not counted.
         let bytes = std::fs::read(&path).unwrap();
         let good = if name.ends_with("gltf") { bytes.trim_ascii_end() } else { &bytes };
         flip_and_cut(name, good, path.parent().unwrap(), 300);
     }
 }
 
-/// Returns an OBJ with every statement and every notation of a face corner, a concave polygon, and materials with an
-/// image.
+/// Returns an OBJ file with every statement and every notation of a face corner, a concave polygon, and materials with
+/// an image.
 fn rich_obj() -> String {
     "# rich\nmtllib a.mtl\no box\nv 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0\nv 0 1 0 1\nv 0.5 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
      vn 0 0 1\nvn 0 0.6 0.8\ng side lid\nusemtl a\ns 1\nf 1/1/1 2/2/2 3/3/1\nusemtl b\nf -5//-1 -3//1 -2//1\n\
@@ -259,7 +259,7 @@ fn damaged_obj_files_never_panic() {
         let fine = imports_without_panic(what, bytes, folder.path());
         *if fine { &mut read } else { &mut refused } += 1;
     };
-    // A truncated text is often still valid: every prefix must be read or rejected without a panic.
+    // A truncated text is often still valid. Every prefix must be read or rejected without a panic.
     for length in 0..good.len() {
         count(&format!("cut to {length}"), &good.as_bytes()[..length]);
         for bit in 0..8 {
@@ -317,7 +317,8 @@ fn damaged_obj_files_never_panic() {
     assert!(read > 1000 && refused > 1000, "{read} read, {refused} refused");
 }
 
-/// Checks that a damaged material file does not cause the model to be rejected; the shape does not depend on it.
+/// Checks that a damaged material file never causes a panic or the rejection of a model, whose shape does not depend on
+/// it.
 #[test]
 fn damaged_material_files_never_panic() {
     let folder = tempfile::tempdir().unwrap();

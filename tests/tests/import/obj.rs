@@ -1,4 +1,4 @@
-//! Wavefront OBJ: results and errors of the importer.
+//! Tests of the importer for Wavefront OBJ: its results and errors.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -10,7 +10,7 @@ use pelage_import::mesh::Model;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Imports a text, with files beside it, under a name without meaning.
+/// Imports a text with other files. The text is named `folder/model`, without an extension.
 fn with_files(text: &str, files: &[(&str, &[u8])], options: &ImportOptions) -> Result<Model, BakeError> {
     let files: BTreeMap<_, _> = files.iter().copied().collect();
     let mut resolve = |uri: &str, _: u64| {
@@ -39,7 +39,7 @@ fn square_with_all_attributes_is_read() {
     ));
     assert_eq!(m.mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(m.mesh.positions[2], Vec3::new(1.0, 1.0, 0.0));
-    // Image rows run from the top down, and so do texture coordinates from here on.
+    // After the import, texture coordinates begin at the top row of the image.
     assert_eq!(m.mesh.uvs[2], Vec2::new(1.0, 0.25));
     assert!(m.mesh.parts[0].has_uvs && m.animation.is_none());
     assert_eq!(m.mesh.parts[0].source, r#"object "box", group "side", material "skin""#);
@@ -54,7 +54,7 @@ fn indices_count_from_either_end() {
     let forward = model(&format!("{SQUARE}f 1 2 3\nv 5 5 5\nf 1 3 4\n"));
     let backward = model(&format!("{SQUARE}f -4 -3 -2\nv 5 5 5\nf -5 -3 -2\n"));
     assert_eq!(forward.mesh, backward.mesh);
-    // A face may precede its vertices.
+    // Checks that a face may precede its vertices.
     assert_eq!(model(&format!("f 1 2 3\n{SQUARE}")).mesh.triangles, [[0, 1, 2]]);
 }
 
@@ -76,7 +76,7 @@ fn faces_are_grouped_by_object_group_and_material() {
 
 #[test]
 fn computed_normals_do_not_depend_on_the_triangulation() {
-    // A cube of quads: three faces meet at each corner, with four, five or six triangles.
+    // The model is a cube of quads. At each corner three faces meet, with four, five or six triangles in total.
     let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
         f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n";
     let m = model(cube);
@@ -85,19 +85,19 @@ fn computed_normals_do_not_depend_on_the_triangulation() {
         let outward = (*position - Vec3::splat(0.5)).normalize();
         assert!(normal.abs_diff_eq(outward, 1e-6), "{position}: {normal}");
     }
-    // Joined by position across parts and duplicated vertices.
+    // Vertices with equal positions are joined, also across parts.
     let split = cube.replace("f 5 6 7 8", "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nusemtl lid\nf -4 -3 -2 -1");
     let n = model(&split);
     assert_eq!(n.mesh.parts.len(), 2);
     for (position, normal) in n.mesh.positions.iter().zip(&n.mesh.normals) {
         assert!(normal.abs_diff_eq((*position - Vec3::splat(0.5)).normalize(), 1e-6), "{position}: {normal}");
     }
-    // Existing normals are kept, missing ones are completed.
+    // Checks that existing normals are kept, and missing ones are computed.
     let m = model(&format!("{SQUARE}vn 0 0.6 0.8\nf 1//1 2//1 3//1\nf 1 3 4\n"));
     assert_near(m.mesh.normals[0], [0.0, 0.6, 0.8]);
     assert_near(m.mesh.normals[5], [0.0, 0.0, 1.0]);
     assert_warns(&m, "3 normals are missing");
-    // If normals oppose the winding, the triangles are flipped, not the normals.
+    // Checks that triangles are flipped, and normals kept, if their directions disagree.
     let m = model(&format!("{SQUARE}vn 0 0 -1\nf 1//1 2//1 3//1\n"));
     assert!(face_normal(&m, 0).z < 0.0);
     assert_warns(&m, "face against their normals");
@@ -105,7 +105,7 @@ fn computed_normals_do_not_depend_on_the_triangulation() {
 
 #[test]
 fn concave_polygons_keep_their_shape() {
-    // Arrow head whose notch is its second corner.
+    // The quad is an arrow head whose second corner is the notch.
     let m = model("v 2 2 0\nv 0 1 0\nv -2 2 0\nv 0 0 0\nf 1 2 3 4\n");
     let areas: Vec<f32> = (0..2).map(|i| face_normal(&m, i).z).collect();
     assert!(areas.iter().all(|z| *z > 0.0) && (areas.iter().sum::<f32>() - 4.0).abs() < 1e-6, "{areas:?}");
@@ -116,7 +116,7 @@ fn concave_polygons_keep_their_shape() {
 #[test]
 fn vertex_colours_are_srgb_and_default_to_white() {
     let m = model("v 0 0 0\nv 1 0 0 1 0.5 0\nv 1 1 0 1 1 0.5 0\nf 1 2 3\n");
-    // IEC 61966-2-1: 0.5 is 21.4 % of the light.
+    // By IEC 61966-2-1, sRGB 0.5 is 0.214 in linear light, which is 55 of 255.
     assert_eq!(m.mesh.colors, [[255; 4], [255, 55, 0, 255], [255, 55, 0, 255]]);
 }
 
@@ -128,8 +128,8 @@ fn texture_coordinates_need_all_corners_of_a_part() {
     assert!(!model(&format!("{SQUARE}f 1 2 3\n")).mesh.parts[0].has_uvs);
     let m = model(&format!("{SQUARE}f 1/1/1 2/2/2 3/3/3\n"));
     assert!(!m.mesh.parts[0].has_uvs);
-    assert_warns(&m, "3 corners name a texture coordinate, but the file has none");
-    assert_warns(&m, "3 corners name a normal, but the file has none");
+    assert_warns(&m, "3 corners refer to a texture coordinate, but the file has none");
+    assert_warns(&m, "3 corners refer to a normal, but the file has none");
     let m = model(&format!("{SQUARE}vt nan 0\nf 1/1 2/1 3/1\n"));
     assert_warns(&m, "1 texture coordinates are not finite");
 }
@@ -205,7 +205,7 @@ fn extension_decides_only_for_ambiguous_contents() {
     for bytes in [doc.glb(), doc.gltf()] {
         assert_sound(&named("a.obj", &bytes).unwrap());
     }
-    // An error at the very beginning: only the file name shows which file is at fault.
+    // Errors in the first line name no other location, so the file name must be correct.
     assert_eq!(fault(named("a.OBJ", b"vv 1 2 3\nv 0 0 0\nf 1 1 5")).0, "line 3");
     assert!(fault(named("a.txt", b"vv 1 2 3\nv 0 0 0\nf 1 1 5")).1.contains("neither GLB nor JSON nor OBJ"));
     assert!(fault(named("a.obj", b"ply\nformat ascii 1.0\n")).1.contains("a PLY file"));
@@ -287,7 +287,8 @@ fn material_errors_are_only_warnings() {
     }
 }
 
-/// Readable files of the corpus: triangles after triangulation (the data's README), parts, materials.
+/// Readable files of the test data: number of triangles after triangulation (from the data's README), parts and
+/// materials.
 const READABLE: &[(&str, usize, usize, usize)] = &[
     ("static/armadillo.obj", 29_170, 1, 1),
     ("static/bunny.obj", 6598, 1, 1),
@@ -307,7 +308,8 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/assimp_box_without_lineending.obj", 12, 1, 1),
     ("hard-obj/assimp_cube_with_vertexcolors.obj", 12, 1, 1),
     ("hard-obj/assimp_empty_mat.obj", 256, 1, 1),
-    // Four named materials; its four groups of teeth and its eye, which share two of them, have their own parts.
+    // The file has four named materials. Its four groups of teeth and its eye share two of them, but are separate
+    // parts.
     ("hard-obj/assimp_spider.obj", 1368, 19, 9),
     ("hard-obj/assimp_testmixed.obj", 12, 1, 1),
     ("hard-obj/draco_cube_quads.obj", 12, 1, 1),
@@ -317,11 +319,11 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/draco_multiple_isolated_triangles.obj", 5, 1, 1),
     ("hard-obj/draco_sphere.obj", 224, 1, 1),
     ("hard-obj/draco_test_nm.obj", 170, 1, 1),
-    // Normals that are named but missing.
+    // The faces name normals that do not exist.
     ("hard-obj/draco_test_wrong_attribute_mapping.obj", 1, 1, 1),
     ("hard-obj/trimesh_capsule/capsule.obj", 10_200, 1, 1),
     ("hard-obj/trimesh_face_in_group_name_mid_file.obj", 2, 2, 1),
-    // Fourteen groups, and faces before the first.
+    // The file has fourteen groups, and faces before the first group.
     ("hard-obj/trimesh_groups.obj", 2308, 15, 1),
     ("hard-obj/trimesh_jacked.obj", 12, 1, 1),
     ("hard-obj/trimesh_joined_tetrahedra.obj", 8, 2, 1),
@@ -334,9 +336,9 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/trimesh_target.obj", 3318, 1, 1),
 ];
 
-/// File, location and a part of the reason.
+/// Rejected files: path, location of the error, and part of its reason.
 const REFUSED: &[(&str, &str, &str)] = &[
-    // An index of zero; two of the faces before it are also out of range.
+    // The rejected index is zero; two of the faces before it are also out of range.
     ("hard-obj/assimp_malformed.obj", "line 28", "`0`, expected a vertex index from 1"),
     // `3.1+e2` is not a valid number.
     ("hard-obj/assimp_number_formats.obj", "line 11", "`3.1+e2`, expected a number"),
@@ -373,7 +375,7 @@ fn every_obj_of_the_test_data_is_read_as_expected() {
     assert_eq!(seen, all, "files without an expectation");
 }
 
-/// Cross-checks valid files against `tobj`: positions, texture coordinates and triangles.
+/// Compares valid files with the result of `tobj`: positions, texture coordinates and triangles.
 #[test]
 fn tobj_agrees_on_sound_files() {
     let Some(data) = data("tobj_agrees_on_sound_files") else { return };
@@ -390,7 +392,7 @@ fn tobj_agrees_on_sound_files() {
         let path = data.join("meshes").join(name);
         let ours = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
         let theirs = by_tobj(&path);
-        // Parts may be in a different order, and the corners of a triangle rotated; neither matters.
+        // The order of parts may differ, and the corners of a triangle may be rotated.
         let mut found: Vec<_> = ours
             .mesh
             .triangles

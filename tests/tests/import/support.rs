@@ -1,4 +1,4 @@
-//! Small glTF models built in code, and the properties that every imported model must have.
+//! Builds small glTF models in code, and checks the properties that every imported model must have.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use base64::Engine as _;
@@ -17,14 +17,14 @@ pub const U16: u32 = 5123;
 pub const U32: u32 = 5125;
 pub const F32: u32 = 5126;
 
-/// Document under construction, with one buffer.
+/// glTF document under construction, with one buffer.
 #[derive(Clone)]
 pub struct Doc {
     pub json: Value,
     pub bin: Vec<u8>,
 }
 
-/// Conversion of numbers to little-endian bytes.
+/// Converts numbers to little-endian bytes.
 pub trait Bytes {
     fn bytes(&self) -> Vec<u8>;
 }
@@ -42,7 +42,7 @@ impl Doc {
         Self { json: json!({"asset": {"version": "2.0"}, "accessors": [], "bufferViews": []}), bin: Vec::new() }
     }
 
-    /// Appends to a list of the document; returns the index.
+    /// Appends a value to a list of the document; returns its index.
     pub fn push(&mut self, list: &str, value: Value) -> usize {
         let root = self.json.as_object_mut().unwrap();
         let list = root.entry(list).or_insert_with(|| json!([])).as_array_mut().unwrap();
@@ -50,7 +50,7 @@ impl Doc {
         list.len() - 1
     }
 
-    /// Adds a buffer view of `bytes`, aligned to 4.
+    /// Adds a buffer view with `bytes`, aligned to 4; returns its index.
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let offset = self.bin.len();
@@ -63,7 +63,7 @@ impl Doc {
         self.push("accessors", json!({"bufferView": view, "componentType": component, "type": kind, "count": count}))
     }
 
-    /// Adds an accessor of floats; `kind` determines the count.
+    /// Adds an accessor of floats. The number of elements follows from their type `kind`.
     pub fn floats(&mut self, values: &[f32], kind: &str) -> usize {
         let width = match kind {
             "SCALAR" => 1,
@@ -80,7 +80,7 @@ impl Doc {
         self.floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0.], "VEC3")
     }
 
-    /// Adds a mesh of one primitive and a node that shows it; returns the node.
+    /// Adds a mesh with one primitive, and a node with the mesh; returns the index of the node.
     pub fn show(&mut self, primitive: Value) -> usize {
         let mesh = self.push("meshes", json!({"name": "body", "primitives": [primitive]}));
         self.push("nodes", json!({"mesh": mesh}))
@@ -92,7 +92,7 @@ impl Doc {
         glb(serde_json::to_string(&root).unwrap().as_bytes(), &self.bin)
     }
 
-    /// Returns the document as text, with the buffer in a data URI.
+    /// Returns the document as JSON, with the buffer in a data URI.
     pub fn gltf(&self) -> Vec<u8> {
         let mut root = self.json.clone();
         let data = base64::engine::general_purpose::STANDARD.encode(&self.bin);
@@ -105,14 +105,14 @@ impl Doc {
         import_bytes(&self.glb())
     }
 
-    /// Imports the document, checks the properties of every model, and returns the model.
+    /// Imports the document, checks the result with [`assert_sound`], and returns it.
     pub fn model(&self) -> Model {
         let model = self.import().unwrap();
         assert_sound(&model);
         model
     }
 
-    /// Returns the location and the reason of the expected error.
+    /// Imports the document, which must fail. Returns the location and reason of the error.
     pub fn fault(&self) -> (String, String) {
         fault(self.import())
     }
@@ -122,7 +122,7 @@ pub fn glb(json: &[u8], bin: &[u8]) -> Vec<u8> {
     pelage_glb::container_of_text(json.to_vec(), bin).unwrap()
 }
 
-/// Imports bytes that name no files.
+/// Imports a file that names no other files.
 pub fn import_bytes(bytes: &[u8]) -> Result<Model, BakeError> {
     let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> {
         Err(BakeError::Input { file: uri.into(), place: "test".into(), reason: "no such file in this test".into() })
@@ -137,7 +137,7 @@ pub fn fault(result: Result<Model, BakeError>) -> (String, String) {
     }
 }
 
-/// Checks the properties that every imported model must have.
+/// Asserts the properties that every imported model must have.
 pub fn assert_sound(model: &Model) {
     let mesh = &model.mesh;
     let n = mesh.positions.len();
@@ -168,12 +168,13 @@ pub fn assert_sound(model: &Model) {
             assert!(v.weights.iter().all(|w| (0.0..=1.0).contains(w)));
             assert!(v.joints.iter().all(|j| usize::from(*j) < joints));
         }
-        // The package's own reader checks the rest: order of nodes, indices, counts, increasing keys, finite numbers.
+        // The package reader checks the remaining properties: order of nodes, indices, counts, increasing keys, finite
+        // numbers.
         let manifest = pelage_formats::Manifest::default();
         let bytes = pelage_formats::PackageWriter::new(manifest).animation(animation).finish().unwrap();
         let limits = pelage_formats::Limits::default();
         let package = pelage_formats::Package::open(&bytes, &limits).unwrap();
-        // Motion of morph targets is stored in a separate section.
+        // Motion of morph targets is omitted, because it is stored in a separate section.
         let skeleton = Animation { morphs: MorphMotion::default(), ..animation.clone() };
         assert_eq!(package.animation().unwrap().as_deref(), Some(&skeleton));
     }
@@ -187,7 +188,7 @@ pub fn assert_sound(model: &Model) {
     assert!(mesh.triangles.iter().flatten().all(|i| rest.positions[*i as usize].is_finite()));
 }
 
-/// Returns the normal of a triangle in the posed rest state; its length is twice the area.
+/// Returns the normal of a triangle in the rest pose. Its length is twice the area.
 pub fn face_normal(model: &Model, triangle: usize) -> Vec3 {
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let [a, b, c] = model.mesh.triangles[triangle].map(|i| rest.positions[i as usize]);

@@ -1,4 +1,4 @@
-//! Levels of detail: passes drawn, similarity to all layers, and no jumps between levels.
+//! Tests of the levels of detail: passes drawn, similarity to all layers, and smooth transitions.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_formats::meaning::srgb_to_linear;
@@ -23,7 +23,7 @@ fn baked(name: &str) -> Vec<u8> {
     bake_plain(&model, Some(&format!("assets/recipes/{name}.toml")), &[])
 }
 
-/// Package on the device, seen from its front left.
+/// Package on the device, viewed from its front left.
 struct Stage<'a> {
     gpu: &'a Gpu,
     renderer: Renderer,
@@ -37,7 +37,7 @@ impl<'a> Stage<'a> {
         Self { gpu, renderer, instance: Instance::new(0, &model) }
     }
 
-    /// Returns frame parameters; `distance` is a multiple of the distance from which the model fills the picture.
+    /// Returns frame parameters. `distance` is relative to the distance from which the model fills the picture.
     fn params(&self, distance: f32, detail: Detail) -> FrameParams {
         let bounds = &self.instance.model.manifest().bounds;
         let center = Vec3::from(bounds.center);
@@ -45,7 +45,7 @@ impl<'a> Stage<'a> {
         let eye = center + Vec3::new(0.62, 0.28, 0.73).normalize() * away;
         let projection =
             Projection::Perspective { fov_y_rad: FOV_RAD, aspect: 1.0, near_m: 0.01 * away, far_m: 10.0 * away };
-        // At close range, strands would replace the layers.
+        // Layers are forced, because strands would replace them at close range.
         let layers = |fur: &mut FurParams| (fur.detail, fur.hair) = (detail, HairGeometry::Shells);
         FrameParams::new(Camera::look_at(eye, center, projection), SIZE.into()).with_fur(layers)
     }
@@ -65,7 +65,7 @@ impl<'a> Stage<'a> {
 
 const AUTO: Detail = Detail::Auto { bias: 1.0 };
 
-/// Returns the sum of opacities, and the mean linear luminance of the covered texels.
+/// Returns the sum of the opacities, and the mean linear luminance of the covered texels.
 fn coverage_and_luminance(picture: &Picture) -> (f64, f64) {
     let (mut coverage, mut light) = (0.0, 0.0);
     for [r, g, b, a] in &picture.rgba {
@@ -76,13 +76,14 @@ fn coverage_and_luminance(picture: &Picture) -> (f64, f64) {
     (coverage, light / coverage)
 }
 
-/// Returns the mean absolute difference of opacity over the covered area.
+/// Returns the mean absolute difference of opacity over the covered texels.
 fn opacity_difference(a: &Picture, b: &Picture) -> f64 {
     let apart = a.rgba.iter().zip(&b.rgba).map(|(p, q)| f64::from(p[3].abs_diff(q[3])) / 255.0).sum::<f64>();
     apart / coverage_and_luminance(a).0
 }
 
-/// Returns the relative differences of coverage and luminance from all layers, and the difference of the outline.
+/// Returns the relative differences of coverage and luminance from the picture with all layers, and the difference of
+/// opacity.
 fn relative_differences(full: &Picture, other: &Picture) -> [f64; 3] {
     let ((c0, l0), (c1, l1)) = (coverage_and_luminance(full), coverage_and_luminance(other));
     [c1 / c0 - 1.0, l1 / l0 - 1.0, opacity_difference(full, other)]
@@ -96,7 +97,7 @@ fn levels_look_like_all_layers() {
         let mut stage = Stage::new(gpu, &bytes);
         let levels = stage.instance.model.manifest().detail.clone();
         assert_eq!(levels.iter().map(|l| l.step).collect::<Vec<_>>(), [1, 2, 4, 0], "{name}");
-        // Without the exponents: the remaining layers keep their own opacity.
+        // In the naive form, opacities have no exponents: the remaining layers keep their own opacity.
         let naive = with_manifest(&bytes, |m| m.detail[1].density = 1.0 / m.detail[1].step as f32);
         let mut naive = Stage::new(gpu, &naive);
         for distance in [1.0, 2.0, 4.0] {
@@ -117,14 +118,14 @@ fn levels_look_like_all_layers() {
                 "{name} at {distance}: {fading:?}"
             );
             assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.3 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
-            // Negative control.
+            // This is the negative control.
             let lost = at(&mut naive, 1.0);
             assert!(lost[1] < -0.03 || lost[0] < -0.01, "{name} at {distance}: {lost:?} without exponents");
         }
     }
 }
 
-/// Returns the largest FLIP between neighbouring frames while the camera moves away in small steps.
+/// Returns the largest FLIP between consecutive frames while the camera moves away in small steps.
 fn largest_flip_step(stage: &mut Stage<'_>, detail: Detail, steps: impl Iterator<Item = f32>) -> f64 {
     let opaque = |picture: Picture| {
         let texels = picture.rgba.iter().flat_map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
@@ -141,7 +142,7 @@ fn level_changes_do_not_pop_while_the_camera_recedes() {
     let bytes = baked("hare");
     let mut stage = Stage::new(gpu, &bytes);
     let levels = stage.instance.model.manifest().detail.clone();
-    // The same levels, but each switched abruptly in the middle of its fade.
+    // In the naive form, each level switches abruptly in the middle of its fade.
     let hard = with_manifest(&bytes, |m| {
         for level in &mut m.detail {
             level.full_px = (level.full_px * level.gone_px).sqrt();
@@ -154,7 +155,7 @@ fn level_changes_do_not_pop_while_the_camera_recedes() {
         stage.report(&params).instances[0].fur_px.unwrap()
     };
     for level in &levels[..levels.len() - 1] {
-        // Distance at which the fur has this height in pixels, by bisection.
+        // Finds by bisection the distance at which the fur has the given height in pixels.
         let mut find = |px: f32| {
             let (mut near, mut far) = (0.01f32, 100.0f32);
             for _ in 0..40 {
@@ -163,8 +164,8 @@ fn level_changes_do_not_pop_while_the_camera_recedes() {
             }
             near
         };
-        // Around the beginning, the middle and the end of the fade, in steps so small that the motion itself changes
-        // little.
+        // The steps are around the beginning, the middle and the end of the fade. They are so small that the motion
+        // itself changes little.
         let middle_px = (level.full_px * level.gone_px).sqrt();
         let middles = [level.full_px, middle_px, level.gone_px].map(&mut find);
         let largest = |stage: &mut Stage<'_>, detail| {
@@ -202,7 +203,7 @@ fn small_animals_use_fewer_layers_and_passes() {
     let layers = |report: &FrameReport| report.instances[0].layers;
     assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 4, 0));
     assert_eq!(ran(&large), "layer_shadow shadow_width skin shells");
-    // The map of all hair has equally few layers there, and is reused.
+    // The shadow map of all hair has equally few layers at this level, and is reused.
     assert_eq!(ran(&middle), "skin shells");
     let triangles = |report: &FrameReport| report.instances[0].triangles;
     assert!(triangles(&large) == triangles(&middle) && triangles(&middle) > 2 * triangles(&small));
@@ -245,10 +246,10 @@ fn full_detail_equals_a_package_without_levels() {
     for detail in [Detail::Full, Detail::Level(0.0), Detail::Auto { bias: 1e6 / SIZE.1 as f32 }] {
         assert!(with.draw(1.0, detail) == full, "{detail:?}");
     }
-    // Without levels there is nothing to choose.
+    // A package without levels is drawn in full, whatever level is requested.
     assert!(without.draw(1.0, Detail::Level(2.0)) == full);
     assert!(with.draw(1.0, Detail::Level(1.0)) != full);
-    // Bare surfaces have no levels.
+    // Bare surfaces do not depend on the level.
     let [bare, same] = [&mut with, &mut without].map(|stage| {
         let params = stage.params(1.0, Detail::Level(2.0)).with(|p| p.style = Style::Bare);
         draw(gpu, &mut stage.renderer, &params, &[&stage.instance])

@@ -1,4 +1,4 @@
-//! Checks that `pelage validate` agrees with the runtime: a package loads if and only if it has no fault that stops
+//! Checks that `pelage validate` agrees with the runtime: a package loads if and only if it has no fault that prevents
 //! drawing.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -30,7 +30,8 @@ fn sphere() -> Vec<u8> {
     })
 }
 
-/// Returns the sphere with the last byte of the `nth` section of a tag changed, under a valid or invalid checksum.
+/// Returns the sphere with a damaged section: the last byte of the `nth` section with the tag is changed. The checksum
+/// is updated if `sealed` is true.
 fn damaged(tag: Tag, nth: usize, sealed: bool) -> Vec<u8> {
     let good = sphere();
     let (version, mut list) = sections(&good);
@@ -45,7 +46,7 @@ fn damaged(tag: Tag, nth: usize, sealed: bool) -> Vec<u8> {
     bad
 }
 
-/// Returns the sphere with wet hair whose directions have the given format.
+/// Returns the sphere with wet hair, whose directions are in the given format.
 fn with_wet_format(format: TextureFormat) -> Vec<u8> {
     let good = sphere();
     let package = Package::open(&good, &Limits::default()).unwrap();
@@ -62,7 +63,7 @@ fn with_wet_format(format: TextureFormat) -> Vec<u8> {
     writer.texture(texture).finish().unwrap()
 }
 
-/// Returns the sphere with an unused extra texture of zeros instead of a KTX2 file.
+/// Returns the sphere with an additional unused texture, whose bytes are zeros instead of a KTX2 file.
 fn unused_texture() -> Vec<u8> {
     let good = sphere();
     let package = Package::open(&good, &Limits::default()).unwrap();
@@ -83,7 +84,7 @@ fn validated_packages_load_in_the_runtime() {
     let renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let nothing = PackageWriter::new(Manifest::default());
     let without_triangles = PackageWriter::new(Manifest::default()).mesh(&MeshData::default());
-    // Name, package, exit code of `validate`, and whether the package is drawn.
+    // Columns: name, package, exit code of `validate`, and whether the package is drawn.
     let table: Vec<(&str, Vec<u8>, i32, bool)> = vec![
         ("version 1", golden("v1.pelage"), 7, true),
         ("version 2", golden("v2.pelage"), 7, true),

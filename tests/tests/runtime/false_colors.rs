@@ -1,4 +1,5 @@
-//! False colours instead of lighting: the geometry that a frame is drawn with, and the number of overlapping fragments.
+//! Tests of debug views, which show false colours instead of lighting: the geometry of a frame, and the number of
+//! overlapping fragments.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::glam::Vec3;
@@ -17,7 +18,7 @@ fn above(show: FurDebugView) -> FrameParams {
     FrameParams::new(camera, [128; 2]).with(|p| p.soft_shadow = false).with(|p| p.debug.fur = show)
 }
 
-/// Returns the share of the pixels whose channel `of` is 1.25 times as bright as the two others.
+/// Returns the share of pixels in which channel `of` is more than 1.25 times as bright as each of the other two.
 fn share(picture: &Picture, of: usize) -> f64 {
     let leads = |p: &&[u8; 4]| (0..3).filter(|i| *i != of).all(|i| 4 * u32::from(p[of]) > 5 * u32::from(p[i]));
     picture.rgba.iter().filter(leads).count() as f64 / picture.rgba.len() as f64

@@ -1,4 +1,4 @@
-//! Fins pass: where it draws, how strongly, and that it costs nothing elsewhere.
+//! Tests of the fins pass: where it draws, how opaque fins are, and that it costs nothing elsewhere.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -16,7 +16,7 @@ use pelage_tests::silhouette::half_to_f32;
 use pelage_tests::support::sphere::{self, SphereParams};
 
 const SIZE: (u32, u32) = (64, 64);
-/// Returns the plane at z = 0 with one fin, on its edge along y at x = −0.1.
+/// Returns the plane at z = 0 with one fin, on the edge along y at x = −0.1.
 fn plane_with_a_fin() -> Vec<u8> {
     with_fins(&plane(4, 0), &[(0, 3)])
 }
@@ -26,7 +26,7 @@ fn renderer(gpu: &Gpu) -> Renderer {
     Renderer::new(&gpu.device, &gpu.queue, &options).unwrap()
 }
 
-/// Returns a camera that looks at the middle of the fin, across it, from the given angle above the plane.
+/// Returns a camera that looks at the middle of the fin, perpendicular to it, from the given angle above the plane.
 fn params(above_deg: f32) -> FrameParams {
     let eye = Quat::from_rotation_y(-above_deg.to_radians()) * Vec3::NEG_X;
     let target = Vec3::new(-0.1, 0.0, 0.0);
@@ -34,7 +34,7 @@ fn params(above_deg: f32) -> FrameParams {
     FrameParams::new(Camera::look_at(target + eye, target, projection), SIZE.into())
 }
 
-/// Returns the opacity of every pixel after the given passes.
+/// Returns the opacity of every pixel after the given passes have been drawn.
 fn opacities(gpu: &Gpu, instance: &Instance, params: &FrameParams, passes: &[PassId]) -> Vec<f32> {
     let texels = draw_passes(gpu, &mut renderer(gpu), params, &[instance], passes);
     texels.chunks_exact(8).map(|t| half_to_f32([t[6], t[7]])).collect()
@@ -51,7 +51,8 @@ fn a_fin_fades_with_the_angle_it_is_seen_at() {
         let most = alphas.iter().copied().fold(0.0, f32::max);
         assert!((most - expected).abs() < 0.004, "at {degrees} degrees: {most}, expected {expected}");
         if expected > 0.01 {
-            // As high as the fur; the edge is wider than the picture and crosses all of it.
+            // The fin must be as high as the fur. Its edge is longer than the picture is wide, so it crosses the whole
+            // picture.
             let covered = alphas.iter().filter(|a| **a > 0.5 * expected).count() as f32 / alphas.len() as f32;
             let height = model.manifest().fur.height_m * degrees.to_radians().cos().abs() / 0.08;
             assert!((covered - height).abs() < 0.03, "at {degrees} degrees: {covered}, expected {height}");
@@ -59,7 +60,7 @@ fn a_fin_fades_with_the_angle_it_is_seen_at() {
     }
 }
 
-/// Checks that a fin fades without a jump while the camera turns. Per degree its opacity changes by at most twice the
+/// Checks that a fin fades smoothly while the camera turns. Per degree, its opacity must change by at most twice the
 /// change of the cosine.
 #[test]
 fn fins_do_not_pop() {
@@ -74,7 +75,7 @@ fn fins_do_not_pop() {
     assert!(turn.windows(2).all(|w| (0.0..step).contains(&(w[0] - w[1]))), "more than {step} at once: {turn:?}");
 }
 
-/// Checks that invisible fins produce no fragments, as counted by the device if it can.
+/// Checks that invisible fins produce no fragments, if the device can count them.
 #[test]
 fn faded_fins_cost_no_fragments() {
     if gpu("faded_fins_cost_no_fragments").is_none() {
@@ -96,7 +97,7 @@ fn faded_fins_cost_no_fragments() {
     }
 }
 
-/// Returns the report of one frame: which passes ran, and why.
+/// Returns the report of a frame: which passes ran, and why.
 fn report(gpu: &Gpu, bytes: &[u8], params: &FrameParams) -> FrameReport {
     let mut renderer = renderer(gpu);
     let instance = Instance::new(0, &renderer.load_bytes(bytes).unwrap());
@@ -125,7 +126,7 @@ fn report_states_whether_and_why_fins_ran() {
     assert_eq!(of(&finned, &bare), (false, "style is bare".into()));
 }
 
-/// Checks that fins are purely additive: everything around them is drawn as without them.
+/// Checks that fins only add to the picture: everything around them is drawn as without fins.
 #[test]
 fn package_without_fins_draws_unchanged() {
     let Some(gpu) = gpu("package_without_fins_draws_unchanged") else { return };
@@ -142,13 +143,13 @@ fn package_without_fins_draws_unchanged() {
     assert_eq!(picture(&finned, false), plain);
 }
 
-/// Checks that fins follow the posed mesh surface.
+/// Checks that fins follow the posed mesh surface and the transform of the instance.
 #[test]
 fn fins_follow_the_pose_and_the_instance() {
     let Some(gpu) = gpu("fins_follow_the_pose_and_the_instance") else { return };
     let quads = 8;
     let params = SphereParams { quads, texels: 16, strands: 60, skeleton: true, ..SphereParams::default() };
-    // Rows of the first side, seen along their edge.
+    // The fins are on the rows of the first side, which are viewed along their length.
     let row = |j: u32| (0..quads).map(move |i| (j * (quads + 1) + i, j * (quads + 1) + i + 1));
     let edges: Vec<_> = (0..=quads).flat_map(row).collect();
     let model = renderer(gpu).load_bytes(&with_fins(&sphere::package(&params), &edges)).unwrap();
@@ -165,7 +166,7 @@ fn fins_follow_the_pose_and_the_instance() {
     let apart: f32 = plain.iter().zip(&moved).map(|(a, b)| (a - b).abs()).sum();
     assert!(apart > 0.2 * sum(&plain), "the clip moves the fins: {apart}");
 
-    // Rotated together with the camera, they look the same.
+    // Checks that the picture is the same if instance and camera are rotated together.
     let turned = Instance::new(0, &model).at(Mat4::from_rotation_z(-std::f32::consts::FRAC_PI_2));
     let mut beside = above.clone();
     beside.camera.view_from_world *= turned.transform.inverse();

@@ -1,5 +1,5 @@
-//! Concurrent and consecutive frames: resources that they create, state kept per owner, loss when an encoder is
-//! dropped, and culling.
+//! Tests of concurrent and consecutive frames: created resources, state per owner, encoders that are dropped, and
+//! culling.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -23,25 +23,25 @@ fn sphere() -> SphereParams {
     SphereParams { quads: QUADS, texels: 16, strands: 60, ..SphereParams::default() }
 }
 
-/// Returns a furry sphere that bends, with a bare band and with fins on the rows of its first side.
+/// Returns a furry sphere with a bendable skeleton, a bare band, and fins on the rows of its first side.
 fn furry_package() -> Vec<u8> {
     let row = |j: u32| (0..QUADS).map(move |i| (j * (QUADS + 1) + i, j * (QUADS + 1) + i + 1));
     let edges: Vec<_> = (0..=QUADS).flat_map(row).collect();
     with_fins(&package(&SphereParams { skeleton: true, bare_band: true, ..sphere() }), &edges)
 }
 
-/// Returns a package with strands.
+/// Returns a package with individual strands.
 fn strand_package() -> Vec<u8> {
     let roots: Vec<_> = (0..16).map(|i| [(i % 4) as f32 / 4.0, (i / 4) as f32 / 4.0]).collect();
     with_strands(&furry_package(), &straight_strands(&roots, 0.0, &[[0.1, 0.2, 1.0]; 16], 0.01))
 }
 
-/// Returns a package with the ink style and strokes of fur, which bends too.
+/// Returns a package with the ink style and fur strokes, and with a bendable skeleton.
 fn ink_package() -> Vec<u8> {
     package(&SphereParams { skeleton: true, ink: true, ..sphere() })
 }
 
-/// Returns a package with levels of detail and a far coat: its outermost layer.
+/// Returns a package with levels of detail and a far layer, which is its outermost layer.
 fn detail_package() -> Vec<u8> {
     with_manifest(&furry_package(), |manifest| {
         manifest.fur.layers -= 1;
@@ -61,7 +61,7 @@ fn from(towards: Vec3) -> FrameParams {
     FrameParams::new(Camera::framing(Vec3::ZERO, 0.17, towards, 0.6, 1.0), SIZE.into())
 }
 
-/// Changes the style to ink with strokes of fur, over the application's picture.
+/// Changes the style to ink with fur strokes, over the application's picture.
 fn in_ink(params: FrameParams) -> FrameParams {
     params.with_ink(InkParams::default().with(|ink| {
         ink.background = InkBackground::Picture;
@@ -69,7 +69,7 @@ fn in_ink(params: FrameParams) -> FrameParams {
     }))
 }
 
-/// Changes the fur to single strands.
+/// Changes the fur to individual strands.
 fn in_strands(params: FrameParams) -> FrameParams {
     params.with_fur(|fur| fur.hair = HairGeometry::Strands)
 }
@@ -82,7 +82,7 @@ fn shifted_along_x(x: f32) -> Mat4 {
     Mat4::from_translation(Vec3::X * x)
 }
 
-/// Application with a renderer and its own targets.
+/// Application with a renderer and its own render targets.
 struct Stage<'a> {
     gpu: &'a Gpu,
     renderer: Renderer,
@@ -110,7 +110,7 @@ impl<'a> Stage<'a> {
         (encoder, frame)
     }
 
-    /// Draws a prepared frame, submits it, and waits for it as an application's present does.
+    /// Draws a prepared frame, submits it, and waits for it as presentation does in an application.
     fn finish(&self, mut encoder: wgpu::CommandEncoder, frame: &Frame) {
         frame.draw(&mut self.targets.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));
         self.gpu.queue.submit([encoder.finish()]);
@@ -127,7 +127,7 @@ impl<'a> Stage<'a> {
         frame.report().clone()
     }
 
-    /// Returns the last picture drawn.
+    /// Reads the last picture from the targets.
     fn picture(&self) -> Picture {
         read(self.gpu, &self.targets)
     }
@@ -138,7 +138,7 @@ fn read(gpu: &Gpu, targets: &Canvas) -> Picture {
     Picture { size: SIZE, rgba }
 }
 
-/// Draws a package with a fresh renderer.
+/// Draws a package with a new renderer; `place` sets up the instance.
 fn draw_fresh(gpu: &Gpu, package: &[u8], params: &FrameParams, place: impl Fn(Instance) -> Instance) -> Picture {
     let mut stage = Stage::new(gpu);
     let model = stage.load(package);
@@ -154,8 +154,8 @@ fn reason(report: &FrameReport, id: PassId) -> &str {
     &report.passes.iter().find(|pass| pass.name == id.name()).unwrap().reason
 }
 
-/// Opens a separate device for the test, so that no other test's poll can consume and delay the completion of a
-/// submission.
+/// Opens a separate device for the test. On a shared device, another test's poll could take over the completion of a
+/// submission and delay it.
 fn separate_device(features: wgpu::Features) -> Gpu {
     Gpu::with(features, Some(wgpu::Limits::default())).unwrap()
 }
@@ -185,7 +185,7 @@ fn steady_frames_create_no_gpu_resources() {
         assert!(buffers > 0 && textures > 0 && bind_groups > 0 && pipelines > 0, "{name}: {:?}", reports[0].created);
         for (number, report) in reports.iter().enumerate().skip(2) {
             assert_eq!(report.created, CreatedObjects::default(), "{name}, frame {number}");
-            // A frame in flight keeps its slot, so the first few frames use new ones.
+            // A frame in flight keeps its slot, so the first few frames allocate new slots.
             assert!(
                 number < 5 || report.uploaded_bytes == 0,
                 "{name}, frame {number}: {} bytes",
@@ -194,8 +194,8 @@ fn steady_frames_create_no_gpu_resources() {
         }
         assert!(!ran(&reports[5], PassId::POSE) && !ran(&reports[5], PassId::SHADOW_WIDTH), "{name}");
 
-        // The camera orbits, the animation plays and the light turns: from the sixth frame on all buffers are large
-        // enough.
+        // The camera orbits, the animation plays and the light turns. From the sixth frame on, all buffers must be
+        // large enough.
         for number in 0..24 {
             let time_s = number as f32 / 24.0;
             let angle = std::f32::consts::TAU * time_s;
@@ -215,7 +215,7 @@ fn steady_frames_create_no_gpu_resources() {
 #[test]
 fn frames_sharing_an_encoder_and_kept_frames_draw_as_alone() {
     let Some(gpu) = gpu("frames_sharing_an_encoder_and_kept_frames_draw_as_alone") else { return };
-    // Two cameras and, if there is lighting, two lights whose maps differ.
+    // The frames have two cameras and, if there is lighting, two lights with different maps.
     let left = lit_from(from(Vec3::new(-0.3, 0.35, 1.0)), Vec3::new(-1.0, 1.0, 0.3));
     let right = lit_from(from(Vec3::new(1.0, 0.2, 0.1)), Vec3::new(0.2, 0.4, 1.0));
     for (name, package, views) in [
@@ -239,7 +239,7 @@ fn frames_sharing_an_encoder_and_kept_frames_draw_as_alone() {
             assert!(read(gpu, targets) == *expected, "{name}: the other frame of the encoder shows through");
         }
 
-        // Kept while other frames are prepared and drawn, with the same size and with another one.
+        // The frames are kept while other frames are prepared and drawn, of the same size and of another one.
         let kept = frames;
         for turn in 1..4 {
             let towards = Vec3::new(turn as f32, 1.0, -1.0);
@@ -265,8 +265,8 @@ fn dropped_encoder_is_followed_by_a_correct_frame() {
     let after = lit_from(before.clone(), Vec3::new(1.0, 0.5, 0.2));
     let expected = draw_fresh(gpu, &bytes, &after, |one| one.moving(bend(0.5)));
     let passes = [PassId::POSE, PassId::LAYER_SHADOW, PassId::SHADOW_WIDTH];
-    // All combinations: first or later frame; dropped as an encoder or as commands that were never submitted; dropped
-    // before or after the frame.
+    // The loops cover all combinations: first or later frame; dropped as an encoder or as commands that were never
+    // submitted; dropped before or after the frame.
     for first in [true, false] {
         for finished in [true, false] {
             for frame_first in [true, false] {
@@ -306,7 +306,7 @@ fn culled_instances_still_cast_shadows() {
     let gpu = separate_device(wgpu::Features::PIPELINE_STATISTICS_QUERY);
     let mut stage = Stage::new(&gpu);
     let model = stage.load(&furry_package());
-    // Between the light and the visible instance.
+    // The instance is between the light and the visible instance.
     let towards_light = Vec3::new(-1.0, 0.05, 0.5).normalize();
     let between = Mat4::from_translation(0.6 * towards_light);
     let (seen, outside) = (Instance::new(0, &model), Instance::new(1, &model).at(between));
@@ -332,7 +332,7 @@ fn culled_instances_still_cast_shadows() {
         assert!(!ran(&report, id) && reason(&report, id) == "nothing is in the picture", "{id:?}: {report:?}");
     }
     assert!(ran(&report, PassId::LAYER_SHADOW) && ran(&report, PassId::SHADOW_WIDTH), "{report:?}");
-    // Without shadows it has no effect.
+    // Without shadows, an instance outside the picture has no effect.
     let dark = params.clone().with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
     stage.present(&dark, [&seen]);
     let one = stage.picture();
@@ -340,7 +340,8 @@ fn culled_instances_still_cast_shadows() {
     assert!(stage.picture() == one);
 }
 
-/// Checks that culling is not too early: an instance that leaves the picture must be invisible before it is culled.
+/// Checks that culling is not too early: an instance that leaves the picture must already be invisible when it is
+/// culled.
 #[test]
 fn only_invisible_instances_are_culled() {
     let Some(gpu) = gpu("only_invisible_instances_are_culled") else { return };
@@ -351,7 +352,7 @@ fn only_invisible_instances_are_culled() {
     for (reversed_depth, projection, from, motion) in [
         (false, perspective, aslant, bend(0.45)),
         (true, perspective, aslant, bend(0.45)),
-        // Along the sides of the bounding box, where the culling bounds are tight.
+        // Along the sides of the bounding box, the culling bounds are tight.
         (false, parallel, Vec3::Z, Motion::Rest),
     ] {
         let options = RendererOptions { reversed_depth, ..RendererOptions::default() };
@@ -384,7 +385,7 @@ fn only_invisible_instances_are_culled() {
                 assert!(at(inside));
                 let left = read(gpu, &targets).covered();
                 assert_eq!(left, 0, "{projection:?}, {way}: pixels to be seen at {inside} m, left out at {outside} m");
-                // Slightly closer to the picture it is still visible.
+                // Checks that the instance is still visible slightly closer to the picture.
                 let seen = (1..300).map(|k| inside - 0.01 * k as f32).find(|distance| {
                     at(*distance);
                     read(gpu, &targets).covered() > 0
@@ -404,14 +405,14 @@ fn owner_buffers_are_kept_and_released_with_their_instances() {
     let (bending, plain) = (furry_package(), package(&SphereParams { quads: 11, stripes: true, ..sphere() }));
     let (bending_model, plain_model) = (stage.load(&bending), stage.load(&plain));
 
-    // A duplicate owner number is an error and changes nothing.
+    // Checks that a duplicate owner number is an error and changes nothing.
     let twins = [Instance::new(7, &bending_model), Instance::new(7, &plain_model).at(shifted_along_x(0.1))];
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let error = stage.renderer.prepare(&mut encoder, &params, &twins).unwrap_err().to_string();
     assert!(error.contains("Instance::owner") && error.contains('7') && error.contains("twice"), "{error}");
     assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "a frame that failed keeps nothing");
 
-    // An instance that changes its model and changes back is drawn as if it had never had another.
+    // If an instance changes its model and changes back, the picture must not depend on the other model.
     let [bent, still] = [(&bending, bend(0.5)), (&plain, Motion::Rest)]
         .map(|(package, motion)| draw_fresh(gpu, package, &params, |one| one.moving(motion.clone())));
     assert_ne!(bent, still);
@@ -424,7 +425,8 @@ fn owner_buffers_are_kept_and_released_with_their_instances() {
         assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "nothing is posed any more");
     }
 
-    // Passed as an iterator, as a vector, and by reference: the same picture, whatever the owner numbers.
+    // Checks that instances may be passed as an iterator, a vector or references, and that the picture does not depend
+    // on the owner numbers.
     let place =
         |k: u64| Instance::new(k, &bending_model).at(shifted_along_x(0.05 * k as f32)).moving(bend(0.2 * k as f32));
     stage.present(&params, (0..3).map(place));
@@ -442,7 +444,7 @@ fn owner_buffers_are_kept_and_released_with_their_instances() {
     assert!(stage.picture() == three && ran(&report, PassId::POSE));
     assert_eq!(stage.renderer.owners_gpu_bytes(), 6 * one_owner);
 
-    // State is released on request, or after 256 frames that do not name the owner.
+    // State is released on request, or after 256 frames without the owner.
     for owner in 0..3 {
         stage.renderer.forget(owner);
     }
@@ -456,8 +458,8 @@ fn owner_buffers_are_kept_and_released_with_their_instances() {
     assert_eq!(stage.renderer.owners_gpu_bytes(), one_owner);
 }
 
-/// Checks that a crowd larger than a buffer of the renderer is drawn correctly: one frame must equal eight frames of an
-/// eighth each.
+/// Checks a crowd that exceeds a buffer of the renderer: one frame must equal eight frames with an eighth of the
+/// instances each.
 #[test]
 fn crowd_equals_the_same_instances_in_smaller_frames() {
     let Some(gpu) = gpu("crowd_equals_the_same_instances_in_smaller_frames") else { return };
@@ -467,7 +469,7 @@ fn crowd_equals_the_same_instances_in_smaller_frames() {
     let fur = FrameParams::new(camera, size.into())
         .with(|p| p.soft_shadow = false)
         .with_fur(|f| f.self_shadow = SelfShadow::Off);
-    // Thin lines, so that they do not reach lines drawn in another frame.
+    // The lines are thin, so that lines of different frames do not touch.
     let ink = in_ink(fur.clone()).with(|p| {
         if let Style::Ink(ink) = &mut p.style {
             ink.width = LineWidth::Pixels(2.0);
@@ -538,7 +540,7 @@ fn first_frame_needs_only_prepared_pipelines() {
         assert!(stage.picture() == expected, "{name}");
     }
 
-    // Every level of detail, alone and beside a near instance.
+    // The loop draws every level of detail, alone and beside a near instance.
     let auto = front.clone().with_fur(|f| f.detail = Detail::Auto { bias: 1.0 });
     let mut stage = Stage::new(gpu);
     let model = stage.load(&detail_package());
@@ -634,8 +636,8 @@ fn preparing_pipelines_does_not_affect_recorded_frames() {
     assert_eq!(stage.present(&in_ink(params), [&creature]).created.pipelines, 0);
 }
 
-/// Checks that two cameras in one submission (two eyes or two windows) create nothing once the buffers are large
-/// enough, as with one camera.
+/// Checks that two cameras in one submission (two eyes or two windows) create no resources once the buffers are large
+/// enough, as with a single camera.
 #[test]
 fn two_views_in_one_submission_create_no_gpu_resources() {
     if gpu("two_views_in_one_submission_create_no_gpu_resources").is_none() {
@@ -667,7 +669,8 @@ fn two_views_in_one_submission_create_no_gpu_resources() {
                         round < 6 || created == CreatedObjects::default(),
                         "{name} {kept} {round} {number}: {created:?}"
                     );
-                    // With two lights, each overwrites the other's maps unless their frames are alive at the same time.
+                    // With two lights, each overwrites the maps of the other, unless their frames are alive at the same
+                    // time.
                     let maps = ran(frame.report(), PassId::SHADOW_WIDTH) && (kept || name != "two lights");
                     assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn anew");
                     frames.extend(kept.then_some(frame));
@@ -679,7 +682,7 @@ fn two_views_in_one_submission_create_no_gpu_resources() {
     }
 }
 
-/// Checks that an application that times passes may submit the recorded commands after each of them.
+/// Checks that the callback after each pass may submit the recorded commands, as an application that times passes does.
 #[test]
 fn pass_callback_may_submit_the_encoder() {
     let Some(gpu) = gpu("pass_callback_may_submit_the_encoder") else { return };
@@ -708,7 +711,7 @@ fn pass_callback_may_submit_the_encoder() {
     }
 }
 
-/// Checks that a herd that grows frame by frame needs new buffers occasionally, not in every frame.
+/// Checks that a number of instances that grows in every frame requires new buffers only occasionally.
 #[test]
 fn growing_instance_counts_create_few_buffers() {
     if gpu("growing_instance_counts_create_few_buffers").is_none() {
@@ -717,7 +720,7 @@ fn growing_instance_counts_create_few_buffers() {
     let gpu = separate_device(wgpu::Features::empty());
     let mut stage = Stage::new(&gpu);
     let model = stage.load(&package(&SphereParams { quads: 2, ..sphere() }));
-    // Outside the picture: only the instance data counts, not the drawing.
+    // The instances are outside the picture, because only their data matters here.
     let params = from(Vec3::Z).with(|p| p.soft_shadow = false).with_fur(|f| f.self_shadow = SelfShadow::Off);
     let far = |k: u64| Instance::new(k, &model).at(shifted_along_x(50.0 + k as f32));
     let mut buffers = 0;

@@ -1,4 +1,4 @@
-//! Effects of the groom on a picture: bare surfaces, wet hair, lean.
+//! Tests of the groom's effects on a picture: bare surfaces, wet hair, lean.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -16,14 +16,13 @@ const SIZE: (u32, u32) = (64, 64);
 const LAYERS: u32 = 8;
 const OPACITY: u8 = 90;
 
-/// Returns a view straight from above: the plane of 0.2 m fills the picture.
+/// Returns a view straight from above, in which the plane of 0.2 m fills the picture.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
-    // No shadows, since the compared planes have different neighbours that would shade them.
+    // Shadows are off, because the compared planes have different neighbours that would shade them.
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
     let params = FrameParams::new(camera, SIZE.into()).with_fur(|f| f.self_shadow = SelfShadow::Off);
-    // The hair of the plane is upright and viewed along its strands, so that the stored opacities are visible
-    // unchanged.
+    // The hair is upright and viewed along its strands, so that the picture shows the stored opacities unchanged.
     params.with(|p| (p.soft_shadow, p.study.view_slant) = (false, SlantForm::Printed))
 }
 
@@ -34,8 +33,8 @@ fn picture(gpu: &Gpu, params: &FrameParams, opacity: u8, shading: Shading, groom
     draw(gpu, &mut renderer, params, &[&plane])
 }
 
-/// Returns light that sums to 1. The bare style then compresses no highlights, so that bare surfaces look alike in both
-/// styles.
+/// Returns light whose terms sum to 1. The bare style then does not compress highlights, so that bare surfaces look the
+/// same in both styles.
 fn even_light() -> Shading {
     Shading { ambient: [0.35; 3], diffuse: [0.65; 3], ..Shading::default() }
 }
@@ -65,12 +64,12 @@ fn bare_vertices_show_the_skin() {
 #[test]
 fn bare_texels_show_the_skin_and_others_the_fur() {
     let Some(gpu) = gpu("bare_texels_show_the_skin_and_others_the_fur") else { return };
-    // Two texels each, so that the sampler mixes nothing between their centres, where the picture is sampled.
+    // Each half of the texture has two texels, so that filtering has no effect at the sampled points.
     let texels = vec![[0, 0], [0, 0], [255, 0], [255, 0]];
     let left_bare = PlaneGroom { texture: Some((4, texels)), ..PlaneGroom::default() };
     let masked = plain(gpu, &left_bare);
     let (furry, bald) = (plain(gpu, &PlaneGroom::default()), bare(gpu));
-    // Away from the middle and the border, where the sampler mixes both.
+    // The sampled points are away from the middle and the border, where the filter mixes both halves.
     for (x, expected, name) in [(16, &bald, "bald"), (48, &furry, "furry")] {
         for y in [8, 32, 56] {
             let at = y * SIZE.0 as usize + x;
@@ -106,7 +105,7 @@ fn wetness_interpolates_between_dry_and_wet_hair() {
 #[test]
 fn lean_moves_the_outer_layers_along_the_comb_direction() {
     let Some(gpu) = gpu("lean_moves_the_outer_layers_along_the_comb_direction") else { return };
-    // View from the right, so that +y, the bitangent, is up: fully leaning fur 25 mm high reaches 25 mm beyond the
+    // In this view from the right, the bitangent +y is up: fully leaning fur 25 mm high must reach 25 mm beyond the
     // plane's edge.
     let projection = Projection::Orthographic { height_m: 0.3, aspect: 1.0, near_m: 0.0, far_m: 4.0 };
     let params = FrameParams::new(Camera::look_at(Vec3::new(2.0, 0.0, 0.9), Vec3::ZERO, projection), SIZE.into());

@@ -1,4 +1,4 @@
-//! Swinging hair on guides: when it swings, and that it comes to rest.
+//! Tests of swinging hair on guides: when it swings, and that it comes to rest.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -30,7 +30,7 @@ fn positions_and_triangles(bytes: &[u8]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (mesh.geometry.iter().map(|v| v.position.into()).collect(), triangles)
 }
 
-/// Returns a group of thick, protruding hairs; `points` gives the points of each guide in the frame of its triangle.
+/// Returns a group of thick, protruding hairs. `points` returns the points of a guide in the frame of its triangle.
 fn group(triangles: u32, points: impl Fn(u32) -> Vec<Vec3>) -> HairGroup {
     let roots = (0..GUIDES).map(|guide| guide * triangles / GUIDES);
     let guides: Vec<_> = roots
@@ -104,7 +104,7 @@ fn hair_at_rest_skips_simulation_and_keeps_its_groom() {
     let still = Instance::new(1, &model);
     let (ran, posed, groomed) = frame(&still, 1.0 / 60.0, Vec3::ZERO);
     assert!(ran && posed);
-    // Wind blows for a while, then stops.
+    // The wind blows for one second, then stops.
     let (_, _, blown) = (0..30).map(|_| frame(&still, 1.0 / 30.0, Vec3::X * 4.0)).last().unwrap();
     let swing = difference(&blown, &groomed).mean;
     assert!(swing > 2.0, "{swing}");
@@ -118,10 +118,10 @@ fn hair_at_rest_skips_simulation_and_keeps_its_groom() {
     }
     let (frames, picture) = rested.unwrap();
     assert!((30..300).contains(&frames), "at rest after {frames} frames");
-    // A thousandth of the swing remains and changes pixels at the edges of hairs.
+    // A thousandth of the swing remains, which changes pixels at the edges of hairs.
     let off = difference(&picture, &groomed).mean;
     assert!(off < 0.04 * swing, "off by {off}, swung by {swing}");
-    // Without elapsed time nothing moves; after a cut the motion restarts from the groomed shape.
+    // Without elapsed time nothing moves. After a cut, the motion restarts from the groomed shape.
     assert!(!frame(&still, 0.0, Vec3::ZERO).0);
     assert!(frame(&still.clone().at(Mat4::from_translation(Vec3::X * 0.01)), 1.0 / 60.0, Vec3::ZERO).0);
     let mut put = still.clone();

@@ -1,4 +1,4 @@
-//! Ink style in the runtime: where it paints, and how it combines with the application's own objects.
+//! Tests of the ink style: where it paints, and how it combines with the application's own objects.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -20,7 +20,7 @@ fn sphere() -> SphereParams {
 }
 
 fn from(towards: Vec3) -> FrameParams {
-    // No variation, so that the measurement depends only on the geometry.
+    // Random variation is off, so that the measurement depends only on the geometry.
     let still = InkParams::default().with(|ink| {
         (ink.pressure, ink.dryness, ink.roughness_px, ink.paper_grain) = (0.0, 0.0, 0.0, 0.0);
         ink.width = LineWidth::Pixels(6.0);
@@ -53,12 +53,12 @@ fn dark(picture: &Picture) -> Vec<(u32, u32)> {
 fn outline_strokes_have_the_requested_width() {
     let Some(gpu) = gpu("outline_strokes_have_the_requested_width") else { return };
     let features = dark(&draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Features), &sphere()));
-    // The camera frames a radius of 0.13, the sphere has a radius of 0.1.
+    // The camera frames a radius of 0.13 m; the sphere has a radius of 0.1 m.
     let middle = 0.5 * SIZE.0 as f32 - 0.5;
     let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
     let radius = features.iter().map(place).sum::<f32>() / features.len() as f32;
     assert!(features.iter().all(|p| (place(p) - radius).abs() < 1.5), "features off the outline");
-    // Ring of at least one pixel per pixel of the circumference, counted in steps that may be diagonal.
+    // The ring has at least one pixel per pixel of its circumference, less where its steps are diagonal.
     let ring = 2.0 * std::f32::consts::PI * radius;
     assert!((0.85 * ring..1.9 * ring).contains(&(features.len() as f32)), "{} features on {ring}", features.len());
 
@@ -90,12 +90,12 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
     assert!(between(false) > 200, "lines have hard edges");
     assert_eq!(between(true), 0, "as printed a pixel is ink or not");
 
-    // A sphere whose outline surrounds about one pixel, and a larger one.
+    // The spheres differ in size: the outline of the smaller one encloses about one pixel.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&package(&sphere())).unwrap();
     let mut seen = |show, scale: f32| {
         let params = with(|_, _, debug| debug.ink = show);
-        // The centre of the picture is a corner of four pixels; the camera of `from` sees 0.13 m in half of its rows.
+        // The centre of the picture is the corner of four pixels. Half of the picture's height is 0.13 m.
         let half_pixel = 0.5 * 0.13 / (0.5 * SIZE.0 as f32);
         let instance = Instance::new(0, &model)
             .at(Mat4::from_translation(Vec3::new(half_pixel, half_pixel, 0.0)) * Mat4::from_scale(Vec3::splat(scale)));
@@ -115,7 +115,7 @@ fn lines_in_metres_are_thinner_with_distance() {
         params.camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, projection);
         dark(&draw_package(gpu, &params, &sphere())).len() as f32
     };
-    // At twice the distance the perimeter is half; the width is half only in metres.
+    // At twice the distance, the perimeter is half as long; the width is halved only if it is in metres.
     let metres = area(0.45, LineWidth::Metres(0.012)) / area(0.9, LineWidth::Metres(0.012));
     let pixels = area(0.45, LineWidth::Pixels(8.0)) / area(0.9, LineWidth::Pixels(8.0));
     assert!(metres > 1.4 * pixels, "metres shrink by {metres}, pixels by {pixels}");
@@ -134,11 +134,11 @@ fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
     assert_eq!(picture.rgba[0], [255; 4], "beside the sphere there is no wash");
 }
 
-/// Returns the lightest and the darkest grey (0..=1) of a uniform wash in the middle of the sphere, with full paper
+/// Returns the lightest and the darkest grey (0..=1) in the middle of the sphere, for a uniform wash with full paper
 /// grain.
 fn wash_over_grain(gpu: &Gpu, grey: f32) -> [f32; 2] {
     let params = with(|ink, _, debug| {
-        // The paper of these packages has 8 texels a side: 2 pixels each.
+        // The paper texture of these packages has 8 texels a side, so a texel has 2 pixels.
         (debug.ink, ink.paper_grain, ink.paper_period_px) = (InkDebugView::Wash, 1.0, 16.0);
         let even =
             InkShading { wash_speed: 0.0, wash_range: grey, grain: 0.0, tone: 0.0, fur: 0.0, ..Default::default() };
@@ -233,7 +233,7 @@ fn nearer_instances_hide_lines_of_those_behind() {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let model = renderer.load_bytes(&package(&sphere())).unwrap();
     let near = Instance::new(0, &model);
-    // Smaller and behind, so completely hidden.
+    // The second sphere is smaller and behind the first, so it is hidden.
     let smaller = Mat4::from_translation(Vec3::Z * -0.2) * Mat4::from_scale(Vec3::splat(0.5));
     let behind = Instance::new(1, &model).at(smaller);
     let params = with(|_, _, debug| debug.ink = InkDebugView::Lines);
@@ -249,7 +249,7 @@ fn stroke_variation_is_anchored_to_the_surface() {
     let sphere = SphereParams { skeleton: true, ..sphere() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let mut instance = Instance::new(0, &renderer.load_bytes(&package(&sphere)).unwrap());
-    // The sphere turns with its joints and the camera follows: only screen-anchored effects change.
+    // The camera follows the rotation of the joints, so only screen-anchored effects change.
     let mut shown = |anchoring, angle: f32| {
         let turn = Mat4::from_rotation_y(angle);
         let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkDebugView::Wash, anchoring));
@@ -260,7 +260,8 @@ fn stroke_variation_is_anchored_to_the_surface() {
     let still = shown(Anchoring::Surface, 0.0);
     let turned = difference(&still, &shown(Anchoring::Surface, 0.7));
     assert!(turned.mean < 0.2, "the surface's own picture changed by {turned:?}");
-    // Only the camera orbits: grain anchored to the screen stays, grain anchored to the surface moves with it.
+    // Only the camera orbits. Grain anchored to the screen stays, while grain anchored to the surface moves with the
+    // model.
     let mut round = |anchoring, angle: f32| {
         let mut params = with(|_, study, debug| (debug.ink, study.anchoring) = (InkDebugView::Wash, anchoring));
         let towards = Mat4::from_rotation_y(angle).transform_vector3(Vec3::Z);
@@ -286,7 +287,7 @@ fn printed_sphere_map_misses_the_outline() {
         [SphereMapForm::Perpendicular, SphereMapForm::Reflection, SphereMapForm::Printed].map(shown);
     let features = dark(&draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Lines), &sphere())).len();
     assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
-    // All normals map to one point: no rim remains, only the features.
+    // The published form maps all normals to one point, so no rim remains, only the feature lines.
     assert!(printed < safe, "printed {printed}, safe {safe}");
 }
 
@@ -299,7 +300,7 @@ fn ink_frames_in_one_submission_are_independent() {
     let views = [from(Vec3::Z), from(Vec3::Y)];
     let targets = [0, 1].map(|_| Canvas::new(gpu, SIZE, &(&options).into()));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    // Both are prepared before either is drawn.
+    // Both frames are prepared before either is drawn.
     let frames = views.each_ref().map(|v| renderer.prepare(&mut encoder, v, [&instance]).unwrap());
     for (frame, target) in frames.iter().zip(&targets) {
         frame.draw(&mut target.pass(&mut encoder, "application", Some(wgpu::Color::TRANSPARENT)));

@@ -1,4 +1,4 @@
-//! Ink lines compared with the lines of the mesh: position, shape and stability.
+//! Compares ink lines with the lines of the mesh: position, shape and stability.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::{Mat4, Vec3, vec3};
@@ -22,20 +22,20 @@ use pelage_truth::{Lens, SurfaceVisibility, TrueCamera};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Settings of a bake that ink does not use but that cost time: little fur.
+/// Bake settings with little fur, which takes time and is not used by ink.
 const QUICK: [&str; 4] = ["slice.layers=4", "slice.tile_texels=64", "fins.enabled=false", "hair.density=50"];
 
-/// Returns the path of the project's own model with the given name.
+/// Returns the path of one of the project's own models.
 fn built_in_model(name: &str) -> PathBuf {
     workspace().join(format!("assets/models/{name}.glb"))
 }
 
-/// Returns a model of the test data for the named test.
+/// Returns the path of a model in the test data, for the named test.
 fn data_model(test: &str, path: &str) -> Option<PathBuf> {
     data(test).map(|data| data.join("meshes").join(path))
 }
 
-/// Returns the rows of `pelage chart ink` for a model.
+/// Returns the rows `rows` of `pelage chart ink` for a model.
 fn chart(model: &Path, rows: &str) -> Vec<Value> {
     let sandbox = Sandbox::new().with_lab();
     let mut args = vec!["chart", "ink", model.to_str().unwrap(), "--rows", rows, "-o", "out", "--json", "-q"];
@@ -49,7 +49,7 @@ fn number(row: &Value, column: &str) -> f64 {
     row[column].as_f64().unwrap_or_else(|| panic!("no {column}: {row}"))
 }
 
-/// Acceptance threshold of the style: precision and recall within two pixels, at defaults.
+/// Minimum precision and recall within two pixels, at default settings.
 const BAR: f64 = 0.9;
 
 #[track_caller]
@@ -81,7 +81,7 @@ fn ink_lines_of_known_meshes_match_the_mesh() {
     }
 }
 
-/// Checks that the printed rule finds hardly any line: along a straight edge, the four neighbours of a pixel never all
+/// Checks that the published rule misses most lines: along a straight edge, the four neighbours of a pixel never all
 /// differ.
 #[test]
 fn printed_line_rule_misses_most_lines() {
@@ -97,7 +97,7 @@ fn printed_line_rule_misses_most_lines() {
     assert!(recall < 0.2, "recall {recall}");
 }
 
-/// Offscreen renderer of ink.
+/// Offscreen renderer for the ink style.
 struct InkRenderer {
     gpu: &'static Gpu,
     renderer: Renderer,
@@ -112,7 +112,7 @@ impl InkRenderer {
         Self { gpu, renderer, size }
     }
 
-    /// Returns the texels of the picture, RGBA.
+    /// Draws an ink debug view, and returns its RGBA texels.
     fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study, ink: InkDebugView) -> Vec<[u8; 4]> {
         let blank = on_blank_paper(&InkParams::default());
         let params = FrameParams::new(*camera, self.size.into()).with_ink(blank);
@@ -122,16 +122,17 @@ impl InkRenderer {
         bytes.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
     }
 
-    /// Returns a mask of the lines that are darker than half of white light.
+    /// Returns a mask of the line pixels that have less than half of the light of white.
     fn dark(&mut self, instance: &Instance, camera: &Camera, study: Study) -> Mask {
         let pixels = self.draw(instance, camera, study, InkDebugView::Lines).iter().map(|p| p[0] < 188).collect();
         Mask { width: self.size.0, height: self.size.1, pixels }
     }
 }
 
-/// Returns the widest stroke of a package from 24 sides, pixels: with the sphere map alone, and with our template.
+/// Returns the widths of the widest stroke of a package over 24 views, pixels: with the sphere map alone, and with our
+/// template.
 ///
-/// * `towards`: centre and radius of the framed sphere and direction of the camera, for an angle in radians
+/// * `towards`: returns centre and radius of the framed sphere and the camera's direction, for an angle in radians
 fn widest(brush: &mut InkRenderer, package: &[u8], towards: impl Fn(f32) -> (Vec3, f32, Vec3)) -> [f64; 2] {
     let instance = Instance::new(0, &brush.renderer.load_bytes(package).unwrap());
     let mut most = [0.0f64; 2];
@@ -153,7 +154,8 @@ fn bounds(package: &[u8]) -> (Vec3, f32) {
     (Vec3::from(bounds.center), bounds.radius)
 }
 
-/// Asserts that no stroke is wider than the template, and that the sphere map alone exceeds it (Fang 2006, Fig. 3).
+/// Asserts that no stroke is wider than the template, and that strokes of the sphere map alone are wider (Fang 2006,
+/// Fig. 3).
 #[track_caller]
 fn assert_width_limited(name: &str, [alone, ours]: [f64; 2], template: f64) {
     println!("{name}: widest stroke {ours:.1} px, template {template:.1} px, sphere map alone {alone:.1} px");
@@ -168,7 +170,7 @@ fn strokes_are_no_wider_than_the_template() {
     let hare = bake_plain(&built_in_model("hare"), Some("assets/recipes/hare.toml"), &QUICK);
     let (center, radius) = bounds(&hare);
     let template = template_px(&InkParams::default(), brush.size.1);
-    // The ears: the top fifth of the hare.
+    // The camera frames the ears, the top fifth of the hare.
     let ears = center + vec3(0.0, 0.62 * radius, 0.0);
     let found = widest(&mut brush, &hare, |turn| (ears, 0.3 * radius, vec3(turn.sin(), 0.1, turn.cos())));
     assert_width_limited("hare's ears", found, template);
@@ -180,7 +182,7 @@ fn strokes_are_no_wider_than_the_template() {
     }
 }
 
-/// Returns the flicker of a model that walks past, frame by frame, with the given anchoring of wash and lines.
+/// Returns the flicker between frames of a model that walks past, with the given anchoring of wash and lines.
 fn walk_flicker(brush: &mut InkRenderer, package: &[u8], clip: &str, anchoring: Anchoring) -> Flicker {
     let opened = Package::open(package, &Limits::default()).unwrap();
     let animation = opened.animation().unwrap().unwrap();
@@ -195,7 +197,7 @@ fn walk_flicker(brush: &mut InkRenderer, package: &[u8], clip: &str, anchoring: 
     let mut before: Option<(SurfaceVisibility, Vec<f32>, Mask)> = None;
     for frame in 0..6 {
         let time_s = frame as f32 / 24.0;
-        // 1.5 body lengths per second, nose first.
+        // The model moves 1.5 body lengths per second, nose first.
         let way = vec3(0.0, 0.0, 3.0 * radius * time_s);
         instance.motion = Motion::Clip { clip, time_s };
         instance.transform = Mat4::from_translation(way);
@@ -219,8 +221,8 @@ fn walk_flicker(brush: &mut InkRenderer, package: &[u8], clip: &str, anchoring: 
 }
 
 /// Checks that wash and lines anchored to the model change half as much between frames as those anchored to the screen.
-/// The whole mesh surface counts, including contours that appear and disappear legitimately. Away from lines hardly any
-/// change remains.
+/// The whole mesh surface counts, including contours that must appear and disappear. Away from lines, hardly any change
+/// remains.
 #[test]
 fn wash_and_lines_move_with_the_model() {
     let Some(gpu) = gpu("wash_and_lines_move_with_the_model") else { return };

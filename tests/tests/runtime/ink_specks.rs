@@ -1,4 +1,5 @@
-//! Ink on meshes that are hard to draw: lines of dense scans must stay lines, and strokes of fur must touch the body.
+//! Tests of ink on difficult meshes: lines of dense scans must not break into specks, and fur strokes must touch the
+//! body.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::{Vec3, vec3};
@@ -21,17 +22,17 @@ const SIZE: (u32, u32) = (834, 424);
 /// Number of views, evenly spaced around the model.
 const VIEWS: u32 = 6;
 
-/// Returns the path of the project's own model with the given name.
+/// Returns the path of one of the project's own models.
 fn built_in_model(name: &str) -> PathBuf {
     workspace().join(format!("assets/models/{name}.glb"))
 }
 
-/// Returns a model of the test data for the named test.
+/// Returns the path of a model in the test data, for the named test.
 fn data_model(test: &str, path: &str) -> Option<PathBuf> {
     data(test).map(|data| data.join("meshes").join(path))
 }
 
-/// Returns cameras that frame the whole model of a package from each side.
+/// Returns [`VIEWS`] cameras around a package, each of which frames the whole model.
 fn cameras(package: &[u8]) -> Vec<Camera> {
     let opened = Package::open(package, &Limits::default()).unwrap();
     let bounds = opened.manifest().bounds;
@@ -43,7 +44,7 @@ fn cameras(package: &[u8]) -> Vec<Camera> {
     (0..VIEWS).map(|view| Camera::framing(Vec3::from(bounds.center), bounds.radius, from(view), 0.5, aspect)).collect()
 }
 
-/// Counts the ink in line components shorter than three line widths, over all views.
+/// Counts the ink in line components that are shorter than three line widths, over all views.
 fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
@@ -73,7 +74,7 @@ fn ink_lines_of_dense_scans_have_few_specks() {
     }
     let mut wrong = Vec::new();
     for (name, model, recipe, most) in models {
-        // For models without a recipe the lines of the bare body: ink fur is switched off.
+        // For models without a recipe, fur strokes are disabled, so that only the lines of the bare body are drawn.
         let stone = if recipe.is_none() { &["ink.fur=0"][..] } else { &[] };
         let sets = [&["slice.layers=4", "fins.enabled=false"], stone].concat();
         let found = short_lines(gpu, &bake_plain(&model, recipe, &sets));
@@ -85,7 +86,7 @@ fn ink_lines_of_dense_scans_have_few_specks() {
     assert!(wrong.is_empty(), "{}", wrong.join("; "));
 }
 
-/// Returns the pixels of detached fur strokes per thousand pixels of the body.
+/// Returns the number of fur stroke pixels that do not touch the body, per thousand pixels of the body.
 fn detached_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());

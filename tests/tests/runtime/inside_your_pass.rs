@@ -1,4 +1,4 @@
-//! Opaque objects of the application and the fur share one pass and one depth buffer.
+//! Tests that opaque objects of the application and the fur can share one pass and one depth buffer.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -10,7 +10,7 @@ use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: u32 = 96;
 
-/// Returns the pipeline of a red wall over the left half of the picture, at a depth given in clip space.
+/// Returns the pipeline of a red wall that covers the left half of the picture; its depth is in clip space.
 fn wall(gpu: &Gpu, options: &RendererOptions) -> wgpu::RenderPipeline {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
@@ -65,7 +65,7 @@ fn fur_and_application_objects_occlude_each_other() {
     let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.6, 1.0), [SIZE; 2]);
     let at =
         |texels: &[u8], x: u32, y: u32| -> [u8; 4] { texels[((y * SIZE + x) * 4) as usize..][..4].try_into().unwrap() };
-    // Depth in per cent of the clip range, whether the wall is drawn before the fur, and whether it is in front.
+    // Columns: depth in per cent of the clip range; whether the wall is drawn before the fur; whether it is in front.
     for (depth, first, wall_in_front) in [(1, true, true), (1, false, true), (99, true, false), (99, false, false)] {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();

@@ -1,4 +1,4 @@
-//! Tests of the runtime's public API on a real device: formulas by three implementations, single passes, whole
+//! Tests of the runtime's public API on a real device: formulas in three implementations, single passes, whole
 //! pictures, many frames. All tests share one device (`pelage_tests::gpu`).
 
 mod detail;

@@ -1,4 +1,4 @@
-//! Morph targets on the GPU: a morphed model must look like one stored in that shape.
+//! Tests of morph targets on the GPU: a morphed model must look like a model that is stored in that shape.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -14,7 +14,7 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{difference, draw};
 use pelage_tests::support::sphere::{SphereParams, package};
 
-/// Returns a sphere with two morph targets: "long" pulls the upper part upwards, "nose" pushes a bump out to the right.
+/// Returns a sphere with two morph targets: "long" moves the upper part upwards, "nose" pushes a bump to the right.
 fn sphere() -> (Vec<u8>, Morphs) {
     let bytes = package(&SphereParams {
         quads: 12,
@@ -64,7 +64,7 @@ fn sphere() -> (Vec<u8>, Morphs) {
     (bytes, morphs)
 }
 
-/// Returns the package with morph targets, or with its vertices moved by the weights `shifts`.
+/// Returns the package with morph targets. If `shifts` is given, its vertices are moved by these weights instead.
 fn with_morphs(bytes: &[u8], morphs: &Morphs, shifts: Option<&[f32]>) -> Vec<u8> {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let mut mesh = package.mesh().unwrap().unwrap().to_data();
@@ -82,8 +82,8 @@ fn with_morphs(bytes: &[u8], morphs: &Morphs, shifts: Option<&[f32]>) -> Vec<u8>
     textures.fold(writer, |writer, i| writer.texture(package.texture(i).unwrap().ktx2)).finish().unwrap()
 }
 
-/// Returns a view without shadows. Shadow maps are fitted to the reach of a model, and joints and targets give looser
-/// bounds than vertices.
+/// Returns a view without shadows. Shadow maps are fitted to the model's bounds, and bounds of joints and targets are
+/// looser than those of vertices.
 fn front() -> FrameParams {
     let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.2, Vec3::new(-0.3, 0.35, 1.0), 0.6, 1.0), [128, 128]);
     params.with(|p| p.soft_shadow = false).with_fur(|fur| fur.self_shadow = SelfShadow::Off)
@@ -101,7 +101,7 @@ fn morphed_model_equals_a_model_of_that_shape() {
     let cases = [
         (Instance::new(1, &model).morphing(vec![(0, 1.0), (1, 0.5)]), [1.0, 0.5]),
         (Instance::new(1, &model).moving(Motion::Clip { clip: 0, time_s: 1.0 }), [1.0, 0.5]),
-        // Weights set by the application override those of the clip.
+        // The application's weights must override those of the clip.
         (
             Instance::new(1, &model).moving(Motion::Clip { clip: 0, time_s: 1.0 }).morphing(vec![(0, 0.0), (0, 0.25)]),
             [0.25, 0.5],
@@ -120,7 +120,7 @@ fn morphed_model_equals_a_model_of_that_shape() {
             "case {number}: {off:?}, against rest {moved:?}"
         );
     }
-    // Back at rest the picture is the same, and a frame identical to the last poses nothing.
+    // At rest the picture must be the same as before, and a frame identical to the last must pose nothing.
     assert_eq!(difference(&picture(&Instance::new(1, &model)), &rest).mean, 0.0);
     let mut posed = |instance: &Instance| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());

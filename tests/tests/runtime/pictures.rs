@@ -1,4 +1,4 @@
-//! Pictures drawn by the runtime: a stored picture, and pictures that must agree with each other.
+//! Pictures drawn by the runtime, compared with a stored picture and with each other.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -58,7 +58,7 @@ fn furry_sphere_matches_its_golden_picture() {
 fn golden_comparison_rejects_wrong_pictures() {
     let Some(gpu) = gpu("golden_comparison_rejects_wrong_pictures") else { return };
     if std::env::var("PELAGE_WRITE_GOLDEN").is_ok_and(|v| v == "1") {
-        // The negative controls would be written as the golden picture.
+        // The negative controls must not be written as the golden picture.
         return;
     }
     let right = default_picture(gpu);
@@ -77,16 +77,17 @@ fn fur_reaches_past_the_skin_and_hides_it() {
     let Some(gpu) = gpu("fur_reaches_past_the_skin_and_hides_it") else { return };
     let fur = default_picture(gpu);
     let bare = sphere_picture(gpu, &RendererOptions::default(), &without_fur(), &small());
-    // Fur of a quarter of the radius enlarges the disc by (1.25 / 1)^2 = 1.56; its edge is thin.
+    // Fur of a quarter of the radius enlarges the disc by (1.25 / 1)^2 = 1.56; the edge of the fur is thin.
     let ratio = fur.covered() as f64 / bare.covered() as f64;
     assert!((1.3..1.6).contains(&ratio), "covered {ratio} times as much");
-    // Hair has contrast between pixels, bare surfaces have none: mean difference of neighbours inside the disc.
+    // Contrast is the mean difference of neighbouring pixels inside the disc. Hair has contrast, bare surfaces have
+    // none.
     let contrast = |p: &Picture| {
         let row = &p.rgba[64 * 128 + 40..64 * 128 + 88];
         row.windows(2).map(|w| f64::from(w[0][1].abs_diff(w[1][1]))).sum::<f64>() / 47.0
     };
     assert!(contrast(&fur) > 4.0 * contrast(&bare), "contrast {} and {}", contrast(&fur), contrast(&bare));
-    // Half-transparent edges are premultiplied: no channel exceeds the brightest light at that opacity.
+    // Half-transparent edges must be premultiplied: no channel may exceed the brightest light at that opacity.
     let edge = fur.rgba.iter().filter(|p| (1..255).contains(&p[3])).count();
     assert!(edge > 100, "only {edge} texels are between transparent and opaque");
 }
@@ -99,14 +100,14 @@ fn reversed_depth_draws_the_same_picture() {
     let reversed = sphere_picture(gpu, &options, &front(), &small());
     let found = difference(&forward, &reversed);
     assert!(found.mean < 0.05 && found.share < 0.001, "{found:?}");
-    // Also with an infinite far plane.
+    // Checks an infinite far plane too.
     let mut params = front();
     if let Projection::Perspective { far_m, .. } = &mut params.camera.projection {
         *far_m = f32::INFINITY;
     }
     let found = difference(&forward, &sphere_picture(gpu, &options, &params, &small()));
     assert!(found.mean < 0.05 && found.share < 0.001, "infinite far plane: {found:?}");
-    // Negative control: a forward matrix in a reversed renderer draws the far side.
+    // Negative control: with a forward depth matrix, a renderer for reversed depth draws the far side.
     params.camera.projection = Projection::Custom(front().camera.projection.clip_from_view(false));
     let found = difference(&forward, &sphere_picture(gpu, &options, &params, &small()));
     assert!(found.mean > 1.0, "a wrong projection went unnoticed: {found:?}");
@@ -129,8 +130,8 @@ fn both_direction_formats_draw_the_same_fur() {
     assert!(found.mean > 0.0 && found.mean < 1.5, "{found:?}");
 }
 
-/// Checks that a block-compressed package is decoded on devices that cannot sample it. It must look like one with plain
-/// texels, and take as much memory.
+/// Checks that block-compressed textures are decoded on devices that cannot sample them. The package must look like one
+/// with uncompressed texels, and use as much memory.
 #[test]
 fn block_textures_are_decoded_where_unsupported() {
     let Some(_) = gpu("block_textures_are_decoded_where_unsupported") else { return };
@@ -163,7 +164,7 @@ fn instances_have_their_own_position_and_pose() {
     let left = instance(&renderer, 0, &sphere).at(Mat4::from_translation(Vec3::new(-0.15, 0.0, 0.0)));
     let mut right = Instance::new(1, &left.model).at(Mat4::from_translation(Vec3::new(0.15, 0.0, 0.0)));
     let projection = Projection::Orthographic { height_m: 0.3, aspect: 2.0, near_m: 0.0, far_m: 4.0 };
-    // No shadows, which the instances would cast on each other.
+    // Shadows are off, because the instances would cast them on each other.
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, projection);
     let params = FrameParams::new(camera, [256, 128])
         .with(|p| p.soft_shadow = false)
@@ -173,7 +174,7 @@ fn instances_have_their_own_position_and_pose() {
         rgba: p.rgba.chunks_exact(256).flat_map(|row| row[from..from + 128].to_vec()).collect(),
     };
     let same = draw(gpu, &mut renderer, &params, &[&left, &right]);
-    // Orthographic camera and directional light: two instances at rest look alike.
+    // With an orthographic camera and a directional light, two instances at rest must look the same.
     let found = difference(&half(&same, 0), &half(&same, 128));
     assert!(found.share < 0.01, "copies at rest differ: {found:?}");
 
@@ -184,7 +185,7 @@ fn instances_have_their_own_position_and_pose() {
     let found = difference(&half(&bent, 128), &half(&same, 128));
     assert!(found.share > 0.05, "the right copy did not move: {found:?}");
 
-    // The same pose, from joints supplied by the application.
+    // The application supplies the joints of the same pose.
     let mut pose = pelage_runtime::formats::Pose::default();
     pose.sample(right.model.skeleton().unwrap(), Some(clip), 0.5);
     right.motion = Motion::Joints(pose.joints.clone());
@@ -205,13 +206,13 @@ fn moved_and_mirrored_instances_draw_moved_and_mirrored_pictures() {
     let params = FrameParams::new(look(-0.4), SIZE.into()).with(|p| p.light = light(-0.5));
     let plain = draw(gpu, &mut renderer, &params, &[&copy]);
 
-    // Rotated and scaled together with camera and light: the same picture.
+    // The picture must be the same if the instance is rotated and scaled together with camera and light.
     let turn = Quat::from_rotation_x(0.7) * Quat::from_rotation_y(1.1);
     copy.transform = Mat4::from_scale_rotation_translation(Vec3::splat(3.0), turn, Vec3::new(5.0, -2.0, 1.0));
     let view_from_world = params.camera.view_from_world;
     let rigid = Mat4::from_rotation_translation(turn, Vec3::new(5.0, -2.0, 1.0));
     let mut moved = params.clone();
-    // Camera space scaled by three for the same picture.
+    // The picture must be the same if camera space is scaled by three.
     let mut view = view_from_world;
     view.w_axis *= pelage_runtime::glam::Vec4::new(3.0, 3.0, 3.0, 1.0);
     moved.camera.view_from_world = view * rigid.inverse();
@@ -219,11 +220,11 @@ fn moved_and_mirrored_instances_draw_moved_and_mirrored_pictures() {
         (*near_m, *far_m) = (*near_m * 3.0, *far_m * 3.0);
     }
     moved.light = Light::Directional { towards_light: turn * Vec3::new(-0.5, 0.8, 0.6), color: Vec3::ONE };
-    // The maps have a different position on the same hair.
+    // The shadow maps have a different position relative to the same hair, which causes small differences.
     let found = difference(&plain, &draw(gpu, &mut renderer, &moved, &[&copy]));
     assert!(found.mean < 0.6 && found.share < 0.01, "turned and scaled: {found:?}");
 
-    // Mirrored together with camera and light: the mirrored picture.
+    // If the instance is mirrored together with camera and light, the picture must be mirrored.
     copy.transform = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
     let params = FrameParams::new(look(0.4), SIZE.into()).with(|p| p.light = light(0.5));
     let mut mirrored = draw(gpu, &mut renderer, &params, &[&copy]);
@@ -236,7 +237,7 @@ fn moved_and_mirrored_instances_draw_moved_and_mirrored_pictures() {
 fn bare_parts_have_no_fur() {
     let Some(gpu) = gpu("bare_parts_have_no_fur") else { return };
     let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.3, 1.0), SIZE.into());
-    // Short fur, because long fur would cover the band.
+    // The fur is short, because long fur would cover the band.
     let banded = SphereParams { bare_band: true, height_m: 0.004, ..small() };
     let banded = sphere_picture(gpu, &RendererOptions::default(), &params, &banded);
     let middle = banded.rgba[58 * 128 + 64];
@@ -265,12 +266,12 @@ fn light_parameters_change_the_picture_as_expected() {
     assert!(through.mean(1) > 1.2 * dark.mean(1), "Attenu_Back off: {} and {}", through.mean(1), dark.mean(1));
     let flat = picture(&|p| p.study.ambient_attenuation = false);
     assert!(flat.mean(1) > plain.mean(1), "ambient attenuation off: {} and {}", flat.mean(1), plain.mean(1));
-    // A distant point light equals a directional light.
+    // Checks that a distant point light equals a directional light.
     let towards_light = Vec3::new(-0.5, 0.8, 0.6);
     let far = picture(&|p| p.light = Light::Point { position: towards_light * 1e4, color: Vec3::ONE });
     let found = difference(&plain, &far);
     assert!(found.mean < 0.1, "{found:?}");
-    // No light: black, but still opaque.
+    // Without light, the fur must be black but still opaque.
     let night = picture(&|p| {
         p.ambient = Vec3::ZERO;
         p.light = Light::Directional { towards_light, color: Vec3::ZERO };
@@ -284,7 +285,7 @@ fn light_parameters_change_the_picture_as_expected() {
 fn layer_count_does_not_change_the_appearance() {
     let Some(gpu) = gpu("layer_count_does_not_change_the_appearance") else { return };
     let options = RendererOptions::default();
-    // Shadow maps with few layers are coarser than the hair itself.
+    // The tolerance is larger with shadow maps: with few layers, they are coarser than the hair itself.
     for (self_shadow, allowed) in [(false, 0.04), (true, 0.08)] {
         let params = front().with_fur(|f| f.self_shadow = if self_shadow { SelfShadow::Maps } else { SelfShadow::Off });
         let baked = sphere_picture(gpu, &options, &params, &small());
@@ -355,7 +356,7 @@ fn report_names_the_passes_and_why_they_were_skipped() {
             gpu.queue.submit([encoder.finish()]);
             frame.report().passes.iter().map(|p| (p.name, p.ran, p.reason.clone())).collect()
         };
-    // Only the passes of fur; those of ink have their own test.
+    // Only the fur passes are compared; the ink passes have their own test.
     let of_fur = |report: &[(&'static str, bool, String)]| -> Vec<(&'static str, bool, String)> {
         report.iter().filter(|(name, ..)| !name.starts_with("ink")).cloned().collect()
     };

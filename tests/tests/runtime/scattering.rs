@@ -1,4 +1,4 @@
-//! Hair as fibres that scatter light: a layer compared with the equations, and the effect of multiple scattering on
+//! Tests of hair as scattering fibres: a layer compared with the equations, and the effect of multiple scattering on
 //! fur.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -33,7 +33,7 @@ fn params(eye: Vec3, light: Vec3, seen_m: f32, size: u32) -> FrameParams {
     })
 }
 
-/// Returns the colours of all pixels.
+/// Draws a frame, and returns the linear colours of all pixels.
 fn pixels(
     gpu: &Gpu,
     renderer: &mut Renderer,
@@ -46,8 +46,8 @@ fn pixels(
     texels.chunks_exact(8).map(texel).collect()
 }
 
-/// Checks an opaque layer of upright grey fibres from many directions, in light that no other hair absorbs. Both the
-/// default fibre and the fibre of a material are tested.
+/// Checks an opaque layer of upright grey fibres from many directions, lit so that no other hair absorbs light. Both
+/// the default fibre and the fibre of a material are tested.
 #[test]
 fn layer_scattering_matches_its_fibres() {
     let Some(gpu) = gpu("layer_scattering_matches_its_fibres") else { return };
@@ -63,7 +63,7 @@ fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     let mut renderer = renderer(gpu);
     let model = renderer.load_bytes(&with_fibres(&plane(2, 255), fibre)).unwrap();
     let instance = Instance::new(0, &model);
-    // 127 of 255, the colour of the plane.
+    // The plane's colour is 127 of 255.
     let color = [127.0 / 255.0; 3];
     let sigma = colour::absorption(color, f64::from(fibre.fur_optics().around));
     let ways = [
@@ -73,7 +73,7 @@ fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
         Vec3::new(-0.2, -0.9, 0.4),
         Vec3::new(0.9, 0.1, 0.15),
     ];
-    // As a view direction the last one is too grazing for the plane.
+    // The last direction is not used as a view direction, because it is too grazing for the plane.
     for (eye, light) in ways[..4].iter().flat_map(|eye| ways.iter().map(move |light| (*eye, *light))) {
         let single = params(eye, light, 0.02, 8).with(|p| p.soft_shadow = false).with_fur(|fur| {
             fur.self_shadow = SelfShadow::Off;
@@ -89,8 +89,8 @@ fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     }
 }
 
-/// Checks the same for light spread around a direction above the mesh surface, as wide as skies are. The reference is
-/// the integral over all directions.
+/// Checks the same layer in light that is spread around a direction above the mesh surface, as wide as sky light. The
+/// reference value is the integral over all directions.
 #[test]
 fn layer_scattering_of_broad_light_matches_its_fibres() {
     let Some(gpu) = gpu("layer_scattering_of_broad_light_matches_its_fibres") else { return };
@@ -117,7 +117,7 @@ fn layer_scattering_of_broad_light_matches_its_fibres() {
             let expected = exact.scatter(sigma, Vec3::Z.as_dvec3(), &lobe.light(), eye.as_dvec3().normalize());
             for ((found, expected), radiance) in found.into_iter().zip(expected).zip(lobe.radiance) {
                 let (found, expected) = (f64::from(found), expected * f64::from(radiance));
-                // Tolerance: a fiftieth of the light from a fibre that scatters uniformly.
+                // The tolerance is a fiftieth of the light from a fibre that scatters uniformly.
                 let even = f64::from(radiance) * lobe.light().integral() / (4.0 * PI);
                 let within = 0.05 * expected + 0.02 * even;
                 assert!((found - expected).abs() < within, "{eye}, {towards}: {found}, expected {expected}");
@@ -126,7 +126,7 @@ fn layer_scattering_of_broad_light_matches_its_fibres() {
     }
 }
 
-/// Returns the hare with fur of fibres with the given eumelanin.
+/// Returns the hare with fur whose fibres have the given eumelanin.
 fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
     let pigment = format!("fibre.eumelanin={eumelanin}");
     let set = ["shading.model=marschner", "color.base_color=false", "slice.layers=8", &pigment];
@@ -134,8 +134,8 @@ fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
     Instance::new(0, &renderer.load_bytes(&bytes).unwrap())
 }
 
-/// Checks that white hair under a uniform environment has the radiance of the environment, in layers and in strands. A
-/// full turn of the environment must change nothing.
+/// Checks that white hair under a uniform environment is as bright as the environment, in layers and in strands. A full
+/// turn of the environment must change nothing.
 #[test]
 fn white_fur_is_as_bright_as_a_uniform_sky() {
     let Some(gpu) = gpu("white_fur_is_as_bright_as_a_uniform_sky") else { return };
@@ -155,7 +155,7 @@ fn white_fur_is_as_bright_as_a_uniform_sky() {
     for hair in [HairGeometry::Shells, HairGeometry::Strands] {
         let found = mean(hair, Environment::constant([1.0, 0.5, 2.0])) / Vec3::new(1.0, 0.5, 2.0);
         println!("{hair:?}: {found}");
-        // The path tracer gives 0.955: the rest is lost to eyes, nose and undercoat.
+        // The path tracer gives 0.955; eyes, nose and undercoat absorb the rest.
         assert!((found / 0.955 - 1.0).abs().max_element() < 0.1, "{hair:?}: {found}");
     }
     let gradient = Environment::gradient([1.0; 3], [0.1; 3]);
@@ -167,8 +167,8 @@ fn white_fur_is_as_bright_as_a_uniform_sky() {
     assert!(before > beside && beside > behind, "{before} {beside} {behind}");
 }
 
-/// Checks that the lobes of a turning environment cause no jumps in layers or in strands. The lobes rise over the
-/// horizon, cross each other and pass behind the body.
+/// Checks that a turning environment causes no jumps in layers or in strands. Its lobes rise over the horizon, cross
+/// each other and pass behind the body.
 #[test]
 fn a_turning_sky_does_not_flicker() {
     let Some(gpu) = gpu("a_turning_sky_does_not_flicker") else { return };
@@ -183,7 +183,7 @@ fn a_turning_sky_does_not_flicker() {
         lobe([0.0, -0.3, -1.0], 20.0, 2.0),
     ];
     let sky = Environment { even: [0.1; 3], lobes, sun: None };
-    // Half a turn, in steps of 1.9 degrees.
+    // The frames are half a turn, in steps of 1.9 degrees.
     const FRAMES: usize = 97;
     const STEP_DEG: f32 = 360.0 / 192.0;
     const SIDE: usize = 96;
@@ -205,7 +205,7 @@ fn a_turning_sky_does_not_flicker() {
                 blocks
             })
             .collect();
-        // Range of each block, and its largest second difference, which reveals jumps.
+        // For each block, `figures` has the range and the largest second difference. The latter reveals jumps.
         let figures = (0..SQUARES).map(|block| {
             let of = |i: usize| frames[i][block];
             let ends = |(least, most): (f64, f64), x: f64| (least.min(x), most.max(x));
@@ -215,7 +215,7 @@ fn a_turning_sky_does_not_flicker() {
         });
         let (swing, jump) = figures.fold((0.0_f64, 0.0_f64), |most, of| (most.0.max(of.0), most.1.max(of.1)));
         println!("{hair:?}: swing {swing:.4}, largest second difference {jump:.4}");
-        // A smooth curve has small second differences; a jump keeps its full size.
+        // A smooth curve has small second differences, while a jump appears in them at full size.
         assert!(swing > 0.003 && jump < 0.04 * swing, "{hair:?}: swing {swing}, largest second difference {jump}");
     }
 }
@@ -234,8 +234,8 @@ fn invalid_environments_are_refused_with_the_field() {
     assert!(error.contains("FrameParams::environment") && error.contains("lobe[0].towards"), "{error}");
 }
 
-/// Checks the interpolation between corners with very different normals, where the interpolated vectors are short. That
-/// must not count as light from behind, which would be far too bright.
+/// Checks the interpolation between corners whose normals differ strongly, where the interpolated vectors are short.
+/// Such vectors must not be treated as light from behind, which would be far too bright.
 #[test]
 fn sharp_edges_do_not_leak_light_from_behind() {
     let Some(gpu) = gpu("sharp_edges_do_not_leak_light_from_behind") else { return };
@@ -260,7 +260,7 @@ fn sharp_edges_do_not_leak_light_from_behind() {
     };
     let (even, sharp) = (brightest(0.0), brightest(6.0));
     println!("even {even}, sharp {sharp}");
-    // Hair perpendicular to view and light gives the greatest brightness; upright hair is darker.
+    // Hair perpendicular to view and light is brightest; upright hair is darker.
     let across = FibreParams::default().fur_optics().fibre();
     let angles = Angles::between(Vec3::X.as_dvec3(), Vec3::Z.as_dvec3(), Vec3::Z.as_dvec3());
     let sigma = colour::absorption([127.0 / 255.0; 3], f64::from(FibreParams::default().fur_optics().around));
@@ -268,8 +268,8 @@ fn sharp_edges_do_not_leak_light_from_behind() {
     assert!(f64::from(even) < most && f64::from(sharp) < most, "even {even}, sharp {sharp}, expected less than {most}");
 }
 
-/// Checks multiple scattering on the hare in white and in black. It must dominate the light of white hair but not of
-/// black hair, and layers and strands must agree. All pixels must be finite and non-negative for light from any side.
+/// Checks multiple scattering on a white and on a black hare. It must dominate the light of white hair but not of black
+/// hair, and layers and strands must agree. All pixels must be finite and non-negative for light from any side.
 #[test]
 fn multiple_scattering_brightens_light_hair() {
     let Some(gpu) = gpu("multiple_scattering_brightens_light_hair") else { return };
@@ -300,15 +300,15 @@ fn multiple_scattering_brightens_light_hair() {
     });
     assert!(white[0] > 3.0 * white[1], "white: {white:?}");
     assert!(black[0] < 2.0 * black[1] && black[0] < 0.2 * white[0], "black: {black:?}, white {white:?}");
-    // Along the hair, from behind, and from the camera.
+    // The light comes along the hair, from behind, and from the camera.
     for light in [Vec3::Y, Vec3::NEG_Y, -front, Vec3::new(0.4, 0.2, 0.9), Vec3::new(-0.4, -0.2, -0.9)] {
         mean(&hares[2], HairGeometry::Shells, Scattering::Multiple, light);
     }
 }
 
-/// Checks long brown hair around a head: the surface hides light from the hair behind it, hair around the head casts
-/// shadows to the other side, and multiple scattering leaves the sheet of hair. Path tracing gives 0.185 (side) and
-/// 0.083 (behind) of the frontal light. Without these effects the values would be 0.27 and 0.22.
+/// Checks long brown hair around a head. The surface must hide light from the hair behind it, hair around the head must
+/// cast shadows to the other side, and multiple scattering must leave the sheet of hair. Path tracing gives 0.185
+/// (side) and 0.083 (behind) of the frontal light. Without these effects the values would be 0.27 and 0.22.
 #[test]
 fn hair_around_a_body_is_dark_when_lit_from_behind() {
     let Some(gpu) = gpu("hair_around_a_body_is_dark_when_lit_from_behind") else { return };

@@ -1,8 +1,8 @@
-//! Shared shader functions by three implementations: f64 reference, Rust twin, GPU.
+//! Compares three implementations of the shared shader functions: f64 reference, Rust twin, and GPU.
 //!
-//! Tolerances: the twin performs the f32 operations of the shader. Only `normalize_or` omits one, a scaling where it is
-//! not needed. Both therefore have the same tolerance. WGSL allows exp2, log2 and inverseSqrt a few units in the last
-//! place more than Rust's, and powers multiply that by the exponent.
+//! The twin performs the same f32 operations as the shader, so both have the same tolerance. The only exception is
+//! `normalize_or`, which omits a scaling that it does not need. WGSL allows larger errors of exp2, log2 and inverseSqrt
+//! than Rust, by a few units in the last place, and powers multiply them by the exponent.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -20,8 +20,8 @@ use pelage_tests::support::sphere::Random;
 
 type Case<const N: usize> = [[f32; 4]; N];
 
-/// Checks twin and GPU against the truth for every case. `tolerance` is absolute, per component, as a function of the
-/// truth.
+/// Checks twin and GPU against the f64 reference for every case. `tolerance` returns the absolute tolerance per
+/// component, as a function of the reference value.
 fn assert_truth_twin_and_shader_agree<const N: usize>(
     name: &str,
     library: &str,
@@ -82,7 +82,7 @@ fn sin_squared() {
     let mut cases: Vec<Case<2>> = Vec::new();
     for i in 0..4000 {
         let a = unit(&mut random);
-        // From perpendicular to parallel within 1e-6.
+        // The vectors range from perpendicular to parallel within 1e-6.
         let b = (a + unit(&mut random) * 10f32.powf(-6.0 * (i % 100) as f32 / 99.0)).normalize();
         let scale = 0.1 + 1.9 * random.next_f32();
         cases.push([(a * scale).extend(0.0).to_array(), b.extend(0.0).to_array()]);
@@ -95,7 +95,7 @@ fn sin_squared() {
         &cases,
         |[a, b]| x((1.0 - d(a).dot(d(b)).powi(2)).max(0.0)),
         |[a, b]| xf(kajiya_kay::sin_squared(v(a), v(b))),
-        // A few ulps of 1, or of the square of a dot product that long vectors make larger.
+        // The tolerance is a few ulps of 1, or of the square of the dot product, which long vectors make larger.
         |[a, b], _| 4e-7 * d(a).dot(d(b)).powi(2).max(1.0),
     );
 }
@@ -115,7 +115,8 @@ fn sin_power() {
         &cases,
         |[c]| x(f64::from(c[0]).max(1e-30).powf(c[1].into())),
         |[c]| xf(kajiya_kay::sin_power(c[0], c[1])),
-        // log2 has an error of about 2^-21 near 1 (WGSL), times the exponent, times the result, plus one for exp2.
+        // In WGSL, log2 has an error of about 2^-21 near 1, which is multiplied by the exponent and the result; exp2
+        // adds its own.
         |[c], p| {
             p * (1e-6 * f64::from(c[1]) + 1e-6 * (f64::from(c[1]) * f64::from(c[0].max(1e-30)).log2()).abs() + 1e-6)
                 + 1e-12
@@ -181,7 +182,7 @@ fn resampled_opacity() {
     let mut cases: Vec<Case<1>> = Vec::new();
     for i in 0..=600 {
         for exponent in [1.0 / 64.0, 0.125, 0.3, 1.0, 2.0, 5.0, 63.0] {
-            // Opacities from 1e-8 to 1, uniform in their logarithm.
+            // The opacities range from 1e-8 to 1, uniformly in their logarithm.
             cases.push([[10f32.powf(-8.0 + i as f32 / 75.0), exponent, 0.0, 0.0]]);
         }
     }
@@ -192,7 +193,7 @@ fn resampled_opacity() {
         &cases,
         |[c]| x(-(f64::from(c[1]) * (-f64::from(c[0]).min(1.0 - 1.0 / 2048.0)).ln_1p()).exp_m1()),
         |[c]| xf(opacity::resampled_opacity(c[0], c[1])),
-        // Relative: the safe form must keep the digits of small opacities.
+        // The tolerance is relative, because the safe form must keep the digits of small opacities.
         |_, a| 1e-5 * a,
     );
 }
@@ -212,7 +213,7 @@ fn baked_layer_shares_are_even() {
         &cases,
         |[c]| {
             let [layer, baked, drawn] = [c[0], c[1], c[2]].map(f64::from);
-            // Exact in f64: halves of whole numbers below 2^17.
+            // The values are halves of integers below 2^17, which f64 represents exactly.
             x(if layer == 0.0 {
                 0.0
             } else {
@@ -251,7 +252,7 @@ fn directions_to_eye_and_light_match_the_shader() {
             let to = frame::direction_to(Vec4::from_array(*t), v(p));
             frame::half_vector(to, v(p)).extend(to.x).to_array()
         },
-        // Adding two nearly opposite unit vectors amplifies an ulp by the inverse of the remaining length.
+        // The sum of two nearly opposite unit vectors amplifies an ulp by the inverse of its length.
         |[t, p], _| {
             let to = (d(t) - d(p) * f64::from(t[3])).normalize();
             1e-6 / (to + d(p)).length().max(1e-3)
@@ -283,7 +284,7 @@ fn tile_frames_match_the_shader() {
             DVec3::new(t64.dot(d(w)), (h * n64.cross(t64)).dot(d(w)), n64.dot(d(w))).extend(0.0).to_array()
         },
         |[n, t, w]| tile_frame::to_tile(tile_frame::tile_frame(v(n), v(t), n[3]), v(w)).extend(0.0).to_array(),
-        // Gram-Schmidt amplifies an ulp by the inverse of the remaining tangent.
+        // Gram–Schmidt amplifies an ulp by the inverse of the remaining tangent's length.
         |[n, t, _], _| 2e-6 / d(n).cross(d(t)).length().max(1e-3),
     );
 }
@@ -311,12 +312,13 @@ fn direction_decoding_matches_the_specification() {
             decoded.extend(0.0).to_array()
         },
         |[c]| tile_frame::decode_direction(Vec4::from_array(*c), c[3] > 0.5).extend(0.0).to_array(),
-        // z is the square root of a difference: an ulp of 1 under the root.
+        // z is the square root of a difference, which has an error of one ulp of 1.
         |_, component| 1e-6 + 3e-7 / component.abs().max(5e-4),
     );
 }
 
-/// Checks that the shader's decoding, which omits the format's clamps, agrees with it wherever they have no effect.
+/// Checks the shader's decoding of directions against the formats crate. The shader omits clamps, so inputs that would
+/// be clamped are excluded.
 #[test]
 fn direction_decoding_matches_the_formats_crate() {
     use pelage_runtime::formats::{TextureFormat, decode_direction, encode_direction};
@@ -348,7 +350,7 @@ fn root_offsets_match_the_shader() {
             [aside.x + aside.z * along.x, aside.y + aside.z * along.y, 0.0, 0.0]
         },
         |[aside, along]| tile_frame::root_offset(v(aside), v(along)).extend(0.0).extend(0.0).to_array(),
-        // A product and a sum of numbers up to 1.
+        // The function has a product and a sum of numbers up to 1.
         |_, _| 3e-7,
     );
 }
@@ -369,7 +371,8 @@ fn leaned_hair_matches_the_shader() {
         "vec4(hair_direction(in_0.xyz, in_1.z, lean_slope(in_1.x, in_1.y)), lean_offset(in_1.x, in_1.y))",
         &cases,
         |[direction, c]| {
-            // Short piece of hair with a new length, its two ends moved sideways by the lean at each height.
+            // The reference is a short piece of hair with a new length, whose two ends are moved sideways by the lean
+            // at each height.
             let (lean, height, share) = (f64::from(c[0]), f64::from(c[1]), f64::from(c[2]));
             let piece = 1e-6 * d(direction);
             let aside = |h: f64| lean * h * h;
@@ -404,7 +407,7 @@ fn transformed_normals_match_the_shader() {
               handedness_of(mat3x3(in_0.xyz, in_1.xyz, in_2.xyz)))",
         &cases,
         |[a, b, c, n]| {
-            // Inverse transpose, which the cofactor form replaces.
+            // The reference is the inverse transpose, which the shader replaces by the cofactor form.
             let m = DMat3::from_cols(d(a), d(b), d(c));
             (m.inverse().transpose() * d(n)).normalize().extend(m.determinant().signum()).to_array()
         },
@@ -412,7 +415,7 @@ fn transformed_normals_match_the_shader() {
             let m = Mat3::from_cols(v(a), v(b), v(c));
             skinning::transform_normal(m, v(n)).extend(skinning::handedness_of(m)).to_array()
         },
-        // Cofactors cancel as the determinant shrinks; here it is above 0.05.
+        // Cancellation in the cofactors grows as the determinant shrinks; here it is above 0.05.
         |_, _| 2e-5,
     );
 }
@@ -427,7 +430,7 @@ fn blended_positions_match_the_shader() {
         let row = |r: &mut Random| unit(r).extend(0.0).to_array();
         cases.push([row(&mut random), row(&mut random), row(&mut random), weights]);
     }
-    // Two matrices that share two columns, so that three inputs are enough.
+    // The two matrices share two columns, so that three inputs suffice.
     let matrices = |[a, b, c, _]: &Case<4>| {
         let m = |x: Vec3, y: Vec3, z: Vec3| Mat4::from_mat3(Mat3::from_cols(x, y, z));
         (m(v(a), v(b), v(c)), m(v(b), v(c), v(a)))
@@ -465,7 +468,7 @@ fn fin_opacity_and_layer_paths_match_the_shader() {
         &cases,
         |[c]| [(2.0 * f64::from(c[0]).abs() - 1.0).max(0.0), 0.0, 0.0, 0.0],
         |[c]| [fins::fin_opacity(c[0]), 0.0, 0.0, 0.0],
-        // Two roundings near 1.
+        // The function rounds twice, near 1.
         |_, _| 2e-7,
     );
     assert_truth_twin_and_shader_agree(
@@ -475,7 +478,7 @@ fn fin_opacity_and_layer_paths_match_the_shader() {
         &cases,
         |[c]| [1.0 / f64::from(c[0]).abs().max(0.1), 0.0, 0.0, 0.0],
         |[c]| [opacity::view_path(c[0]), 0.0, 0.0, 0.0],
-        // A division, which may be off by 2.5 units in the last place in WGSL.
+        // In WGSL, a division may have an error of 2.5 units in the last place.
         |_, path| 4e-7 * path,
     );
     let mut random = Random(9);
@@ -514,12 +517,12 @@ fn fin_opacity_and_layer_paths_match_the_shader() {
             [(1.0 + share * share * (path * path - 1.0)).sqrt(), 0.0, 0.0, 0.0]
         },
         |[c]| [opacity::shortened_path(c[0], c[1]), 0.0, 0.0, 0.0],
-        // A path of 1 is rounded, and so is its square.
+        // A path length near 1 is rounded, and so is its square.
         |_, path| 8e-7 * path,
     );
 }
 
-/// Checks the transmittance of a layer and the slanted path through it.
+/// Checks the transmittance of a layer, and the length of the slanted path through it.
 #[test]
 fn layer_transmittances() {
     let mut random = Random(41);
@@ -567,7 +570,7 @@ fn soft_shadow_truth(texel: [f64; 4], z: f64, distance: f64, path: f64, centred:
     1.0 + (lit - 1.0) * share
 }
 
-/// Returns whether the result is discontinuous here, so that rounding may give either side.
+/// Returns whether the result is discontinuous at this point, where rounding may select either side.
 fn is_discontinuous(texel: [f32; 4], z: f32, distance: f32, path: f32) -> bool {
     let [w, wz, first, _] = texel;
     let bias = 0.001 * distance * (0.5 + path);
@@ -584,7 +587,8 @@ fn soft_shadows() {
     for i in 0..3000 {
         let w = random.next_f32();
         let (first, z) = (random.next_f32(), random.next_f32());
-        // The last thousand have a point light's distances and slants; some have nothing near in shadow.
+        // The last thousand cases have the distances and slants of a point light. In every seventh case, nothing near
+        // is in shadow.
         let w = if i % 7 == 0 { 0.0 } else { w };
         let (distance, path) =
             if i < 2000 { (1.0, 1.0) } else { (0.1 + 3.0 * random.next_f32(), 1.0 + 3.0 * random.next_f32()) };
@@ -619,7 +623,7 @@ fn light_received() {
         ..receiver::ShadowReceiver::default()
     };
     let path = |n_dot_l: f32| 1.0 / f64::from(n_dot_l).abs().max(0.25);
-    // Texel; position in the maps, often beside or beyond them, sometimes behind a point light; cosine; form.
+    // Inputs: texel; position in the maps, often beside or beyond them, sometimes behind a point light; cosine; form.
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..4000 {
         let w = if i % 7 == 0 { 0.0 } else { random.next_f32() };
@@ -654,7 +658,7 @@ fn light_received() {
         &cases,
         truth,
         |c| xf(receiver::light_at_place(Vec4::from(c[0]), Vec4::from(c[1]), c[2][0], &receiver(c[2][1]))),
-        // Same as for `soft_shadow`.
+        // The tolerance is that of `soft_shadow`.
         |_, _| 2e-3,
     );
 }
@@ -675,7 +679,7 @@ fn a_wrong_shader_is_caught() {
     });
     assert!(wrong.is_err(), "an error of 1e-4 passed a tolerance of 1e-6");
     let idle = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        // Writes the sentinel, like a shader that never ran.
+        // The expression writes the sentinel, as if the shader had not run.
         evaluate(gpu, "", &format!("vec4({:?}) + 0.0 * in_0", pelage_tests::compute::SENTINEL), &[[[0.0; 4]]])
     }));
     assert!(idle.is_err(), "an untouched output passed");
@@ -715,7 +719,7 @@ fn tile_visibility_matches_the_shader() {
     );
 }
 
-/// Checks all kinds of unit vectors, including vectors along the fibre and pairs that are opposite or equal.
+/// Checks unit vectors of all kinds, including vectors along the fibre, and opposite and equal pairs.
 #[test]
 fn fibre_angles_match_the_shader() {
     let mut random = Random(11);
@@ -759,7 +763,7 @@ fn fibre_angles_match_the_shader() {
             let found = scattering::fibre_angles(v(tip), v(light), v(eye));
             [found.along.x, found.along.y, found.around.y, found.cos_i]
         },
-        // Square roots of differences lose half of the digits if an angle is 90° or 0.
+        // The square root of a difference loses half of the digits if an angle is 90° or 0°.
         |[tip, light, eye], _| {
             let cos = |way: &[f32; 4]| (1.0 - d(tip).dot(d(way)).powi(2)).max(1e-7).sqrt();
             let wide = d(light).dot(d(eye)) > 0.9;
@@ -768,7 +772,7 @@ fn fibre_angles_match_the_shader() {
                 + 2e-3 * f64::from(u8::from(cos(light).min(cos(eye)) < 1e-2))
         },
     );
-    // The azimuth is undefined along the fibre; elsewhere its cosine is compared.
+    // The azimuth is undefined for directions along the fibre. Elsewhere its cosine is compared.
     let across: Vec<Case<3>> = cases
         .iter()
         .filter(|[tip, light, eye]| [light, eye].iter().all(|way| d(tip).dot(d(way)).abs() < 0.99))
@@ -854,7 +858,7 @@ fn openness_decoding_matches_the_shader() {
         let of = Openness { share, tangential: [out * turn.cos(), out * turn.sin()] };
         let [x, y] = environment::pack_openness(of).map(|byte| f32::from(byte) / 255.0);
         let found = environment::unpack_openness(Vec2::new(x, y)) * environment::USUALLY_OPEN;
-        // Half a quantisation step of each number.
+        // The tolerance is half a quantisation step of each component.
         assert!((found.length() - share).abs() < 0.004, "{of:?}: {found}");
         let expected = of.vector() / of.share;
         assert!(found.normalize().truncate().distance(expected.truncate()) < 0.11, "{of:?}: {found}");
@@ -994,8 +998,8 @@ fn multiple_scattering_in_fur_matches_the_shader() {
 #[test]
 fn scattering_in_hanging_hair_matches_the_shader() {
     let mut random = Random(31);
-    // Sines of the angles of light and view, variance, share of direct light; light scattered forward and back;
-    // remaining light, and cosine.
+    // Inputs: sines of the inclinations of light and view, variance, and share of direct light; light scattered forward
+    // and back; remaining light, and cosine.
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..3000 {
         let sine = |random: &mut Random, which| match which {
@@ -1084,7 +1088,7 @@ fn scattering_in_hanging_hair_matches_the_shader() {
     );
 }
 
-/// Checks fibres with extreme values, all of which packages may contain.
+/// Checks that fibres with extreme values, which packages may contain, give finite results.
 #[test]
 fn scattering_in_hanging_hair_is_finite_for_extreme_fibres() {
     for (on, back) in [(0.0, 0.0), (1e-30, 0.0), (0.0, 1.0), (1.0, 1.0), (-10.0, 10.0), (10.0, 10.0), (-10.0, -10.0)] {
@@ -1112,20 +1116,20 @@ fn wgsl_literal(fibre: &scattering::Fibre) -> String {
     format!("Fibre({}, array({on}), array({back}))", vec4(fibre.optics))
 }
 
-/// Optics of a hair fibre.
+/// Optical constants of a hair fibre.
 const OPTICS: [f32; 4] = [0.41623, 0.17, 0.45, 0.0];
 const FITTED: [[f32; 4]; 3] = [[0.04, 0.85, 0.1, 0.01], [0.1, -0.5, 0.3, 0.1], [0.2, -0.3, 0.1, 0.0]];
-/// Absorption of the fibre and remaining light, in the shader of these cases.
+/// WGSL expressions of these cases: absorption of the fibre, and remaining light.
 const ABSORBED: &str = "fibre_absorption(in_2.xyz, in_2.w)";
 const LEFT: &str = "fibre_transmittance(in_2.z, vec4(0.41623, 0.17, 0.45, 0.0), fibre_absorption(in_2.xyz, in_2.w))";
 
-/// Returns the absorption of a fibre per radius for a channel of the colour.
+/// Returns the absorption coefficient of a fibre per radius, for one colour channel.
 fn sigma(color: &[f32; 4], channel: usize) -> f64 {
     (f64::from(color[channel]).clamp(1e-3, 1.0).ln() * f64::from(color[3])).powi(2)
 }
 
-/// Returns the remaining share of light that crosses the fibre once; the colour's blue is the cosine of the difference
-/// angle.
+/// Returns the transmittance of a single path through the fibre. The blue channel of `color` is the cosine of the
+/// difference angle.
 fn remaining_light(color: &[f32; 4], channel: usize) -> f64 {
     let cos = f64::from(color[2]).max(0.1);
     let [per_eta2, _, aside, _] = OPTICS.map(f64::from);

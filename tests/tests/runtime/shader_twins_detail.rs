@@ -1,11 +1,11 @@
-//! Levels of detail in the shared shader functions: Rust twin and GPU against an explicit reference.
+//! Compares the shader functions for levels of detail with an explicit reference: Rust twin and GPU.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::shared::detail;
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 
-/// Returns the layers that a level draws, by enumeration.
+/// Returns by enumeration the layers that a level draws.
 fn drawn_layers(baked: u32, step: u32) -> Vec<u32> {
     (1..baked).rev().step_by(step as usize).collect::<Vec<_>>().into_iter().rev().collect()
 }
@@ -19,7 +19,7 @@ fn level_layers_on_the_gpu_match_the_cpu_and_the_definition() {
             let list = drawn_layers(baked, step);
             assert_eq!(detail::detail_count(baked, step) as usize, list.len());
             for layer in 1..baked {
-                // The layer itself and those below it, down to the next drawn layer.
+                // A drawn layer represents itself and the layers below it, down to the next drawn layer.
                 let below = list.iter().rev().find(|k| **k < layer).copied().unwrap_or(0);
                 let stood_for = if list.contains(&layer) { (layer - below) as f32 } else { 0.0 };
                 let nth = list.iter().position(|k| *k == layer);
@@ -88,7 +88,7 @@ fn exponents_heights_and_light_on_the_gpu_match_the_cpu() {
             detail::far_layer_light(number, 1.0, slope),
             detail::light_within(0.05 * slope, number),
         ];
-        // A device's logarithm of numbers near 1 is imprecise.
+        // The tolerance of the last value is larger, because a device's logarithm of numbers near 1 is imprecise.
         for ((found, twin), least) in found.iter().zip(twin).zip([1e-6, 1e-6, 1e-6, 1e-4]) {
             assert!((found - twin).abs() <= least * twin.abs().max(1.0), "{case:?}: {found}, expected {twin}");
         }
@@ -110,7 +110,7 @@ fn light_within_a_layer_matches_the_stack_it_represents() {
             assert!((found - lit / seen).abs() < 2e-5, "{alpha}, {layers}: {found}, expected {}", lit / seen);
         }
     }
-    // Continuous where a layer begins to represent several, and defined for absent and for opaque hair.
+    // The function is continuous where a layer begins to represent several, and defined for absent and for opaque hair.
     assert!((detail::light_within(0.5, 1.001) - 1.0).abs() < 1e-3);
     for alpha in [0.0, 1.0] {
         assert!((0.0..=1.0).contains(&detail::light_within(alpha, 4.0)));

@@ -1,4 +1,4 @@
-//! Formulas of the ink style: f64 reference, Rust twin and GPU (Fang 2006).
+//! Compares three implementations of the ink formulas: f64 reference, Rust twin and GPU (Fang 2006).
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -6,7 +6,7 @@ use pelage_runtime::shared::{ink, srgb};
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 
-/// Returns unit vectors all over the hemisphere that faces the camera, including rim and pole.
+/// Returns unit vectors that cover the hemisphere facing the camera, including rim and pole.
 fn normals() -> Vec<Vec3> {
     let mut all = vec![Vec3::Z, Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.8, 0.0)];
     for i in 0..400 {
@@ -27,13 +27,13 @@ fn sphere_map_rim_is_the_outline_on_cpu_and_gpu() {
     let cases: Vec<[[f32; 4]; 1]> = normals().iter().map(|n| [homogeneous(*n, 1.0)]).collect();
     for n in normals() {
         let uv = ink::ink_sphere_uv(n, 1.0);
-        // (u, v) = N_xy / 2 + 1/2, v downwards; the radius is sqrt(1 − (N·E)²) / 2.
+        // Reference: (u, v) = N_xy / 2 + 1/2 with v downwards; the radius is sqrt(1 − (N·E)²) / 2.
         let truth = Vec2::new(0.5 + 0.5 * n.x, 0.5 - 0.5 * n.y);
         assert!(uv.distance(truth) < 1e-6, "{n}: {uv}, expected {truth}");
         let radius = 0.5 * (1.0 - f64::from(n.z).powi(2)).max(0.0).sqrt();
         assert!((f64::from((uv - 0.5).length()) - radius).abs() < 1e-4, "{n}");
-        // A swollen rim reaches twice as far inwards; the outline stays in place. The centre has no direction to move
-        // in.
+        // A swollen rim reaches twice as far inwards, while the outline stays in place. The centre has no direction to
+        // move in.
         if n == Vec3::Z {
             continue;
         }
@@ -51,15 +51,15 @@ fn sphere_map_rim_is_the_outline_on_cpu_and_gpu() {
     }
 }
 
-/// Checks both forms of the sphere map. The printed equation maps all normals to one point. The form by reflection is
-/// correct along the axis only; beside it, the outline moves inside the rim, to cos(a/2)/2, where a is the angle to the
+/// Checks both forms of the sphere map. The published equation maps all normals to one point. The reflection form is
+/// correct only on the axis. Off the axis, the outline moves inside the rim, to cos(a/2)/2, where a is the angle to the
 /// axis.
 #[test]
 fn printed_sphere_map_collapses_and_reflected_one_shrinks_off_axis() {
     let eye = DVec3::new(0.3, 0.2, 1.0).normalize().as_vec3();
     let places: Vec<Vec2> =
         normals().iter().map(|n| ink::ink_sphere_uv_printed(*n, eye)).filter(|p| p.is_finite()).collect();
-    // Off the axis the direction of the point is that of the eye, for any normal.
+    // Off the axis, all normals map to a line through the centre, in the direction of the eye.
     let first = (places[10] - 0.5).normalize();
     assert!(places.iter().all(|p| (*p - 0.5).normalize_or_zero().dot(first).abs() > 0.999), "{places:?}");
     let axis = Vec3::Z;
@@ -69,7 +69,7 @@ fn printed_sphere_map_collapses_and_reflected_one_shrinks_off_axis() {
     }));
     for n in normals() {
         let straight = ink::ink_sphere_uv_reflected(n, axis);
-        // At the outline itself R is (0, 0, −1).
+        // The outline itself is excluded, because R is (0, 0, −1) there.
         if n.z > 1e-2 {
             assert!(straight.distance(ink::ink_sphere_uv(n, 1.0)) < 1e-4, "{n}: {straight}");
         }
@@ -98,7 +98,7 @@ fn ink_formulas_on_the_gpu_match_the_cpu() {
     assert_eq!([0.81, 0.8, 0.65, -1.0].map(|v| ink::ink_feature_strength(v, 0.8, 0.65)), [0.0, 0.0, 1.0, 1.0]);
     assert!((ink::ink_feature_strength(0.725, 0.8, 0.65) - 0.5).abs() < 1e-5);
     assert_eq!(ink::ink_feature_strength(0.8, 0.8, 0.8), 0.0, "thresholds that coincide divide by nothing");
-    // Darkest at the outline, k/2; weak lines are lighter.
+    // A line is darkest at the outline, with grey k/2; weak lines are lighter.
     assert_eq!(ink::ink_line_grey(0.0, 0.6, 0.3, 1.0), 0.3);
     assert_eq!(ink::ink_line_grey(1.0, 0.6, 0.3, 1.0), 0.6);
     assert!((ink::ink_line_grey(0.0, 0.6, 0.3, 0.0) - (0.3 + 0.7 * 0.3)).abs() < 1e-6);

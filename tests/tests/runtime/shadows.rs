@@ -1,5 +1,4 @@
-//! Light in fur: layer-wise shadow maps, soft shadows, lights without shadow, and the application's own geometry among
-//! the casters.
+//! Tests of light in fur: layer-wise shadow maps, soft shadows, lights without shadow, and casters of the application.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -30,24 +29,24 @@ fn towards(direction: Vec3) -> Light {
     Light::Directional { towards_light: direction, color: Vec3::ONE }
 }
 
-/// Returns shadows with the density of the drawn layers.
+/// Returns shadow parameters with the density of the drawn layers.
 fn as_drawn() -> ShadowParams {
     ShadowParams::default().with(|s| s.density = 1.0)
 }
 
-/// Returns a view straight from above on the plane at z = 0.
+/// Returns a view of the plane at z = 0 straight from above.
 fn above() -> FrameParams {
     let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
     let camera = Camera::look_at(Vec3::Z, Vec3::ZERO, projection);
     FrameParams::new(camera, SIZE.into()).with(|p| (p.light, p.shadows) = (towards(Vec3::Z), as_drawn()))
 }
 
-/// Owner numbers.
+/// Owner numbers of the instances.
 const PLANE: u64 = 0;
 const BALL: u64 = 1;
 
 fn furry_plane(renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
-    // Upright hair in upright light would be black, so it is lit uniformly from all sides.
+    // Upright hair would be black in light along it, so it is lit uniformly from all sides.
     let shading = Shading {
         ambient: [0.2; 3],
         diffuse: [0.8; 3],
@@ -59,7 +58,7 @@ fn furry_plane(renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
     Instance::new(PLANE, &renderer.load_bytes(&package).unwrap())
 }
 
-/// Prepares a frame and submits what it records.
+/// Prepares a frame and submits the recorded commands.
 fn prepare(gpu: &Gpu, renderer: &mut Renderer, params: &FrameParams, instances: &[&Instance]) -> Frame {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let frame = renderer.prepare(&mut encoder, params, instances.iter().copied()).unwrap();
@@ -73,7 +72,7 @@ fn texel(maps: &ShadowMaps, point: Vec3) -> ([u32; 2], Vec4) {
     ([place.x, place.y].map(|x| (x / place.w * size) as u32), place)
 }
 
-/// Returns the transmittance in each layer-wise map above a point of the mesh surface.
+/// Returns the transmittance above a point of the mesh surface, for each of the layer-wise maps.
 fn transmittances(gpu: &Gpu, maps: &ShadowMaps, point: Vec3) -> Vec<f32> {
     let layers = maps.layers().unwrap();
     let ([x, y], _) = texel(maps, point);
@@ -88,7 +87,7 @@ fn layer_shadow_maps_hold_the_product_of_the_layers_above() {
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let alpha = f32::from(OPACITY) / 255.0;
-    // More slanted light leaves the plane before it leaves the fur.
+    // At larger angles, light would leave the plane before it leaves the fur.
     for degrees in [0.0f32, 40.0, 60.0, 70.0] {
         let angle = degrees.to_radians();
         for (slant, path) in [(SlantForm::Corrected, (1.0 / angle.cos()).min(4.0)), (SlantForm::Printed, 1.0)] {
@@ -126,7 +125,7 @@ fn density_scales_the_optical_depth() {
     assert!(greens.windows(2).all(|w| w[0] > w[1] + 1.0), "denser is darker: {greens:?}");
 }
 
-/// Checks that fewer or more map layers than drawn layers transmit the same light to the mesh surface.
+/// Checks that the light at the mesh surface is the same if the maps have fewer or more layers than are drawn.
 #[test]
 fn shadow_map_layer_count_keeps_the_density() {
     let Some(gpu) = gpu("shadow_map_layer_count_keeps_the_density") else { return };
@@ -141,7 +140,7 @@ fn shadow_map_layer_count_keeps_the_density() {
         assert!((found[0] - expected).abs() < 4e-3, "{map_layers} map layers: {}, expected {expected}", found[0]);
         assert!(found.windows(2).all(|w| w[0] <= w[1]) && found.last() == Some(&1.0), "{found:?}");
     }
-    // Coarser maps give nearly the same picture.
+    // Coarser maps must give nearly the same picture.
     let fine = draw(gpu, &mut renderer, &above(), &[&plane]);
     let coarse = draw(gpu, &mut renderer, &above().with(|p| p.shadows.map_layers = Some(2)), &[&plane]);
     let found = difference(&fine, &coarse);
@@ -250,7 +249,7 @@ fn shadow_maps_are_redrawn_only_on_changes() {
     assert_eq!(ran(&prepare(gpu, &mut renderer, &bare, &[&ball])), (false, true), "bare skin throws soft shadows");
 }
 
-/// Checks that two frames of one submission with two lights keep separate maps.
+/// Checks that two frames with different lights in one submission have separate maps.
 #[test]
 fn a_frame_keeps_its_maps() {
     let Some(gpu) = gpu("a_frame_keeps_its_maps") else { return };
@@ -264,7 +263,7 @@ fn a_frame_keeps_its_maps() {
     assert_ne!(transmittances(gpu, second.shadows().unwrap(), Vec3::ZERO), before);
 }
 
-/// Returns a sphere above the plane, lit from straight above.
+/// Returns the instances of a plane and of a sphere above it, for light from straight above.
 fn ball_over_plane(renderer: &Renderer) -> [Instance; 2] {
     let params = SphereParams { quads: 12, texels: 16, strands: 40, height_m: 0.001, ..SphereParams::default() };
     let ball = Instance::new(BALL, &renderer.load_bytes(&sphere::package(&params)).unwrap());
@@ -277,11 +276,11 @@ fn objects_cast_soft_shadows_on_fur() {
     let Some(gpu) = gpu("objects_cast_soft_shadows_on_fur") else { return };
     let mut renderer = renderer(gpu);
     let [plane, ball] = ball_over_plane(&renderer);
-    // A row of pixels through the middle of the shadow, seen from below the ball.
+    // The row of pixels crosses the middle of the shadow, and is viewed from below the ball.
     let mut row = |penumbra: f32, form: PenumbraForm, soft_shadow: bool| -> Vec<u8> {
         let projection = Projection::Orthographic { height_m: 0.2, aspect: 1.0, near_m: 0.0, far_m: 0.14 };
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.14), Vec3::ZERO, projection);
-        // Wide penumbrae need a wide blur.
+        // A wide penumbra requires a wide blur.
         let shadows = as_drawn().with(|s| (s.penumbra, s.map_size, s.shrink) = (penumbra, 256, 16));
         let params = above().with_fur(|f| f.self_shadow = SelfShadow::Off).with(|p| {
             (p.shadows, p.study.penumbra, p.soft_shadow, p.camera) = (shadows, form, soft_shadow, camera);
@@ -300,7 +299,7 @@ fn objects_cast_soft_shadows_on_fur() {
         let between = |row: &[u8]| row.iter().filter(|v| (row[32] + 12..lit - 12).contains(v)).count();
         assert!(between(&soft) > between(&hard) + 2, "{form:?}: soft {soft:?}, hard {hard:?}");
     }
-    // The centred penumbra is half lit at the hard edge; the inner one gets dark only farther in.
+    // The centred penumbra is half lit at the hard edge, while the inner one darkens only farther inside.
     let area = |row: &[u8]| row.iter().map(|v| f64::from(lit.saturating_sub(*v))).sum::<f64>();
     let (hard, centred, inner) = (
         row(0.0, PenumbraForm::Centred, true),
@@ -311,7 +310,7 @@ fn objects_cast_soft_shadows_on_fur() {
     assert!((area(&centred) / area(&hard) - 1.0).abs() < 0.25, "centred {} of hard {}", area(&centred), area(&hard));
 }
 
-/// Square of the application at a given height above the plane, drawn as depth only.
+/// Square of the application at a height above the plane; only its depth is drawn.
 struct Square {
     pipelines: [wgpu::RenderPipeline; 2],
     uniform: wgpu::Buffer,
@@ -387,7 +386,7 @@ impl Square {
         Self { pipelines, uniform, group }
     }
 
-    /// Prepares a frame with the square among the casters.
+    /// Prepares a frame in which the square casts shadows.
     fn prepare(
         &self,
         gpu: &Gpu,
@@ -442,15 +441,15 @@ fn application_geometry_and_fur_cast_shadows_on_each_other() {
         alone.rgba[corner]
     );
 
-    // The same revision keeps the maps; a different one redraws them.
+    // With the same revision the maps are kept; with another they are redrawn.
     let ran = |frame: &Frame| frame.report().passes.iter().find(|p| p.name == "shadow_width").unwrap().ran;
     assert!(!ran(&square.prepare(gpu, &mut renderer, &params, &[&plane], 1).0));
     let (frame, encoder) = square.prepare(gpu, &mut renderer, &params, &[&plane], 2);
     assert!(ran(&frame));
     gpu.queue.submit([encoder.finish()]);
 
-    // Expected result of an application's shader for its own ground at z = -0.01, from the map and the twin of the
-    // shader's function.
+    // The expected value is that of an application's shader for its own ground at z = -0.01. It is computed from the
+    // map with the shader function's twin.
     let maps = frame.shadows().unwrap();
     let width = read_map(gpu, maps.width().unwrap(), 0);
     let light_at = |point: Vec3| {
@@ -463,7 +462,8 @@ fn application_geometry_and_fur_cast_shadows_on_each_other() {
     assert!(light_at(Vec3::new(0.0, 0.0, 0.1)).0 > 0.99, "the square itself is lit");
 }
 
-/// Checks that the hair's transmittance also reaches the application's ground: the fourth channel of the width map.
+/// Checks that the shadow on the application's ground includes the hair's transmittance, the fourth channel of the
+/// width map.
 #[test]
 fn fur_casts_shadows_on_the_ground_of_the_application() {
     let Some(gpu) = gpu("fur_casts_shadows_on_the_ground_of_the_application") else { return };
@@ -500,7 +500,8 @@ fn fill_light_equals_a_key_light_without_shadows() {
         let with = |fill_lights: Vec<Light>| plain.clone().with(|p| (p.light, p.fill_lights) = (dark, fill_lights));
         let fill = draw(gpu, &mut renderer, &with(vec![light]), &[&ball]);
         let found = difference(&key, &fill);
-        // Directions are interpolated for the key light and computed per pixel for the others.
+        // The difference is small: directions are interpolated for the key light, but computed per pixel for the
+        // others.
         assert!(found.mean < 1.0, "{light:?}: {found:?}");
         let none = draw(gpu, &mut renderer, &with(vec![]), &[&ball]);
         assert!(difference(&key, &none).mean > 4.0, "the light is seen");
@@ -541,8 +542,8 @@ fn out_of_range_shadow_parameters_are_named() {
     }
 }
 
-/// Checks that no frame of a full turn of the light changes in brightness by more than a small share of the total
-/// range.
+/// Checks that the brightness changes smoothly while the light makes a full turn: per frame by only a small share of
+/// the total range.
 #[test]
 fn a_turning_light_does_not_flicker() {
     let Some(gpu) = gpu("a_turning_light_does_not_flicker") else { return };
@@ -559,7 +560,7 @@ fn a_turning_light_does_not_flicker() {
         greens.push(draw(gpu, &mut renderer, &params, &[&ball]).mean(1));
     }
     let swing = greens.iter().copied().fold(f64::MIN, f64::max) - greens.iter().copied().fold(f64::MAX, f64::min);
-    // A smooth curve over one turn changes by at most pi / 48 of its range between frames; second differences reveal
+    // Over one turn, a smooth curve changes between frames by at most pi / 48 of its range. Second differences reveal
     // jumps.
     let jump = (0..frames).map(|i| {
         let [a, b, c] = [0, 1, 2].map(|k| greens[(i + k) % frames]);

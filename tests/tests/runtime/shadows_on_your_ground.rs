@@ -1,5 +1,5 @@
-//! Shadows between the fur and an application's own geometry, with the scene and the shader of the example of the same
-//! name and of `forty_animals`.
+//! Tests of shadows between the fur and an application's own geometry. They use the scene and the shader of the example
+//! of the same name and of `forty_animals`.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -19,7 +19,7 @@ const SIZE: u32 = 256;
 /// Radius of the bare sphere, and length of its fur, metres.
 const SKIN: f32 = 0.1;
 const FUR: f32 = 0.025;
-/// Centre of the sphere above the ground, whose top is at height 0.
+/// Centre of the sphere, metres. The surface of the ground is at y = 0.
 const CENTER: Vec3 = Vec3::new(0.0, 0.16, 0.0);
 /// Width and height of a picture of the ground, metres.
 const VIEW_M: f32 = 0.8;
@@ -34,7 +34,7 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     fn new(gpu: &'a Gpu) -> Self {
-        // Not sRGB, so that the values read back are linear light.
+        // The format is linear, so that the values read back are linear light.
         let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba8Unorm, ..RendererOptions::default() };
         let renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
         let sphere = package(&SphereParams { quads: 16, texels: 32, strands: 120, ..SphereParams::default() });
@@ -43,7 +43,7 @@ impl<'a> Stage<'a> {
         Self { gpu, options, renderer, ball, ground }
     }
 
-    /// Prepares a frame with `casters` as the application's geometry and draws into a picture.
+    /// Prepares a frame in which `casters` cast shadows, and draws the picture.
     fn draw(
         &mut self,
         params: &FrameParams,
@@ -66,7 +66,8 @@ impl<'a> Stage<'a> {
         (frame, targets.texels(self.gpu).unwrap())
     }
 
-    /// Returns the share of the light that reaches the ground, seen from above without the fur that would hide it.
+    /// Returns the share of light that reaches the ground, viewed from above. The fur is not drawn, because it would
+    /// hide the ground.
     fn ground(
         &mut self,
         params: &FrameParams,
@@ -94,7 +95,7 @@ struct GroundLight {
 }
 
 impl GroundLight {
-    /// Returns the share of the light at a point of the ground, with the shader's constants removed.
+    /// Returns the share of light at a point of the ground, without the shader's constant terms.
     fn at(&self, x: f32, z: f32) -> f32 {
         let pixel = |v: f32| ((v / VIEW_M + 0.5) * SIZE as f32) as usize;
         let value = f32::from(self.rgba[4 * (pixel(z) * SIZE as usize + pixel(x))]) / 255.0;
@@ -102,7 +103,7 @@ impl GroundLight {
         (value - 0.2) / (0.8 * towards.normalize().y)
     }
 
-    /// Returns the mean around a circle about the middle.
+    /// Returns the mean share of light on a circle around the middle.
     fn ring(&self, radius: f32) -> f32 {
         let points = (0..32).map(|i| std::f32::consts::TAU * i as f32 / 32.0);
         points.map(|a| self.at(radius * a.cos(), radius * a.sin())).sum::<f32>() / 32.0
@@ -129,7 +130,7 @@ fn fur_shadow_on_the_ground_is_soft_with_a_hair_fringe() {
     let mut stage = Stage::new(gpu);
     let casters = Scene::new(&gpu.device, &stage.options, &[slab()]);
     let lamp = Vec3::new(0.0, 0.7, 0.0);
-    // Radius on the ground of the lamp's cone that touches a sphere of radius `r`.
+    // Radius, on the ground, of the lamp's cone that touches a sphere of radius `r`.
     let cone = |r: f32| {
         let sin = r / (lamp.y - CENTER.y);
         lamp.y * sin / (1.0 - sin * sin).sqrt()
@@ -152,21 +153,21 @@ fn fur_shadow_on_the_ground_is_soft_with_a_hair_fringe() {
             let rings: Vec<f32> = (0..60).map(|i| picture.ring(fur * i as f32 / 50.0)).collect();
             assert!(rings.windows(2).all(|w| w[1] > w[0] - 0.03), "{name}, {light:?}: not outwards lighter: {rings:?}");
         }
-        // Soft: half lit at the edge of the shadow of the bare sphere, with a slope to both sides.
+        // The shadow is soft: half lit at the edge of the bare sphere's shadow, with a slope to both sides.
         let edge = [-0.003, 0.0, 0.003].map(|d| bare.ring(skin + d));
         assert!((edge[1] - 0.5).abs() < 0.25, "{light:?}: at the edge {edge:?}");
         assert!(edge[0] > 0.02 && edge[2] < 0.98 && edge[2] > edge[0] + 0.1, "{light:?}: about the edge {edge:?}");
-        // Fringe of the fur's shadow.
+        // The circle is in the fringe of the fur's shadow.
         let between = 0.5 * (skin + fur);
         let fringe = [furry.ring(between), bare.ring(between)];
         assert!(fringe[0] < 0.5 * fringe[1] && fringe[1] > 0.85, "{light:?}: fur beside the skin {fringe:?}");
     }
-    // A slanted light moves the shadow.
+    // Checks that a slanted light moves the shadow.
     let slanted = Vec3::new(-0.6, 0.8, 0.0);
     let aside = CENTER.y * 0.75;
     let (_, picture) = stage.ground(&from_above(sun(slanted)), &casters, Some(0.35), 9);
     assert!(picture.at(aside, 0.0) < 0.02 && picture.at(-aside, 0.0) > 0.98);
-    // An ellipse as long as the sphere's diameter over the sine of the light's elevation.
+    // The shadow is an ellipse; its length is the sphere's diameter divided by the sine of the light's elevation.
     for (x, z) in [(aside + SKIN / 0.8, 0.0), (aside - SKIN / 0.8, 0.0), (aside, SKIN), (aside, -SKIN)] {
         let (inner, outer) = (0.85, 1.45);
         let at = |scale: f32| picture.at(aside + (x - aside) * scale, z * scale);
@@ -174,7 +175,7 @@ fn fur_shadow_on_the_ground_is_soft_with_a_hair_fringe() {
     }
 }
 
-/// Checks the light on the ground when each kind of shadow is switched off.
+/// Checks that the ground is lit when a kind of shadow is switched off.
 #[test]
 fn shadows_that_are_off_leave_the_ground_lit() {
     let Some(gpu) = gpu("shadows_that_are_off_leave_the_ground_lit") else { return };
@@ -202,7 +203,7 @@ fn shadows_that_are_off_leave_the_ground_lit() {
     }
 }
 
-/// Checks that the ground beyond a map is lit, and that the last texel of the map is not repeated.
+/// Checks that the ground beyond a shadow map is lit, and that the last texel of the map is not repeated.
 #[test]
 fn ground_outside_the_shadow_maps_is_lit() {
     let Some(gpu) = gpu("ground_outside_the_shadow_maps_is_lit") else { return };
@@ -218,7 +219,7 @@ fn ground_outside_the_shadow_maps_is_lit() {
     assert!(whole.at(reach + 0.01, 0.0) < 0.02, "larger bounds take it in");
 }
 
-/// Checks that the shader's `light_received` agrees with its twin on the map read back.
+/// Checks that the shader function `light_received` agrees with its Rust twin, which is evaluated on the map read back.
 #[test]
 fn receiver_shader_matches_its_rust_twin() {
     let Some(gpu) = gpu("receiver_shader_matches_its_rust_twin") else { return };
@@ -245,7 +246,7 @@ fn receiver_shader_matches_its_rust_twin() {
             light_at_place(row(y).lerp(row(y + 1), b), place, towards.normalize().y, &receiver)
         };
         let (mut worst, mut shaded) = (0.0f32, 0);
-        // Pixel centres, so that both evaluate the same point.
+        // The points are pixel centres, so that shader and twin evaluate the same points.
         for i in (0..SIZE).step_by(3) {
             let middle = |i: u32| ((i as f32 + 0.5) / SIZE as f32 - 0.5) * VIEW_M;
             for j in (0..SIZE).step_by(3) {
@@ -255,12 +256,12 @@ fn receiver_shader_matches_its_rust_twin() {
                 shaded += usize::from((0.05..0.95).contains(&expected));
             }
         }
-        // Eight bits of the picture, and eight of the linear filter's weights.
+        // The tolerance allows for 8 bits of the picture, and 8 bits of the linear filter's weights.
         assert!(shaded > 50 && worst < 0.03, "{light:?}: {shaded} points partly shaded, worst difference {worst}");
     }
 }
 
-/// Checks that hair behind an object, as seen from the light, does not darken it, although the shadow of the hair is
+/// Checks that hair behind an object, as seen from the light, does not darken the object although its shadow is
 /// blurred.
 #[test]
 fn hair_behind_an_object_leaves_it_lit() {
@@ -302,7 +303,7 @@ fn the_applications_post_darkens_the_fur() {
     let camera = Camera::framing(CENTER, SKIN + FUR, Vec3::new(-1.0, 0.2, 0.6), 0.6, 1.0);
     let params = from_above(sun(towards_light)).with(|p| p.camera = camera);
     let clip_from_world = camera.projection.clip_from_view(false) * camera.view_from_world;
-    // Points at half the fur's length: one in the post's shadow, and one a post's width beside it.
+    // The points are at half the fur's length: one in the post's shadow, and one a post's width beside it.
     let brightness = |rgba: &[u8], direction: Vec3| {
         let clip = clip_from_world * (CENTER + direction.normalize() * (SKIN + 0.5 * FUR)).extend(1.0);
         let pixel = |v: f32| ((0.5 + 0.5 * v / clip.w) * SIZE as f32) as usize;

@@ -36,22 +36,22 @@ fn shell_shader_variants_draw_the_same() {
     let Some(gpu) = gpu("shell_shader_variants_draw_the_same") else { return };
     let plain = picture(gpu, &sphere(), &front());
     assert!(plain.covered() > 8000, "{} pixels of fur", plain.covered());
-    // A neutral texture and a black light require the longer forms.
+    // The neutral texture and the black light force the longer variants of the shader.
     let mapped = picture(gpu, &SphereParams { white_texture: true, ..sphere() }, &front());
     assert!(largest_difference(&plain, &mapped) <= 1, "mapped: {} of 255", largest_difference(&plain, &mapped));
     let mut params = front();
     params.fill_lights = vec![Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }];
     let filled = picture(gpu, &sphere(), &params);
     assert!(largest_difference(&plain, &filled) <= 1, "filled: {} of 255", largest_difference(&plain, &filled));
-    // Negative control of the comparison.
+    // This is the negative control: a second light must change the picture.
     params.fill_lights = vec![Light::Directional { towards_light: Vec3::Y, color: Vec3::splat(0.2) }];
     assert!(largest_difference(&plain, &picture(gpu, &sphere(), &params)) > 8, "a light that is there shows");
     let striped = picture(gpu, &SphereParams { stripes: true, ..sphere() }, &front());
     assert!(largest_difference(&plain, &striped) > 8, "stripes show");
 }
 
-/// Returns the means of the luminance (0..=255) and of its difference to the right-hand neighbour, over pixels opaque
-/// in every picture.
+/// Returns two means over pixels that are opaque in every picture: the luminance (0..=255), and its difference to the
+/// right-hand neighbour.
 fn luminance_and_contrast(picture: &Picture, opaque: &dyn Fn(usize) -> bool) -> (f64, f64) {
     let at = |i: usize| {
         let [r, g, b, _] = picture.rgba[i].map(f64::from);
@@ -80,9 +80,10 @@ fn vertex_lighting_is_as_bright_and_smoother() {
         assert!((0.95..1.05).contains(&brightness), "{brightness} times as bright");
         let contrast = sharp_at_vertices / sharp;
         assert!((0.5..0.97).contains(&contrast), "{contrast} times the contrast");
-        // Without key light both are the same.
+        // Without key light, both forms must give the same picture.
         params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
-        // Interpolated from vertices, the view direction differs slightly from that of the pixel.
+        // The published form interpolates the view direction between vertices, so it differs slightly from that of the
+        // pixel.
         params.study.view_slant = SlantForm::Printed;
         let dark = picture(gpu, &sphere, &params);
         params.study.lighting = LightingStage::Pixel;

@@ -1,4 +1,4 @@
-//! Single strands: coverage, effect of the groom, mutual shadows, and the transition from layers.
+//! Tests of individual strands: coverage, effect of the groom, mutual shadows, and the transition from layers.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use pelage_runtime::formats::{Shading, StrandsData};
@@ -20,13 +20,13 @@ const SIZE: u32 = 256;
 /// Width of the visible square, metres; slightly more than the plane, which is 0.2 m wide.
 const SEEN_M: f32 = 0.25;
 const PX_PER_M: f32 = SIZE as f32 / SEEN_M;
-/// Tiles along an edge of the plane.
+/// Number of tiles along an edge of the plane.
 const TILES: f32 = 8.0;
 const TILE_M: f32 = 0.2 / TILES;
 /// Number of strands per tile, in rows that do not touch.
 const ROWS: usize = 8;
 
-/// Returns light of equal strength on everything that no hair hides.
+/// Returns light that is equally strong on everything that no hair hides.
 fn even_light() -> Shading {
     Shading { ambient: [0.0; 3], diffuse: [1.0; 3], specular: [0.0; 3], ..Shading::default() }
 }
@@ -49,10 +49,11 @@ fn renderer(gpu: &Gpu, samples: u32) -> Renderer {
     Renderer::new(&gpu.device, &gpu.queue, &options).unwrap()
 }
 
-/// Returns parallel horizontal strands above the mesh surface, of uniform width in pixels and 0.6 tiles long.
+/// Returns parallel horizontal strands above the mesh surface; their width is given in pixels, and their length is 0.6
+/// tiles.
 fn horizontal_strands(width_px: f32) -> StrandsData {
     let roots: Vec<_> = (0..ROWS).map(|i| [0.37 * i as f32 % 1.0, (i as f32 + 0.5) / ROWS as f32]).collect();
-    // Slightly tilted, so that they cover samples of all rows.
+    // The strands are slightly tilted, so that they cover samples of all rows.
     straight_strands(&roots, 0.5, &[[0.6, 0.07, 0.5]; ROWS], 0.5 * width_px / PX_PER_M / TILE_M)
 }
 
@@ -60,7 +61,7 @@ fn plane(strands: StrandsData, groom: PlaneGroom) -> Vec<u8> {
     groomed_plane(4, 128, even_light(), &PlaneGroom { strands: Some((strands, TILES)), ..groom })
 }
 
-/// Returns the summed opacity of the strands alone, pixels.
+/// Returns the summed opacity of a picture of the strands alone, pixels.
 fn covered_px(gpu: &Gpu, package: &[u8], params: &FrameParams, samples: u32) -> f32 {
     let mut renderer = renderer(gpu, samples);
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
@@ -74,8 +75,8 @@ fn expected_px(width_px: f32) -> f32 {
     TILES * TILES * ROWS as f32 * length_px * width_px
 }
 
-/// Checks that a ribbon an eighth of a pixel wide covers an eighth of a ribbon one pixel wide. Drawn at least one pixel
-/// wide, as lines are, it would cover eight times as much.
+/// Checks that a ribbon an eighth of a pixel wide covers an eighth of what a ribbon one pixel wide covers. If it were
+/// drawn at least one pixel wide, as lines are, it would cover eight times as much.
 #[test]
 fn strand_coverage_equals_strand_width() {
     let Some(gpu) = gpu("strand_coverage_equals_strand_width") else { return };
@@ -90,8 +91,8 @@ fn strand_coverage_equals_strand_width() {
     }
 }
 
-/// Checks blended edges against ribbons with many samples. The picture must not depend on the order of threads, and
-/// both depth directions must agree.
+/// Checks blended edges against ribbons drawn with many samples. The picture must not depend on the order of threads,
+/// nor on the direction of depth.
 #[test]
 fn blended_strands_approach_many_samples() {
     let Some(gpu) = gpu("blended_strands_approach_many_samples") else { return };
@@ -113,7 +114,7 @@ fn blended_strands_approach_many_samples() {
     assert!(blended == drawn(StrandEdges::Blended, 1, false, 256), "it depends on the order of threads");
     let reversed = difference(&blended, &drawn(StrandEdges::Blended, 1, true, 256));
     assert!(reversed.mean < 0.05, "{reversed:?}");
-    // Each pixel is the mean of sixteen pixels with four samples.
+    // Each pixel is the mean of sixteen pixels with four samples each.
     let fine = drawn(StrandEdges::Samples, 4, false, 1024).shrunk(4);
     let of = |edges, samples| difference(&drawn(edges, samples, false, 256), &fine).mean;
     let found = [of(StrandEdges::Blended, 1), of(StrandEdges::Samples, 4), of(StrandEdges::Samples, 1)];
@@ -131,13 +132,13 @@ fn bareness_thins_drawn_strands() {
         let (found, expected) = (vertex(bareness), 1.0 - f32::from(bareness) / 255.0);
         assert!((found - expected).abs() < 0.05, "{bareness}: {found}, expected {expected}");
     }
-    // A texture with a bare left half.
+    // The groom texture is bare in its left half.
     let texels = [[0u8, 0], [0, 0], [255, 0], [255, 0]].repeat(4);
     let half = grown(PlaneGroom { texture: Some((4, texels)), ..PlaneGroom::default() });
     assert!((half - 0.5).abs() < 0.05, "{half}");
 }
 
-/// Checks that strands between wet and dry are interpolated; wet strands here are half as long as dry ones.
+/// Checks that strands are interpolated between wet and dry; here, wet strands are half as long as dry ones.
 #[test]
 fn wet_strands_are_mixed_with_dry_ones() {
     let Some(gpu) = gpu("wet_strands_are_mixed_with_dry_ones") else { return };
@@ -156,7 +157,7 @@ fn wet_strands_are_mixed_with_dry_ones() {
     }
 }
 
-/// Returns the mean light of the strand pixels that are not black.
+/// Returns the mean light of all strand pixels that are not black.
 fn mean_light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
     let mut renderer = renderer(gpu, 1);
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
@@ -170,27 +171,27 @@ fn mean_light(gpu: &Gpu, package: &[u8], params: &FrameParams) -> f64 {
     lit.iter().sum::<f64>() / lit.len() as f64
 }
 
-/// Checks the shadow on a wide strand below many thin ones, seen from below. The transmittance is exp(-c), where the
-/// thin strands cover a share c of each texel of the map.
+/// Checks the shadow of many thin strands on a wide strand below them, viewed from below. The transmittance is exp(-c),
+/// where c is the share of each map texel that the thin strands cover.
 #[test]
 fn strands_shadow_the_strands_below() {
     let Some(gpu) = gpu("strands_shadow_the_strands_below") else { return };
-    // Several per texel of the map.
+    // Number of thin strands; there are several per texel of the map.
     const ABOVE: usize = 128;
     for cover in [0.25f32, 1.0] {
-        // As long as a tile: together they give uniform coverage.
+        // The strands are as long as the tile, so that their coverage is uniform.
         let roots: Vec<_> = (0..ABOVE).map(|i| [0.0, (i as f32 + 0.5) / ABOVE as f32]).collect();
         let mut strands = straight_strands(&roots, 1.0, &[[1.0, 0.0, 1.0]; ABOVE], 0.5 * cover / ABOVE as f32);
-        // Black, so that they differ from the strand below them.
+        // The thin strands are black, so that the picture shows only the strand below them.
         strands.points.iter_mut().for_each(|point| point.color = [0; 3]);
         let below = straight_strands(&[[0.0, 0.51]], 0.0, &[[1.0, 0.0, 0.0]], 0.1);
         strands.roots.extend(below.roots);
         strands.points.extend(below.points);
         let package = plane(strands, PlaneGroom::default());
-        // Strands show the same light to a camera on either side; the plane is not drawn.
+        // Strands have the same light for a camera on either side. The plane is not drawn.
         let projection = Projection::Orthographic { height_m: 0.15, aspect: 1.0, near_m: 0.0, far_m: 2.0 };
         let below = in_strands(above()).with(|p| {
-            // Nearly straight up, from where the surface still faces the camera enough for its hair to be drawn.
+            // The camera looks almost straight up. The surface then still faces it enough for its hair to be drawn.
             p.camera = Camera::look_at(Vec3::new(0.0, -1.0, -0.4), Vec3::ZERO, projection);
         });
         let [shaded, plain] = [SelfShadow::Auto, SelfShadow::Off]
@@ -200,13 +201,13 @@ fn strands_shadow_the_strands_below() {
     }
 }
 
-/// Checks that light at the edges and ends of a ribbon stays within the range of its points, in a float target.
-/// Extrapolated to the centre of a pixel that the ribbon misses, it would be negative.
+/// Checks that light at the edges and ends of a ribbon is never negative, in a float target. Light must not be
+/// extrapolated to pixel centres that the ribbon does not cover.
 #[test]
 fn light_at_strand_ends_is_never_negative() {
     let Some(gpu) = gpu("light_at_strand_ends_is_never_negative") else { return };
     let mut strands = horizontal_strands(0.5);
-    // Alternately black and white, point by point.
+    // The points are alternately black and white.
     let white = |point: usize| if point.is_multiple_of(2) { 0 } else { 255 };
     strands.points.iter_mut().enumerate().for_each(|(number, point)| point.color = [white(number); 3]);
     let options = CanvasOptions {
@@ -235,14 +236,14 @@ fn light_at_strand_ends_is_never_negative() {
     assert!(lit > 1000 && negative == 0, "{negative} numbers below 0 beside {lit} above");
 }
 
-/// Checks that strands look the same when scaled, rotated and mirrored together with camera and light.
+/// Checks that strands look the same if they are scaled, rotated and mirrored together with camera and light.
 #[test]
 fn strands_follow_the_instance() {
     let Some(gpu) = gpu("strands_follow_the_instance") else { return };
     let package = plane(horizontal_strands(2.0), PlaneGroom::default());
     let mut renderer = renderer(gpu, 4);
     let model = renderer.load_bytes(&package).unwrap();
-    // No shadow maps, since they depend on the position.
+    // Shadow maps are off, because they depend on the position.
     let above = || in_strands(above()).with_fur(|fur| fur.self_shadow = SelfShadow::Off);
     let plain = draw(gpu, &mut renderer, &above(), &[&Instance::new(0, &model)]);
     let (scale, turn, away) = (3.0, Quat::from_rotation_x(0.7), Vec3::new(5.0, -2.0, 1.0));
@@ -250,7 +251,7 @@ fn strands_follow_the_instance() {
     let projection =
         Projection::Orthographic { height_m: scale * SEEN_M, aspect: 1.0, near_m: 0.0, far_m: scale * 2.0 };
     let params = above().with(|p| {
-        // Rotated about x, so that the up direction stays in the picture plane.
+        // The rotation is about x, so that the up direction stays in the picture plane.
         p.camera = Camera::look_at(place.transform_point3(Vec3::Z), away, projection);
         p.light = Light::Directional { towards_light: turn * Vec3::Z, color: Vec3::ONE };
     });
@@ -261,7 +262,7 @@ fn strands_follow_the_instance() {
     let mirrored = draw(gpu, &mut renderer, &above(), &[&Instance::new(0, &model).at(mirror)]);
     let rows = mirrored.rgba.chunks_exact(SIZE as usize);
     let back = Picture { rgba: rows.flat_map(|row| row.iter().rev().copied()).collect(), ..mirrored.clone() };
-    // The samples of a pixel are not symmetric, so edges differ; misplaced strands would differ far more.
+    // The sample positions within a pixel are not symmetric, so edges differ. Misplaced strands would differ far more.
     assert!(difference(&plain, &back).mean < 3.0, "{:?}", difference(&plain, &back));
     assert!(difference(&plain, &mirrored).mean > 10.0, "{:?}", difference(&plain, &mirrored));
 }
@@ -290,9 +291,10 @@ fn wide_enough_strands_replace_layers() {
     };
     let auto = |_: &mut pelage_runtime::FurParams| ();
     let full = |fur: &mut pelage_runtime::FurParams| fur.detail = Detail::Full;
-    // Share, width in pixels, samples, expected share of strands. With full detail, strands replace layers at 0.9
-    // pixels over the square root of the samples. With four samples a quarter of the strands, each four times as wide,
-    // replaces them at a quarter of that width.
+    // Columns: share of the strands that is drawn, width in pixels, samples, expected share of strands in the
+    // transition. At full detail, strands replace layers at a width of 0.9 pixels over the square root of the samples.
+    // With four samples, a quarter of the strands, each four times as wide, replaces the layers at a quarter of that
+    // width.
     for (quarter, width_px, samples, share) in
         [(0.7, 1, 0.0), (0.95, 1, 1.0), (0.35, 4, 0.0), (0.387, 4, 0.5), (0.43, 4, 1.0), (0.48, 4, 1.0)]
             .into_iter()
@@ -308,7 +310,7 @@ fn wide_enough_strands_replace_layers() {
         assert_eq!(ran(&report, PassId::SHELLS), layers);
         assert_eq!(report.instances[0].layers, if layers { 3 } else { 0 });
     }
-    // An explicit choice has priority.
+    // Checks that an explicit choice has priority.
     assert!(!ran(&at(4, 2.0, &|fur| fur.hair = HairGeometry::Shells), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.layers = Some(4)), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.detail = Detail::Level(0.0)), PassId::STRANDS));
@@ -316,7 +318,7 @@ fn wide_enough_strands_replace_layers() {
     assert!(!ran(&at(1, 0.05, &|fur| fur.hair = HairGeometry::Strands), PassId::SHELLS));
 }
 
-/// Checks that a mane with soft edges is drawn over fur in layers.
+/// Checks that a mane with blended edges is drawn over fur in layers.
 #[test]
 fn blended_hair_draws_over_layers() {
     let Some(gpu) = gpu("blended_hair_draws_over_layers") else { return };
@@ -340,7 +342,7 @@ fn blended_hair_draws_over_layers() {
     assert!(found[0] < found[1], "{found:?}");
 }
 
-/// Checks that no pipeline is compiled when an animal comes near, for any number of points per strand.
+/// Checks that no pipeline is compiled when a model comes near, for any number of points per strand.
 #[test]
 fn strands_need_only_prepared_pipelines() {
     let Some(gpu) = gpu("strands_need_only_prepared_pipelines") else { return };
@@ -364,13 +366,13 @@ fn strands_need_only_prepared_pipelines() {
     }
 }
 
-/// Checks that strands are drawn with samples if the device's buffers cannot hold the lists of all pixels.
+/// Checks that strands are drawn with samples if the per-pixel lists exceed the device's maximum buffer size.
 #[test]
 fn blended_edges_fall_back_to_samples() {
     if gpu("blended_edges_fall_back_to_samples").is_none() {
         return;
     }
-    // Space for half of the picture.
+    // The buffer has space for only half of the picture.
     let bytes = u64::from(SIZE * SIZE) * 36 / 2;
     let limits = wgpu::Limits { max_storage_buffer_binding_size: bytes, ..wgpu::Limits::default() };
     let gpu = Gpu::with(wgpu::Features::empty(), Some(limits)).unwrap();
@@ -382,12 +384,12 @@ fn blended_edges_fall_back_to_samples() {
     assert!(ran(&found, PassId::STRANDS) && !ran(&found, PassId::STRAND_BLEND), "{found:?}");
     let reason = &found.passes.iter().find(|pass| pass.name == PassId::STRAND_GATHER.name()).unwrap().reason;
     assert!(reason.contains("buffers"), "{reason}");
-    // A smaller picture fits.
+    // A smaller picture fits into the buffer.
     let small = report(&gpu, &mut renderer, &params.with(|p| p.viewport = [SIZE / 2; 2]), &instance);
     assert!(ran(&small, PassId::STRAND_BLEND) && !ran(&small, PassId::STRANDS), "{small:?}");
 }
 
-/// Checks that a device with too few storage buffers draws layers and reports it.
+/// Checks that layers are drawn on a device with too few storage buffers, and that the frame report says so.
 #[test]
 fn devices_with_few_storage_buffers_draw_layers() {
     if gpu("devices_with_few_storage_buffers_draw_layers").is_none() {
@@ -404,7 +406,7 @@ fn devices_with_few_storage_buffers_draw_layers() {
     assert!(reason.contains("storage buffers"), "{reason}");
 }
 
-/// Checks that an animal drawn in layers first gets the same strands as one drawn in strands at once.
+/// Checks that strands are the same if the model was drawn in layers first.
 #[test]
 fn strands_enabled_later_are_posed() {
     let Some(gpu) = gpu("strands_enabled_later_are_posed") else { return };
@@ -425,7 +427,8 @@ fn strands_enabled_later_are_posed() {
     );
 }
 
-/// Checks the hare's transition from layers to strands: frames change no more than in either form.
+/// Checks the hare's transition from layers to strands: consecutive frames must not change more than in either form
+/// alone.
 #[test]
 fn transition_from_layers_to_strands_does_not_pop() {
     let Some(gpu) = gpu("transition_from_layers_to_strands_does_not_pop") else { return };
@@ -440,12 +443,12 @@ fn transition_from_layers_to_strands_does_not_pop() {
         let projection = Projection::Perspective { fov_y_rad: 0.5, aspect: 1.0, near_m: 0.01, far_m: 100.0 };
         FrameParams::new(Camera::look_at(eye, center, projection), [200; 2]).with_fur(|f| f.hair = hair)
     };
-    // Progress of the transition: strands fade in, then layers fade out.
+    // During the transition, strands fade in first, then layers fade out.
     let drawn = |renderer: &mut Renderer, distance| {
         let found = report(gpu, renderer, &seen_from(distance, HairGeometry::Auto), &instance).instances[0];
         found.strands + if found.layers > 0 { 0.0 } else { 1.0 }
     };
-    // Distances at which strands begin, strands are complete, and layers end, by bisection.
+    // Finds by bisection the distances at which strands begin, strands are complete, and layers end.
     let mut find = |wanted: f32| {
         let (mut near, mut far) = (1.5f32, 100.0f32);
         for _ in 0..40 {

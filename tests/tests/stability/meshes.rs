@@ -1,5 +1,5 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! Lapped patches on real meshes: every mesh of the test data, and the quality measures promised for well-known ones.
+//! Tests of lapped patches on real meshes: every mesh of the test data, and quality bounds for well-known meshes.
 
 use pelage_bake::io::{Reach, read_model};
 use pelage_bake::recipe::{self, Recipe};
@@ -17,7 +17,7 @@ fn is_model(path: &Path) -> bool {
     path.extension().is_some_and(|e| ["glb", "gltf", "obj"].iter().any(|x| e == *x))
 }
 
-/// Computes the surface as `pelage bake` does without a recipe.
+/// Runs the surface stage as `pelage bake` does without a recipe.
 fn surface(model: &Model) -> Result<Surface, BakeError> {
     let box_of = bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
     let tile_size_m = Lengths::resolve(&Recipe::default(), &box_of).tile_size_m;
@@ -38,7 +38,7 @@ fn no_triangle_of_any_mesh_is_flipped() {
         let Ok(model) = read_model(&path, &ImportOptions { unit_m: 1.0 }, Reach::OwnFolder) else { continue };
         let s = match surface(&model) {
             Ok(s) => s,
-            // A mesh without area has no surface and is rejected with exactly this message.
+            // A mesh without area must be rejected with exactly this message.
             Err(error) => {
                 assert!(error.to_string().contains("triangles has an area"), "{name}: {error}");
                 continue;
@@ -56,7 +56,7 @@ fn no_triangle_of_any_mesh_is_flipped() {
     assert!(seen >= 75, "only {seen} meshes had a triangle");
 }
 
-/// Bounds on `angle_distortion`, `area_distortion` and `comb_misalignment_deg`.
+/// Upper bounds of `angle_distortion`, `area_distortion` and `comb_misalignment_deg`.
 const PROMISED: [f64; 3] = [0.03, 0.04, 10.0];
 
 #[test]

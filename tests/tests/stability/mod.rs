@@ -1,5 +1,5 @@
-//! Stability tests: the naive form of each method fails where ours stays within its bound; and surfaces that are hard
-//! to parameterize.
+//! Tests of stability: our form of each method stays within its bound where the naive form fails. Includes surfaces
+//! that are hard to parameterize.
 
 mod meshes;
 mod rows;

@@ -1,5 +1,5 @@
-//! Stability table: our form of each method stays within its bound where the naive form fails. The inputs are in
-//! `pelage_lab::stability`, which `pelage chart stability` prints; further properties are tested here.
+//! Tests of the stability table: our form of each method stays within its bound where the naive form fails. The inputs
+//! are in `pelage_lab::stability`, which `pelage chart stability` prints. This module also tests further properties.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -11,7 +11,7 @@ use pelage_lab::stability;
 use pelage_lab::stability::{Drawing, Finding, Row, grow, hair_simulation, natural_hair, opacity, slice, texels};
 use pelage_tests::gpu::gpu;
 
-/// Asserts that a row stays within its bound and that the naive form fails. Inputs on which it does not fail would
+/// Asserts that our form of a row stays within its bound, and that the naive form fails. Otherwise the input would
 /// prove nothing.
 #[track_caller]
 fn assert_holds<D>(row: &Row<D>, findings: Vec<Finding>) {
@@ -23,8 +23,8 @@ fn assert_holds<D>(row: &Row<D>, findings: Vec<Finding>) {
     }
 }
 
-/// Generates one test per row, so that one failure does not hide another; a row without a test makes
-/// `every_row_has_its_test` fail.
+/// Generates one test per row, so that one failure does not hide another. If a row has no test,
+/// `every_row_has_its_test` fails.
 macro_rules! rows {
     ($($module:ident),+) => {
         $(
@@ -65,7 +65,7 @@ rows!(
     environment
 );
 
-/// Generates the tests of the rows that need pictures.
+/// Generates the tests of the rows that require pictures.
 macro_rules! drawn_rows {
     ($($module:ident),+) => {
         $(
@@ -87,7 +87,7 @@ macro_rules! drawn_rows {
 
 drawn_rows!(shells, ink, strand_width, strand_light);
 
-/// Checks that the checker of rows can itself fail.
+/// Checks that the check of the rows can fail.
 #[test]
 fn broken_bounds_are_detected() {
     let spoil: [fn(&mut stability::Finding); 3] =
@@ -106,12 +106,13 @@ fn cancelled_mean_direction_is_stored_as_isotropic() {
     let noise = Vec3::new(3e-8, -6e-8, 0.0);
     assert_eq!(encode_mean(noise, TextureFormat::Rg8Unorm)[..2], [128, 128]);
     assert_eq!(encode_mean(noise, TextureFormat::Rgba8Unorm)[..3], [128, 128, 128]);
-    // Naive form: rounding noise becomes a unit direction.
+    // The naive form turns rounding noise into a unit direction.
     let naive = noise / noise.length();
     assert!((naive.length() - 1.0).abs() < 1e-3 && naive.z == 0.0);
 }
 
-/// Checks that mip levels keep the mean colour seen from above over black: premultiplied colours, layer over layer.
+/// Checks that mip levels keep the mean colour of the fur viewed from above over black. Premultiplied colours are
+/// composited layer over layer.
 #[test]
 fn mip_levels_keep_the_mean_colour() {
     let set = slice(&grow(&HairParams { density: 250, ..natural_hair().unwrap() }, 0.4).unwrap(), 16, 64).unwrap();

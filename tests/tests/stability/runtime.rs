@@ -1,6 +1,5 @@
-//! Failures of naive methods in the runtime: each test shows that the naive form fails, then checks the safe form
-//! against its bound. Covers the rows "Kajiya–Kay", "opacity and layer count", "animation" and "shells" of the
-//! stability table.
+//! Tests of stability in the runtime. Each shows that the naive form fails, then checks the safe form against its
+//! bound. Covers the rows "Kajiya–Kay", "opacity and layer count", "animation" and "shells" of the stability table.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -23,7 +22,7 @@ use pelage_tests::plane::plane;
 use pelage_tests::silhouette::{SilhouetteModel, half_to_f32, silhouette_models};
 use pelage_tests::support::sphere::{self, Random, SphereParams};
 
-/// Returns unit vectors on a grid over the sphere, axes included, and 100 000 random ones.
+/// Returns unit vectors: a grid over the sphere that includes the axes, and 100 000 random ones.
 fn unit_vectors() -> Vec<Vec3> {
     let mut all = Vec::new();
     for i in 0..=64 {
@@ -48,7 +47,7 @@ const EXPONENTS: [f32; 9] = [0.0, 0.5, 1.0, 2.0, 3.0, 30.0, 101.0, 1000.0, 10_00
 fn kajiya_kay_is_stable_with_hair_parallel_to_the_light() {
     let mut cases = Vec::new();
     for (i, t) in unit_vectors().into_iter().enumerate() {
-        // L = T, L = −T, and L a rounding error from T.
+        // The cases are L = T, L = −T, and L different from T by a rounding error.
         let l = [t, -t, (t * 1.000_000_1).normalize()][i % 3];
         cases.push([t.extend(EXPONENTS[i % EXPONENTS.len()]).to_array(), l.extend(0.0).to_array()]);
     }
@@ -85,11 +84,11 @@ fn normals_and_tangents_are_valid_under_degenerate_joints() {
             let tangent = tile_frame::orthonormal_tangent(m * tile_frame::any_perpendicular(*n), safe);
             assert!((tangent.length() - 1.0).abs() < 1e-5, "{name}: tangent {tangent}");
             assert!(tangent.dot(safe).abs() < 1e-4, "{name}: tangent {tangent} leans on {safe}");
-            // Normals must stay outward: a step along the new normal leads away from the image of the tangent plane.
+            // Normals must stay outward: the new normal must point away from the image of the tangent plane.
             if m.determinant().abs() > 1e-3 {
                 assert!(safe.dot(m * *n) > 0.0, "{name}: {n} points inward as {safe}");
             }
-            // The naive forms: the matrix itself, and its inverse transpose.
+            // The naive forms are the matrix itself and its inverse transpose.
             let naive = (m * *n).normalize();
             let inverse = (m.inverse().transpose() * *n).normalize();
             not_unit += usize::from(!naive.is_finite() || !inverse.is_finite());
@@ -118,14 +117,14 @@ fn normals_and_tangents_are_valid_under_degenerate_joints() {
 
 #[test]
 fn joints_of_weight_zero_count_for_nothing() {
-    // A joint without weights may hold anything: an unused joint with a broken inverse bind matrix.
+    // An unused joint may contain anything, such as a broken inverse bind matrix; its weight is zero.
     let broken = Mat4::from_cols_array(&[f32::NAN; 16]);
     let moved = Mat4::from_translation(Vec3::X);
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
     let naive = moved * weights.x + broken * weights.y;
     assert!(naive.is_nan(), "the naive sum survives: this test no longer reaches the cliff");
     assert_eq!(skinning::blend(moved, broken, broken, broken, weights), moved);
-    // Without weights the vertex keeps its stored position instead of collapsing to the origin.
+    // A vertex without weights must keep its stored position and not collapse to the origin.
     assert_eq!(moved * 0.0, Mat4::ZERO);
     assert_eq!(skinning::blend(moved, moved, moved, moved, Vec4::ZERO), Mat4::IDENTITY);
 
@@ -142,7 +141,7 @@ fn joints_of_weight_zero_count_for_nothing() {
 
 #[test]
 fn unnormalised_joint_weights_are_refused() {
-    // By design such packages do not open, so the pose pass needs no rule for them.
+    // Such packages are rejected when they are opened, so the pose pass does not need to handle them.
     let bytes = sphere::package(&SphereParams { quads: 2, texels: 8, skeleton: true, ..SphereParams::default() });
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let (mesh, animation) = (package.mesh().unwrap().unwrap().to_data(), package.animation().unwrap().unwrap());
@@ -158,9 +157,9 @@ fn unnormalised_joint_weights_are_refused() {
     }
 }
 
-/// Returns the mean opacity of the shells without the base surface, drawn into a float target.
+/// Returns the mean opacity of the shells without the base surface. They are drawn into a float target.
 fn mean_opacity(gpu: &pelage_stage::Gpu, layers: u32, baked: u32, opacity: u8) -> f64 {
-    // An 8-bit target stops accumulating (formula sheet, 3.2); 16-bit floats keep the product within 0.6 %.
+    // An 8-bit target stops accumulating (formula sheet, 3.2), while 16-bit floats keep the product within 0.6 %.
     let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).unwrap();
     let bytes = plane(baked, opacity);
@@ -182,13 +181,13 @@ fn density_does_not_depend_on_the_number_of_layers() {
         let truth = 1.0 - (1.0 - alpha).powi(baked as i32 - 1);
         for drawn in [8, 9, 16, 31, 64] {
             let found = mean_opacity(gpu, drawn, baked, opacity);
-            // Two per cent is the bound of the stability table.
+            // The tolerance is the bound of 2 % in the stability table.
             assert!(
                 (found - truth).abs() <= 0.02 * truth,
                 "{baked} layers of opacity {alpha:.4} drawn as {drawn}: {found:.4}, expected {truth:.4}"
             );
         }
-        // The naive form draws the same opacities in more or fewer layers.
+        // The naive form keeps the opacities of the layers, whatever their number.
         let naive = [8, 64].map(|drawn| 1.0 - (1.0 - alpha).powi(drawn - 1));
         assert!(naive[1] - naive[0] > 0.02 * truth, "{baked}, {opacity}: naive {naive:?}");
     }
@@ -209,7 +208,7 @@ fn silhouette(gpu: &pelage_stage::Gpu, case: &SilhouetteModel) -> SilhouetteMeas
 }
 
 /// Checks the coverage at the outline. Seen along the surface, layer sheets cover less than the hair that they
-/// represent; slabs and fins cover as much as the strands.
+/// represent. Vertical hair slices and fins cover as much as the strands.
 #[test]
 fn outline_coverage_matches_the_strands() {
     let Some(gpu) = gpu("outline_coverage_matches_the_strands") else { return };

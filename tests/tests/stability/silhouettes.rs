@@ -1,5 +1,5 @@
-//! Draws the pictures that `pelage_lab::stability` asks for. It is not in the library of this package, because bake
-//! provides them only with the feature `preview`.
+//! Draws the pictures that `pelage_lab::stability` requests. This code is not in the library of this package, because
+//! bake provides the pictures only with the feature `preview`.
 
 use pelage_lab::stability::Drawing;
 use pelage_runtime::{Instance, Model, Renderer, RendererOptions, wgpu};
@@ -7,7 +7,7 @@ use pelage_stage::Gpu;
 use pelage_tests::pictures::draw_passes;
 use pelage_tests::silhouette::half_to_f32;
 
-/// Returns every pixel of a drawing in 16-bit floats; 8 bits lose the contribution of thin layers.
+/// Draws and returns all pixels in 16-bit floats; 8 bits would lose the contribution of thin layers.
 pub fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Vec<[f32; 4]> {
     let options = RendererOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..RendererOptions::default() };
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).expect("the options are valid");

@@ -1,7 +1,8 @@
-//! Parameterizations that fail in naive form but not in ours: the rows "surface" and "solver" of the stability table.
+//! Tests of parameterizations that fail in naive form but not in ours: the rows "surface" and "solver" of the stability
+//! table.
 //!
-//! The inputs of both forms are in `pelage_lab::stability`, and `rows.rs` checks bound and failure. Additional
-//! requirements are tested here.
+//! The inputs of both forms are in `pelage_lab::stability`, and `rows.rs` checks bound and failure. This module tests
+//! additional requirements.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -36,7 +37,7 @@ fn moved(mut model: Model, by: Vec3) -> Model {
     model
 }
 
-/// Asserts that every triangle has positive area in the tile, and that the given number of triangles remains.
+/// Asserts that every triangle has positive area in the tile, and that `triangles` triangles remain.
 fn assert_valid(surface: &Surface, triangles: usize, what: &str) {
     let m = &surface.measures;
     assert_eq!(
@@ -53,7 +54,7 @@ fn assert_valid(surface: &Surface, triangles: usize, what: &str) {
 }
 
 mod soundness {
-    //! Meshes that are closed, broken, or both.
+    //! Tests of meshes that are closed, broken, or both.
 
     use super::*;
 
@@ -67,7 +68,7 @@ mod soundness {
             let s = surface(&m, 0.3);
             assert_valid(&s, m.mesh.triangles.len(), what);
             assert!(s.warnings.is_empty(), "{what}: {:?}", s.warnings);
-            // Poincaré–Hopf theorem.
+            // By the Poincaré–Hopf theorem, the indices sum to the Euler characteristic.
             assert_eq!(
                 s.singularities.iter().map(|(_, index)| index).sum::<i32>(),
                 euler,
@@ -85,7 +86,7 @@ mod soundness {
         m.mesh.triangles.extend([[0, 0, 1], [5, 6, 5]]);
         let twice = m.mesh.triangles[10];
         m.mesh.triangles.extend([twice, [twice[1], twice[2], twice[0]]]);
-        // Degenerate triangle: three collinear points.
+        // The triangle is degenerate: its corners are collinear.
         let middle = (m.mesh.positions[0] + m.mesh.positions[1]) / 2.0;
         m.mesh.positions.push(middle);
         m.mesh.normals.push(Vec3::Y);
@@ -103,7 +104,7 @@ mod soundness {
 
     #[test]
     fn an_edge_of_three_triangles_is_split() {
-        // Two squares that form a sheet, and a third attached to their common edge.
+        // Two squares form a sheet, and a third is attached to their common edge.
         let positions = vec![
             vec3(0., 0., 0.),
             vec3(0., 0., 1.),
@@ -119,8 +120,8 @@ mod soundness {
         let m = model(positions, triangles);
         let s = surface(&m, 0.3);
         assert_valid(&s, 6, "book");
-        assert_warns(&s, "1 edges of more than two triangles split");
-        // The flat pair stays together.
+        assert_warns(&s, "1 edges with more than two triangles split");
+        // The two coplanar squares must be in the same patch.
         let patch = |t: usize| s.patch_of_triangle[t];
         assert_eq!(patch(0), patch(2), "{:?}", s.patch_of_triangle);
         assert_ne!(patch(0), patch(4));
@@ -136,7 +137,7 @@ mod soundness {
         let turned = m.mesh.triangles.len().div_ceil(7);
         let s = surface(&m, 0.3);
         assert_valid(&s, m.mesh.triangles.len(), "sphere");
-        assert_warns(&s, &format!("{turned} triangles wound against their neighbours flipped"));
+        assert_warns(&s, &format!("{turned} inconsistently wound triangles flipped"));
         for t in &s.mesh.triangles {
             let [a, b, c] = t.map(|v| s.mesh.positions[v as usize]);
             let n = (b - a).cross(c - a);
@@ -161,7 +162,7 @@ mod soundness {
         let m = model(positions, (0..n).flat_map(quad).collect());
         let s = surface(&m, 0.3);
         assert_valid(&s, 2 * n as usize, "Möbius strip");
-        assert_warns(&s, "cut where no winding suits both sides");
+        assert_warns(&s, "cut because no winding suits both sides");
     }
 
     #[test]
@@ -172,7 +173,7 @@ mod soundness {
         holes.mesh.triangles.retain(|t| !t[0].is_multiple_of(5));
         let left = holes.mesh.triangles.len();
         let mut many = merged(&[holes, moved(sphere(12, 24), vec3(3.0, 0.0, 0.0)), moved(one, vec3(-3.0, 0.0, 0.0))]);
-        // Unused vertex.
+        // No triangle uses this vertex.
         many.mesh.positions.push(Vec3::splat(f32::MAX));
         many.mesh.normals.push(Vec3::Y);
         many.mesh.uvs.push(Vec2::ZERO);
@@ -197,7 +198,7 @@ mod soundness {
 }
 
 mod solver {
-    //! Slivers, which make the equations nearly singular.
+    //! Tests of slivers, which make the equations nearly singular.
 
     use super::*;
     use pelage_lab::stability::solver::{LEAST, slivers};
@@ -220,7 +221,7 @@ mod solver {
 }
 
 mod modes {
-    //! Guarantees of the stage's parameters, on surfaces with a known result.
+    //! Tests of the guarantees for the stage's parameters, on surfaces with a known result.
 
     use super::*;
 
@@ -228,7 +229,7 @@ mod modes {
     fn developable_surfaces_are_laid_flat_without_distortion() {
         let cylinder = {
             let mut m = grid(32, 200, |b, a| vec3(0.5 * a.cos(), 0.0, 0.5 * a.sin()) + Vec3::Y * (b * 0.5));
-            // The grid is closed in both directions; a cylinder must not be.
+            // The grid is closed in both directions, so an open cylinder is cut out of it.
             m.mesh.triangles.retain(|t| t.iter().all(|v| *v >= 200) || t.iter().all(|v| *v < 31 * 200));
             m.mesh.parts[0].triangle_count = m.mesh.triangles.len();
             m
@@ -249,7 +250,7 @@ mod modes {
         for (tangent, normal) in s.tangents.iter().zip(&s.mesh.normals) {
             let wish = comb.reject_from_normalized(*normal);
             let along_v = normal.cross(tangent.truncate()) * tangent.w;
-            // Where the wish is strong, only smoothing changes it.
+            // Where the requested comb direction is strong, only smoothing changes it.
             if wish.length() > 0.9 * comb.length() {
                 assert!(along_v.angle_between(wish) < 0.2, "{along_v} {wish}");
             }
@@ -317,7 +318,7 @@ mod modes {
             };
             s.mesh.triangles.iter().map(det).sum()
         };
-        // Four times the hairs need four times the tiles.
+        // Four times as many hairs require four times as many tiles.
         assert!((area(4.0) / area(1.0) - 4.0).abs() < 0.05, "{} {}", area(4.0), area(1.0));
         let tiles = 4.0 * std::f64::consts::PI / 0.09;
         assert!((area(1.0) / tiles - 1.0).abs() < 0.03, "{} for {tiles}", area(1.0));
@@ -332,7 +333,7 @@ mod modes {
                 assert_eq!(seen.entry(*v).or_insert(*patch), patch, "vertex {v} serves two patches");
             }
         }
-        // One vertex per position and patch: no further copies.
+        // There must be only one vertex per position and patch.
         let mut places = std::collections::HashSet::new();
         for (v, patch) in &seen {
             assert!(places.insert((s.input_vertex[*v as usize], *patch)), "vertex {v} is one too many");
@@ -367,7 +368,7 @@ mod modes {
 
     #[test]
     fn tile_has_its_size_on_the_torus() {
-        // Area of the tile against area of the mesh surface: the mean scale must be that of the recipe.
+        // The mean scale, from the areas of tile and mesh surface, must be that of the recipe.
         let s = surface(&torus(), 0.3);
         let area = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]).length();
         let skin: f64 = s.mesh.triangles.iter().map(|t| area(t.map(|v| s.rest.positions[v as usize].as_dvec3()))).sum();

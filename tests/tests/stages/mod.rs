@@ -1,4 +1,4 @@
-//! Tests of the stages of a bake, alone and in sequence.
+//! Tests of the stages of a bake, individually and in sequence.
 
 mod pipeline;
 mod rebake;

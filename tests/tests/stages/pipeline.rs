@@ -1,5 +1,5 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! Complete bake, from the built-in models to packages.
+//! Tests of a complete bake, from the built-in models to packages.
 
 use pelage_bake::pipeline::{self, BakeInput, Baked, Output, Outputs, STAGES, STEPS};
 use pelage_bake::recipe::{HairGroupParams, Recipe, StrandParams};
@@ -17,7 +17,7 @@ pub fn asset(path: &str) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// Returns a built-in recipe with fins, so that the package has every optional part.
+/// Returns a built-in recipe with fins enabled, so that the package has every optional section.
 fn recipe(name: &str) -> Recipe {
     let file = format!("recipes/{name}.toml");
     let mut recipe = Recipe::parse(&file, std::str::from_utf8(&asset(&file)).unwrap()).unwrap();
@@ -25,8 +25,8 @@ fn recipe(name: &str) -> Recipe {
     recipe
 }
 
-/// Returns a recipe without ink and with plain texels, for tests of fur only. Ink and the texture encoders take most of
-/// a bake.
+/// Returns a recipe without ink and with uncompressed texels, for tests of the fur. Ink and the texture encoders take
+/// most of the bake time.
 fn fur_recipe(name: &str) -> Recipe {
     let mut recipe = recipe(name);
     for set in ["ink.enabled=false", "pack.shell_format=rgba8", "pack.direction_format=rg8"] {
@@ -35,7 +35,7 @@ fn fur_recipe(name: &str) -> Recipe {
     recipe
 }
 
-/// Imports a model of `assets/models`.
+/// Imports a model from `assets/models`.
 pub fn import_built_in(name: &str, recipe: &Recipe) -> Model {
     let mut no_files = |uri: &str, _: u64| panic!("a built-in model names the file {uri}");
     let bytes = asset(&format!("models/{name}.glb"));
@@ -96,7 +96,7 @@ fn every_texture_format_gives_a_valid_package() {
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         for index in 0..2 {
             let view = package.texture(index).unwrap();
-            // Shells and far coat.
+            // The textures are those of the shells and of the far layer.
             assert_eq!((view.width, view.height, view.layers, view.levels), (32, 32, 9, 6), "{shell} {direction}");
         }
         let fur = package.manifest().fur;
@@ -117,7 +117,7 @@ fn bare_materials_carry_no_hair() {
         seen[usize::from(furred)] += 1;
         for index in &indices[part.first_index as usize..][..part.index_count as usize] {
             let height = vertices[*index as usize].fur_height;
-            // The hare's vertices store the length of its hair; on furred parts it is nowhere 0.
+            // The hare's vertices store the length of its hair, which is nowhere 0 on furred parts.
             assert!(if furred { height > 0.0 && height <= manifest.fur.height_m } else { height == 0.0 }, "{height}");
         }
     }
@@ -138,7 +138,7 @@ fn detected_bare_materials_are_recorded_and_reproduced() {
     assert_eq!(bare, ["Eye", "Nose"]);
     let recorded = Recipe::parse("recorded", &manifest.recipe).unwrap();
     assert_eq!(recorded.model.bare, Some(vec!["Eye".to_owned(), "Nose".to_owned()]));
-    // The decision's line, set in the recipe, gives the same bytes and is then no longer a decision.
+    // If the recipe contains the decision's line, the package has the same bytes, and the decision disappears.
     recipe.set(&line).unwrap();
     let said = bake("hare", &recipe).unwrap();
     assert!(said.package == found.package, "the line says something else than was chosen");
@@ -160,7 +160,7 @@ fn hair_grows_short_towards_bare_parts() {
         mesh.geometry().map(|v| v.fur_height).collect::<Vec<_>>()
     };
     let without = heights(Some(0.0));
-    // One margin set in the recipe, and one chosen by the bake.
+    // The margin is set in the recipe or chosen by the bake.
     for margin in [Some(0.02), None] {
         let with = heights(margin);
         assert_eq!(without.len(), with.len());
@@ -173,7 +173,7 @@ fn hair_grows_short_towards_bare_parts() {
 #[test]
 fn at_root_off_keeps_the_base_colours() {
     let mut recipe = fur_recipe("hare");
-    // Colours must be on vertices here, not painted into a texture.
+    // Colours must be at the vertices here, so painting them into a texture is disabled.
     recipe.color.at_root = false;
     let colors = |recipe: &Recipe| {
         let bytes = bake("hare", recipe).unwrap().package;
@@ -214,7 +214,8 @@ fn wet_style_raises_the_specular_terms() {
     assert!(wet.specular[0] > dry.specular[0] && wet.specular_exponent > dry.specular_exponent);
 }
 
-/// Checks that every edge of the furred surface, joined by position, has exactly one fin, and no other edge has one.
+/// Checks that every edge of the furred surface has exactly one fin, and no other edge has one. Vertices with equal
+/// positions are merged.
 #[test]
 fn every_edge_has_one_fin() {
     for name in ["hare", "torus", "knot"] {
@@ -243,7 +244,7 @@ fn every_edge_has_one_fin() {
                 assert!(seen.insert(key), "{name}: a second fin on {key:?}");
                 let [a, b] = [fin.a, fin.b].map(|v| glam::Vec3::from(geometry[v as usize].position));
                 let periods = a.distance(b) / manifest.fur.tile_size_m;
-                // Slabs at 45 degrees have a longer period.
+                // Hair slices at 45 degrees have a longer period.
                 let expected = periods / if fin.slab % 2 == 1 { std::f32::consts::SQRT_2 } else { 1.0 };
                 assert!((fin.length.abs() - expected).abs() < 0.01 * expected, "{name}: {fin:?}, expected {expected}");
                 opacities.push(fin.opacity);
@@ -251,7 +252,7 @@ fn every_edge_has_one_fin() {
             assert_eq!(edges.is_subset(&seen), furred, "{name}: {} edges", edges.len());
         }
         assert_eq!(fins.len(), 0);
-        // Closed surfaces have three edges per two triangles; the hare's eyes and nose are bare.
+        // Closed surfaces have three edges per two triangles. The hare's bare eyes and nose do not count.
         let furred_indices: u32 = manifest
             .parts
             .iter()
@@ -259,7 +260,7 @@ fn every_edge_has_one_fin() {
             .map(|p| p.index_count)
             .sum();
         assert!(2 * seen.len() >= furred_indices as usize, "{name}: {} fins", seen.len());
-        // At least a tenth of the fins is in the sparsest areas and shows all its hair.
+        // At least a tenth of the fins is in the sparsest areas, where fins show all their hair.
         let full = opacities.iter().filter(|o| **o == 1.0).count();
         assert!(10 * full >= opacities.len() - 10, "{name}: {full} of {}", opacities.len());
         let info = manifest.fur.fins.unwrap();
@@ -300,7 +301,7 @@ fn groom_sets_density_and_direction_of_hair() {
         let mesh = package.mesh().unwrap().unwrap();
         let (geometry, attributes): (Vec<_>, Vec<_>) = (mesh.geometry().collect(), mesh.attributes().collect());
         let indices: Vec<_> = mesh.indices().map(|i| i as usize).collect();
-        // Area in tiles, and the mean direction of v, over all triangles.
+        // Sums over all triangles: area in tiles, and direction of v.
         let (mut area, mut along) = (0.0, glam::Vec3::ZERO);
         for t in indices.chunks_exact(3) {
             let uv = |k: usize| glam::Vec2::from(attributes[t[k]].tile_uv);
@@ -324,7 +325,7 @@ fn groom_sets_density_and_direction_of_hair() {
 
 #[test]
 fn resliced_package_equals_a_full_bake() {
-    // Only one of the packages has ink, which takes most of a bake.
+    // Only one of the packages has ink, because it takes most of the bake time.
     let mut tufted = fur_recipe("torus");
     let tuft = HairGroupParams { name: "mop".into(), hairs: Some(40), guides: Some(8), ..HairGroupParams::default() };
     tufted.strands.group.push(tuft);
@@ -378,7 +379,7 @@ fn package_strands_match_their_tile() {
         let stored: Vec<_> = view.points().collect();
         let mut worst = 0.0f32;
         for (strand, root) in stored.chunks(points as usize).zip(view.roots()) {
-            // In a periodic tile a root is near if the difference is close to a whole number.
+            // The tile is periodic, so a root is near if the difference is close to an integer.
             let apart = |i: &usize| {
                 let d = roots[*i].truncate() - glam::Vec2::from(root);
                 (d - d.round()).length()
@@ -420,7 +421,7 @@ fn package_has_ink_unless_disabled() {
     let center = glam::Vec3::from(resolved.center.unwrap());
     assert!(center.distance(bounds.center.into()) <= 1.001 * bounds.radius, "{center}");
     assert_eq!(resolved.grain_size_m, Some(ink.info.grain_size_m));
-    // Some texels are dark, some are paper.
+    // The texture must contain dark texels and texels of bare paper.
     let shading = ink.info.shading;
     let grey = |v: pelage_formats::InkVertex| {
         (2.0 * f32::from(v.wash[0]) / 32767.0 * shading.wash_speed + shading.wash_range).clamp(0.0, 1.0)
@@ -443,19 +444,19 @@ fn package_has_ink_unless_disabled() {
     assert!(without.len() + 500_000 < bare.len());
 }
 
-/// Runs the pipeline to its end and returns the package with the stages that ran.
+/// Runs the pipeline to its end. Returns the package, and the stages that ran.
 fn run<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&'static str>), BakeError> {
     let mut stages = Vec::new();
     pipeline::run(input, outputs, &mut |stage| stages.push(stage))?;
     Ok((outputs.package.clone().unwrap().bytes, stages))
 }
 
-/// Checks that every step runs with exactly the inputs that it declares, and fails if one is missing. Repeated, it must
-/// give the same output.
+/// Checks that every step runs with exactly the inputs that it declares, and fails without one of them. If it is run
+/// again, it must give the same output.
 #[test]
 fn bake_steps_need_exactly_their_declared_inputs() {
     let mut recipe = recipe("ox");
-    // Small textures suffice, since only the dependencies between steps are tested.
+    // The textures are small, because only the dependencies between steps are tested.
     for set in [
         "slice.layers=4",
         "slice.tile_texels=32",
@@ -497,7 +498,7 @@ fn bake_steps_need_exactly_their_declared_inputs() {
             let error = step.run(&input, &mut only(&rest)).unwrap_err().to_string();
             assert!(error.contains(&format!("{missing:?} is missing")), "{:?}: {error}", step.makes);
         }
-        // The resulting package is the same.
+        // The package must be the same.
         let mut again = whole.clone();
         again.invalidate(step.makes);
         assert!(!again.has(step.makes) && !again.has(Output::Package));
@@ -507,8 +508,8 @@ fn bake_steps_need_exactly_their_declared_inputs() {
     }
 }
 
-/// Checks that a changed recipe gives the result of a whole bake if the pipeline resumes at the first step that reads
-/// the change.
+/// Checks that a bake with a changed recipe may resume at the first step that reads the change. The result must equal a
+/// whole bake.
 #[test]
 fn continued_bake_equals_a_whole_bake() {
     let first = recipe("torus");
@@ -526,12 +527,12 @@ fn continued_bake_equals_a_whole_bake() {
     let (package, stages) = run(&input(&other), &mut outputs).unwrap();
     assert_eq!(stages, ["slice", "fins", "pack"]);
     assert!(package == bake("torus", &other).unwrap().package);
-    // The model has no step and must be given.
+    // No step makes the model, so it must be given.
     let error = run(&input(&first), &mut Outputs::default()).unwrap_err();
     assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is missing")), "{error}");
 }
 
-/// Checks that a model baked once and sliced again gives the bytes of whole bakes: with other layers, tiles, filters
+/// Checks that slicing a model again after one bake gives the bytes of a whole bake, with other layers, tiles, filters
 /// and fins, and with any other change.
 #[test]
 fn slicer_reproduces_full_bakes() {

@@ -1,5 +1,5 @@
 #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! Checks that repeated bakes of a model under a changing recipe equal whole bakes, for every key.
+//! Checks that repeated bakes of a model with a changing recipe equal whole bakes, for every key.
 
 use crate::stages::pipeline::{asset, import_built_in};
 use pelage_bake::pipeline::{self, BakeInput};
@@ -10,7 +10,7 @@ use pelage_import::BakeError;
 use pelage_params::{Control, Knob};
 use rayon::prelude::*;
 
-/// Returns a recipe with all optional parts of a package, as small as possible.
+/// Returns a recipe for the smallest package with all optional sections.
 fn small_recipe() -> Recipe {
     let mut recipe = Recipe::parse("torus", std::str::from_utf8(&asset("recipes/torus.toml")).unwrap()).unwrap();
     let small = [
@@ -29,8 +29,8 @@ fn small_recipe() -> Recipe {
     recipe
 }
 
-/// Returns the recipe with a different value of the key; `None` for keys without alternatives in this test: paths,
-/// lists, names.
+/// Returns the recipe with another value for the key. Returns `None` for keys of which this test has no other value:
+/// paths, lists, names.
 fn changed(base: &Recipe, knob: &Knob) -> Option<Recipe> {
     let now = knob.value(base);
     let values: Vec<String> = match (knob.control)() {

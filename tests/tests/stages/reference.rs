@@ -1,5 +1,5 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! Strands of a whole animal.
+//! Tests of the strands of a whole animal.
 
 use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
@@ -45,14 +45,16 @@ fn planted_root_count_matches_the_tiles() {
         tiles += 0.5 * (b.tile_uv - a.tile_uv).perp_dot(c.tile_uv - a.tile_uv).abs();
         area_m2 += 0.5 * (b.position_ws - a.position_ws).cross(c.position_ws - a.position_ws).length();
     }
-    // Every copy of the tile's roots on the mesh surface; their distribution is more even than a random one.
+    // The count includes every copy of the tile's roots on the mesh surface. Roots are distributed more evenly than at
+    // random.
     let grown = (report.strands + report.dropped_bare + report.dropped_thinned) as f64;
     let expected = tiles * f64::from(recipe.hair.density);
     assert!((grown - expected).abs() < 3.0 * expected.sqrt(), "{grown} roots, expected {expected}");
     // The tile has the size set in the recipe, apart from distortion by the patches.
     let density = grown * tile_m * tile_m / area_m2 / f64::from(recipe.hair.density);
     assert!((density - 1.0).abs() < 0.03, "{density} times the density");
-    // No strand is longer than the tile's longest, apart from stretching by the patches, or leaves its root.
+    // No strand may be longer than the longest strand of the tile, or leave its root, apart from stretching by the
+    // patches.
     let longest = 1.5 * f64::from(recipe.hair.length_m.unwrap());
     for i in 0..curves.len() {
         let strand = curves.strand(i);

@@ -1,12 +1,13 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! The `surface` stage on meshes small enough for results by hand.
+//! Tests of the `surface` stage on meshes small enough to compute results by hand.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 use pelage_bake::stages::surface::{Comb, Source, Surface, SurfaceParams, parameterize};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
 
-/// Returns triangles in the form of exporters without indices: three separate vertices each.
+/// Returns a model without shared vertices, as exporters without indices write it: three separate vertices per
+/// triangle.
 fn model(corners: &[(Vec3, Vec2)], normal: Vec3) -> Model {
     let n = corners.len();
     let mesh = Mesh {
@@ -38,7 +39,7 @@ fn surface(model: &Model) -> Surface {
     parameterize("m.glb", model, &own_uvs(0.25, true)).unwrap()
 }
 
-/// Returns a unit square in the plane z = 0, seen from +z, with texture coordinates from `uv`.
+/// Returns a unit square in the plane z = 0 that faces +z; `uv` gives the texture coordinates.
 fn square(uv: impl Fn(f32, f32) -> Vec2) -> Model {
     let corner = |x: f32, y: f32| (vec3(x, y, 0.0), uv(x, y));
     let corners = [corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 0.), corner(1., 1.), corner(0., 1.)];
@@ -50,7 +51,7 @@ fn corners_are_welded_and_the_tile_has_its_size() {
     let s = surface(&square(|x, y| vec2(x, y) * 3.0));
     assert_eq!(s.mesh.positions.len(), 4, "six corners of four places");
     let (a, b) = (s.mesh.triangles[0][0] as usize, s.mesh.triangles[0][1] as usize);
-    // One metre of mesh surface is four tiles of 0.25 m, for any texture coordinates.
+    // One metre of the mesh surface is four tiles of 0.25 m, whatever the texture coordinates are.
     assert!(((s.tile_uvs[b] - s.tile_uvs[a]).length() - 4.0).abs() < 1e-5);
     for (tangent, normal) in s.tangents.iter().zip(&s.mesh.normals) {
         assert!((tangent.truncate() - Vec3::X).length() < 1e-6 && tangent.w == 1.0, "{tangent}");
@@ -62,19 +63,19 @@ fn corners_are_welded_and_the_tile_has_its_size() {
 
 #[test]
 fn gltf_texture_coordinates_give_upright_frames() {
-    // v points down, as in a painted texture: mirrored when seen from outside.
+    // v points down, as in a painted texture, so the coordinates are mirrored when viewed from outside.
     let s = surface(&square(|x, y| vec2(x, 1.0 - y)));
     assert_eq!(s.measures.flipped_triangles, 0);
     for t in &s.tangents {
         assert_eq!(t.w, 1.0);
-        // +v points down on the surface; with the normal towards the viewer, +u then points left.
+        // +v points down on the surface. With the normal towards the viewer, +u then points left.
         assert!((t.truncate() + Vec3::X).length() < 1e-6, "{t}");
     }
 }
 
 #[test]
 fn mirrored_halves_get_their_own_frames() {
-    // Both halves of a strip share the texture, as on most animals: u = |x|.
+    // Both halves of the strip share the texture, as on most animals: u = |x|.
     let corner = |x: f32, y: f32| (vec3(x, y, 0.0), vec2(x.abs(), y));
     let mut corners =
         vec![corner(0., 0.), corner(2., 0.), corner(2., 1.), corner(0., 0.), corner(2., 1.), corner(0., 1.)];
@@ -95,7 +96,7 @@ fn mirrored_halves_get_their_own_frames() {
 
 #[test]
 fn normals_agree_across_hard_edges() {
-    // Two flat-shaded faces of a cube that meet at the edge x = 1, z = 0.
+    // The faces are two flat-shaded sides of a cube that meet at the edge x = 1, z = 0.
     let f = |p: Vec3| (p, vec2(p.x - p.z, p.y));
     let (a, b, c) = (vec3(0., 0., 0.), vec3(1., 0., 0.), vec3(1., 1., 0.));
     let mut m = model(&[f(a), f(b), f(c), f(b), f(vec3(1., 0., -1.)), f(c)], Vec3::Z);

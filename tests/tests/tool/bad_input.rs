@@ -1,4 +1,4 @@
-//! Bad input through the real binary: exit code, message, and no files left behind.
+//! Tests of bad input with the real binary: exit code, message, and no files left behind.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::tool::common::random::Random;
@@ -8,7 +8,7 @@ use pelage_tests::binary::{Run, Sandbox};
 use pelage_tests::schema;
 use serde_json::{Value, json};
 
-/// Runs the binary, and asserts the exit code, words of stderr, and an unchanged list of files.
+/// Runs the binary. Asserts the exit code, that stderr contains `words`, and that the list of files is unchanged.
 #[track_caller]
 fn assert_refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) -> Run {
     let before = sandbox.files();
@@ -58,14 +58,14 @@ fn bad_packages_are_refused() {
     sandbox.write("header.pelage", &good[..20]);
     sandbox.write("future.pelage", with_u32(&good, 8, 4));
     sandbox.write("sections.pelage", with_u32(&good, 12, u32::MAX));
-    // Length field of the second section, 4 GiB.
+    // The length field of the second section is set to 4 GiB.
     sandbox.write("long.pelage", with_u32(&with_u32(&good, 32 + 32 + 16, 0), 32 + 32 + 20, 1));
     sandbox.write("trailing.pelage", [&good[..], b"more"].concat());
     let mut flipped = good.clone();
     flipped[sections[1].offset as usize + 100] ^= 16;
     sandbox.write("flipped.pelage", &flipped);
 
-    // File, exit code of every reader, exit code of `validate`, words of the message.
+    // Columns: file, exit code of every reader, exit code of `validate`, words that the message must contain.
     let table: &[(&str, i32, i32, &[&str])] = &[
         ("missing.pelage", 2, 2, &["missing.pelage: cannot read"]),
         ("folder.pelage", 2, 2, &["folder.pelage: cannot read", "folder"]),
@@ -133,7 +133,7 @@ fn unwritable_outputs_are_reported() {
     assert_refused(&sandbox, &["pack", "a.pelage", "b.pelage"], 2, &["a.pelage: cannot read", "found a file"]);
 }
 
-/// Returns an unpacked sample package to be damaged.
+/// Returns a sandbox with an unpacked sample package, which tests damage.
 fn unpacked() -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("a.pelage", sample_package());
@@ -143,7 +143,7 @@ fn unpacked() -> Sandbox {
 
 #[test]
 fn bad_unpacked_folders_are_refused() {
-    // Each case damages one file and gives the words required in the message.
+    // Each case damages one file, and lists the words that the message must contain.
     type Spoil = fn(&mut Value);
     let manifests: &[(Spoil, &[&str])] = &[
         (|m| m["pelage_unpacked"] = json!(1), &["/pelage_unpacked", "found 1, expected 3"]),

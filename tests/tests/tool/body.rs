@@ -1,4 +1,4 @@
-//! Hair that follows the body, and values for single joints, through the real binary.
+//! Tests with the real binary: hair that follows the body, and values for single joints.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::{Limits, Package};
@@ -18,11 +18,11 @@ const BAKE: [&str; 10] = [
     "r.toml",
 ];
 
-/// Bakes a built-in model. Returns the report, and the fur height of each vertex as a share of the greatest.
+/// Bakes a built-in model. Returns the report, and the fur height of each vertex relative to the greatest.
 fn bake(model: &str, recipe: &str) -> (Value, Vec<f32>) {
     let sandbox = Sandbox::new();
     sandbox.write("m.glb", std::fs::read(workspace().join("assets/models").join(model)).unwrap());
-    // Hair follows the body only if the recipe says so.
+    // The recipe does not enable that hair follows the body, so it must not.
     sandbox.write("r.toml", format!("[hair]\ncoat = \"natural\"\n{recipe}"));
     let run = sandbox.run(&BAKE);
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -51,7 +51,7 @@ fn hair_on_limbs_is_shortened_and_reported() {
     let (shortest, longest) = range(&shares);
     assert!((longest - range(&even).1).abs() < 1e-3, "the longest hair keeps its length: {longest}");
     assert!(shortest < 0.6 * longest, "{shortest} {longest}");
-    // A ring has no limbs, so nothing is chosen.
+    // A torus has no limbs, so nothing is chosen.
     let (said, shares) = bake("torus.glb", "[groom]\nby_body = 1\n");
     assert!(lines(&said).iter().all(|line| !line.starts_with("groom.by_body")), "{said}");
     assert!(range(&shares).1 - range(&shares).0 < 1e-3);

@@ -1,4 +1,4 @@
-//! `pelage chart` through the real binary.
+//! Tests of `pelage chart` with the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;
@@ -34,7 +34,7 @@ fn csv(text: &str) -> Vec<Vec<String>> {
     rows
 }
 
-/// Writes a coarse torus as OBJ, with texture coordinates.
+/// Writes a coarse torus with texture coordinates as an OBJ file.
 fn torus(sandbox: &Sandbox) {
     let (long, short) = (24, 10);
     let mut text = String::new();
@@ -56,7 +56,7 @@ fn torus(sandbox: &Sandbox) {
     sandbox.write("my torus.obj", text);
 }
 
-/// Splits a command like a shell that supports single quotes only.
+/// Splits a command into words like a shell; supports single quotes only.
 fn words(command: &str) -> Vec<String> {
     let (mut out, mut word, mut quoted) = (Vec::new(), String::new(), false);
     for c in command.chars() {
@@ -81,7 +81,7 @@ fn surface_chart_is_reproducible() {
     let rows = object["rows"].as_array().unwrap();
     assert!(rows.len() > 20);
 
-    // The table has the same contents.
+    // Checks that the CSV table has the same contents.
     let table = csv(&std::fs::read_to_string(sandbox.path().join("out/surface.csv")).unwrap());
     assert_eq!(table.len(), rows.len() + 1);
     assert!(table.iter().all(|line| line.len() == table[0].len()));
@@ -98,7 +98,7 @@ fn surface_chart_is_reproducible() {
     let (seams, angles) = (figures("seam_length_ratio"), figures("angle_distortion"));
     assert!(figures("flipped_triangles").iter().all(|n| *n == 0.0));
     assert!(figures("seconds").iter().all(|s| *s > 0.0));
-    // The Pareto front, computed again: no row on it is dominated, every other row is.
+    // Computes the Pareto front again: rows on it are not dominated, all other rows are.
     let beaten = |i: usize| {
         (0..rows.len())
             .any(|j| seams[j] <= seams[i] && angles[j] <= angles[i] && (seams[j] < seams[i] || angles[j] < angles[i]))
@@ -107,7 +107,7 @@ fn surface_chart_is_reproducible() {
         assert_eq!(row["on_front"].as_bool().unwrap(), !beaten(i), "{row}");
     }
     assert_eq!(rows.iter().filter(|r| r["default"] == true).count(), 1);
-    // More seams give less distortion, which is the purpose of the chart.
+    // More seams must give less distortion, which is what the chart shows.
     let (most, least) = (seams.iter().copied().fold(0.0, f64::max), seams.iter().copied().fold(f64::MAX, f64::min));
     assert!(most > 1.5 * least, "seams from {least} to {most}");
 
@@ -118,7 +118,7 @@ fn surface_chart_is_reproducible() {
         assert!(svg.contains(text), "no {text:?} in the picture");
     }
 
-    // The command of a row reproduces its values.
+    // Checks that the command of a row reproduces its values.
     let row = rows.iter().find(|r| r["surface.patch_turn_deg"] == 10.0).unwrap();
     let command = row["command"].as_str().unwrap();
     assert!(command.starts_with("pelage bake 'my torus.obj'") && command.contains(set), "{command}");
@@ -149,7 +149,7 @@ fn killed_chart_resumes() {
     let kept = lines();
     assert!(!sandbox.files().contains(&"out/surface.csv".to_owned()), "a table that is not whole");
 
-    // A run for a few rows keeps the other files of the folder.
+    // Checks that a run for a few rows keeps the other files of the folder.
     charted(&sandbox, "surface", "2", &["my torus.obj"]);
     assert_eq!(lines().len(), kept.len());
 
@@ -157,14 +157,15 @@ fn killed_chart_resumes() {
     let object = json_of(&run);
     assert!(run.stderr.contains(&format!("{} of", kept.len())), "{}", run.stderr);
     for line in &kept {
-        // Measured seconds never repeat: identical values show that the row was not measured again.
+        // Measured times never repeat exactly, so an equal time shows that the row was not measured again.
         let row = &object["rows"][line["row"].as_u64().unwrap() as usize - 1];
         let cells = line["cells"].as_array().unwrap();
         assert_eq!(row["seconds"], cells[cells.len() - 1], "{row}");
     }
     assert!(!path.exists(), "the journal goes when the table is whole");
 
-    // Old rows are ignored with a different recipe and with `--restart`; here they have an impossible time.
+    // Earlier rows must be ignored with a different recipe and with `--restart`. Here they are marked by an impossible
+    // time.
     let old = |line: &Value| {
         let mut line = line.clone();
         *line["cells"].as_array_mut().unwrap().last_mut().unwrap() = (-1.0).into();
@@ -197,7 +198,7 @@ fn textures_chart_is_reproducible() {
     assert_reproduced(&sandbox, row, &["color_rmse", "opacity_rmse", "coverage_drift", "shell_bytes"]);
 }
 
-/// Runs `pelage chart` for some rows and returns them.
+/// Runs `pelage chart` for the rows `rows`, and returns them.
 fn charted(sandbox: &Sandbox, topic: &str, rows: &str, more: &[&str]) -> Vec<Value> {
     let args = [&["chart", topic, "-o", "out", "--rows", rows, "--json"], more].concat();
     let object = json_of(&sandbox.run(&args));
@@ -211,8 +212,8 @@ fn charted(sandbox: &Sandbox, topic: &str, rows: &str, more: &[&str]) -> Vec<Val
     rows
 }
 
-/// Asserts that a row's command reproduces its errors to the last digit: they contain nothing random and do not depend
-/// on other rows.
+/// Asserts that a row's command reproduces its errors exactly: they contain nothing random, and do not depend on other
+/// rows.
 fn assert_reproduced(sandbox: &Sandbox, row: &Value, errors: &[&str]) {
     let run = sandbox.run(&words(row["command"].as_str().unwrap())[1..]);
     let again = json_of(&run)["rows"][0].clone();
@@ -229,8 +230,8 @@ fn detail_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300", "slice.tile_texels=32"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // The largest and the smallest size: the runtime's choice, full detail, the first step to fewer layers, and a large
-    // tile; last, the smallest size with the unsimplified mesh.
+    // Rows of the largest and the smallest size: the runtime's choice, full detail, the first step to fewer layers, and
+    // a large tile. The last row is the smallest size with the unsimplified mesh.
     let rows = charted(&sandbox, "detail", "1,2,3,13,43,44,45,55,56", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     let labels = ["auto", "full", "0.25", "256²", "auto", "full", "0.25", "256²", "unsimplified"];
@@ -241,10 +242,10 @@ fn detail_chart_is_reproducible() {
         assert!(number(i, "frame_milliseconds") > 0.0 && (0.0..1.0).contains(&number(i, "flip")), "{row}");
         assert_eq!(number(i, "slice.tile_texels"), if labels[i] == "256²" { 256.0 } else { 32.0 });
     }
-    // The height of the fur scales with the picture; the other values are common to all rows of a size.
+    // The height of the fur scales with the picture. All other values are the same in all rows of a size.
     assert!((number(0, "fur_px") / number(4, "fur_px") - 8.0).abs() < 0.3, "{} and {}", rows[0], rows[4]);
     assert_eq!([3, 8].map(|i| number(i, "fur_px")), [0, 4].map(|i| number(i, "fur_px")));
-    // Full detail is the same at all sizes; the runtime's choice is less in smaller pictures.
+    // Full detail is the same at all sizes, while the runtime chooses less in smaller pictures.
     let drawn = |row: usize| ["layers", "triangles"].map(|name| number(row, name));
     assert!(drawn(1) == drawn(5) && drawn(3) == drawn(1) && drawn(1)[0] == 15.0, "{} and {}", rows[1], rows[5]);
     assert!(drawn(2)[0] < drawn(1)[0] && drawn(2)[1] == drawn(1)[1], "{}", rows[2]);
@@ -255,7 +256,7 @@ fn detail_chart_is_reproducible() {
     if let (Some(auto), Some(full), Some(unsimplified)) = (fragments(4), fragments(5), fragments(8)) {
         assert!(auto < unsimplified && unsimplified < full, "{auto}, {unsimplified} and {full} fragments");
     }
-    // Each size has its own Pareto front, which contains its most accurate row, whatever the others are.
+    // Each size has its own Pareto front, which always contains the most accurate row of that size.
     for size in [0..4, 4..9] {
         let truest = size.min_by(|a, b| number(*a, "flip").total_cmp(&number(*b, "flip"))).unwrap();
         assert_eq!(rows[truest]["on_front"], true, "{}", rows[truest]);
@@ -275,8 +276,8 @@ fn strands_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // Close up with four samples, and at half the size with one: the runtime's choice, layers, strands of 8 and of 2
-    // segments.
+    // Rows at close range with four samples, and at half the size with one: the runtime's choice, layers, strands of 8
+    // and of 2 segments.
     let rows = charted(&sandbox, "strands", "10,11,13,15,55,56,58,60", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     for (i, row) in rows.iter().enumerate() {
@@ -288,17 +289,18 @@ fn strands_chart_is_reproducible() {
         assert!(frame > 0.0 && anew > 0.0 && (0.0..1.0).contains(&number(i, "flip")), "{row}");
         assert_eq!(row["over_cheapest"].as_f64().is_some_and(|ratio| ratio >= 1.0), i % 4 == 0, "{row}");
     }
-    // Six times as far away, measured in the picture.
+    // The strand widths show that the distance is six times as large.
     let widths = number(0, "strand_px") / number(4, "strand_px");
     assert!((widths / 6.0 - 1.0).abs() < 0.05, "{widths}");
-    // Strands are drawn if requested, with the given number of segments; layers have none, and a smaller package.
+    // Strands are drawn if requested, with the given number of segments. Layers have none, and their package is
+    // smaller.
     assert_eq!([1, 2, 3, 5, 6, 7].map(|i| number(i, "pieces")), [0.0, 8.0, 2.0, 0.0, 8.0, 2.0]);
-    // From afar the far coat has replaced some of them.
+    // At a distance, the far layer has replaced some of the strands.
     assert_eq!([1, 2, 3, 5].map(|i| number(i, "strands")), [0.0, 1.0, 1.0, 0.0]);
     assert!((0.1..=1.0).contains(&number(6, "strands")), "{}", rows[6]);
     assert!(number(1, "package_bytes") < number(2, "package_bytes"));
     assert_eq!(number(2, "strand_triangles"), 4.0 * number(3, "strand_triangles"));
-    // Far away the runtime chooses layers.
+    // At a distance, the runtime chooses layers.
     assert_eq!(number(4, "strands"), 0.0, "{}", rows[4]);
     assert!(number(2, "flip") < 0.95 * number(1, "flip"), "{} and {}", rows[1], rows[2]);
     let svg = std::fs::read_to_string(sandbox.path().join("out/strands.svg")).unwrap();
@@ -316,24 +318,26 @@ fn opacity_shadow_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=417", "judge.height=212", "judge.samples=8", "hair.density=500"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // The runtime's default; at 512²: 4 slabs, 16 slabs, 16 planes and the printed form; and light along the axis.
+    // Rows: the runtime's default; at 512², 4 slabs, 16 slabs, 16 planes and the published form; and light along the
+    // axis.
     let rows = charted(&sandbox, "opacity-shadow", "1,3,9,12,15,17", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     let forms: Vec<_> = rows.iter().map(|row| row["form"].as_str().unwrap_or_default()).collect();
     assert_eq!(forms, ["deep", "deep", "deep", "whole", "printed", "deep"]);
     assert_eq!([0, 1, 2, 3, 4, 5].map(|i| number(i, "slabs")), [4.0, 4.0, 16.0, 16.0, 16.0, 4.0]);
-    // Distance of the first hair, slabs between planes, and hair on guides.
+    // A texel stores the distance of the first hair (only with slabs), a value per slab or plane, and one for hair on
+    // guides.
     assert_eq!([1, 2, 3].map(|i| number(i, "bytes")), [6.0, 18.0, 17.0].map(|n| 4.0 * 512.0 * 512.0 * n));
     for (i, row) in rows.iter().enumerate() {
         assert!(number(i, "milliseconds") > 0.0 && number(i, "places") > 500.0, "{row}");
         assert_eq!(row["default"] == true, i == 0);
     }
-    // Planes across the whole body represent the light on its fur less accurately than slabs behind the first hair. The
-    // picture shows the same.
+    // Planes across the whole body represent the light on the fur less accurately than slabs that begin at the first
+    // hair. The picture shows the same.
     for name in ["rmse", "flip", "largest_step", "largest_error"] {
         assert!(number(3, name) > 1.1 * number(2, name), "{name}: {} and {}", rows[3], rows[2]);
     }
-    // The light comes back behind the last plane.
+    // In the published form, hair behind the last plane is lit again.
     assert!(number(4, "largest_step") > 0.99 && number(4, "largest_error") > 0.8, "{}", rows[4]);
     assert!(number(5, "mean_error") < number(0, "mean_error"), "the axis is darker: {} and {}", rows[5], rows[0]);
     assert_reproduced(&sandbox, &rows[3], &["rmse", "mean_error", "flip", "largest_step", "places"]);
@@ -348,7 +352,8 @@ fn self_shadow_chart_is_written() {
     let small =
         ["hair.coat=natural", "slice.tile_texels=32", "slice.layers=8", "hair.density=100", "hair.root_radius=0.02"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // The default, plain texels, maps of a quarter of the size, the runtime's maps, and the printed form.
+    // Rows: the default, uncompressed texels, maps of a quarter of the size, the runtime's maps, and the published
+    // form.
     let rows = charted(&sandbox, "self-shadow", "1,2,11,13,18", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     let word = |row: usize, name: &str| rows[row][name].as_str().unwrap_or_default().to_owned();
@@ -364,15 +369,15 @@ fn self_shadow_chart_is_written() {
         assert_eq!(row["visibility_seconds"].is_null(), !baked, "{row}");
         assert!(number(i, "bytes") > 1000.0 && number(i, "hair_rmse") > 0.0, "{row}");
     }
-    // Baked visibility is closer to the light on the hair than maps, and block compression loses little of it.
+    // Baked visibility is closer to the light on the hair than maps are; block compression loses little of it.
     for i in [2, 3, 4] {
         assert!(number(0, "hair_rmse") < 0.9 * number(i, "hair_rmse"), "{} {}", rows[0], rows[i]);
     }
     assert!((number(0, "hair_rmse") - number(1, "hair_rmse")).abs() < 0.01, "{} {}", rows[0], rows[1]);
     assert!((1e-3..0.05).contains(&number(0, "bc7_over_rgba8_rmse")) && rows[1]["bc7_over_rgba8_rmse"].is_null());
     assert_eq!(number(3, "bytes"), 2.0 * 512.0 * 512.0 * 8.0);
-    // The default maps stay within the bounds. Coarse maps and the printed form do not; the printed form gets worse
-    // with slanted light.
+    // The default maps must stay within the bounds. Coarse maps and the published form exceed them; the error of the
+    // published form grows as the light becomes more slanted.
     for (angle, bound) in [(0, 0.04), (30, 0.06), (45, 0.08), (60, 0.10), (75, 0.22)] {
         let name = format!("rmse_{angle}");
         assert!(number(3, &name) <= bound, "{angle} degrees: {}", number(3, &name));
@@ -397,7 +402,7 @@ fn lighting_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["slice.tile_texels=32", "slice.layers=6", "hair.density=200", "pack.direction_format=rg8"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // The recipe's own settings, the same at vertices, and a tile of 16 texels.
+    // Rows: the recipe's own settings, the same settings evaluated at vertices, and a tile of 16 texels.
     let rows = charted(&sandbox, "lighting", "1,5,7", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     assert_eq!([0, 1, 2].map(|i| rows[i]["lighting"].as_str().unwrap()), ["pixel", "vertex", "pixel"]);
@@ -407,7 +412,7 @@ fn lighting_chart_is_reproducible() {
     for (i, row) in rows.iter().enumerate() {
         assert!(number(i, "shells_milliseconds") > 0.0 && number(i, "direction_bytes") > 1000.0, "{row}");
     }
-    // Fig. 1 of the paper in numbers.
+    // The values express Fig. 1 of the paper in numbers.
     for error in ["rmse", "direction_error_deg"] {
         assert!(number(1, error) > 1.2 * number(0, error), "{error}: {} and {}", rows[1], rows[0]);
         assert!(number(2, error) > number(0, error), "{error}: {} and {}", rows[2], rows[0]);
@@ -428,7 +433,7 @@ fn soft_shadow_chart_is_reproducible() {
         assert!(number(i, "milliseconds") > 0.0 && number(i, "penumbra_ratio") > 0.0, "{row}");
         assert!(number(i, "rmse_in_shadow") > number(i, "rmse"), "most of the hare is lit: {row}");
     }
-    // Requirement on the default.
+    // The default must satisfy these bounds.
     assert!(number(0, "rmse") <= 0.08 && number(0, "leak_in_umbra") <= 0.02, "{}", rows[0]);
     assert!(number(1, "rmse") > 1.2 * number(0, "rmse"), "coarse maps: {} and {}", rows[1], rows[0]);
     assert!(number(2, "rmse") > 2.0 * number(0, "rmse"), "as printed: {} and {}", rows[2], rows[0]);
@@ -438,8 +443,8 @@ fn soft_shadow_chart_is_reproducible() {
 #[test]
 fn verlet_chart_is_written() {
     let sandbox = Sandbox::new().with_lab();
-    // Guides of 7 points: the runtime's default, more steps, a single sweep, the printed form, and the mesh surface
-    // sampled once per frame.
+    // Rows for guides of 7 points: the runtime's default, more steps, a single sweep, the published form, and the mesh
+    // surface sampled once per frame.
     let rows = charted(&sandbox, "verlet", "1,3,9,24,27", &[]);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     let steps = [120.0, 240.0, 120.0, 60.0];
@@ -449,7 +454,7 @@ fn verlet_chart_is_written() {
         assert_eq!(row["nanoseconds"].as_f64().is_some_and(|ns| ns > 0.0), i < 4, "{row}");
         assert!(number(i, "true_change_percent") < 1e-3, "{row}");
     }
-    // More steps are more accurate. Without tensions, or with too few steps, the error grows; without tensions the
+    // More steps are more accurate. Without tensions, or with too few steps, the error grows. Without tensions, the
     // guides also stretch.
     let off = |row: usize| number(row, "rms_percent");
     assert!(off(4) < 0.1 && off(1) < 0.6 * off(0) && off(0) < 2.0, "{} {} {}", rows[0], rows[1], rows[4]);
@@ -462,22 +467,22 @@ fn verlet_chart_is_written() {
     }
 }
 
-/// Checks the environment chart. Rows of the painted sky: the default with a broad light, coarser tables, few samples,
-/// constant light. Rows of single lights: the integral and the printed form.
+/// Checks the environment chart. Its rows for the painted sky are the default with a broad light, coarser tables, few
+/// samples, and constant light. Its rows for single lights are the integral and the published form.
 #[test]
 fn environment_chart_is_written() {
     let sandbox = Sandbox::new().with_lab();
     let rows = charted(&sandbox, "environment", "3,5,16,19,45,47", &[]);
     let error = |i: usize| rows[i]["error_percent"].as_f64().unwrap();
     assert!(rows[0]["default"] == true && rows[0]["sky"] == "clear sky", "{}", rows[0]);
-    // Coarse tables, few samples and constant light have larger errors than the default, and the printed form has a
-    // larger one than the integral.
+    // Coarse tables, few samples and constant light must have larger errors than the default, and the published form a
+    // larger error than the integral.
     assert!(error(0) < error(1) && error(0) < error(2) && 2.0 * error(0) < error(3), "{rows:?}");
     assert!(rows[4]["sky"] == "one light of 20 degrees" && error(4) < 1.0 && error(5) > 2.0 * error(4), "{rows:?}");
     assert!(rows[0]["mean_percent"].as_f64().unwrap().abs() < 15.0, "{}", rows[0]);
 }
 
-/// Checks the chart of skies fitted by few lights: more lights give a smaller error.
+/// Checks the chart of lights fitted to skies: more lights give a smaller error.
 #[test]
 fn environment_fit_chart_is_written() {
     let Some(data) = data("environment_fit_chart_is_written") else { return };
@@ -516,7 +521,7 @@ fn stability_table_is_written() {
     let sandbox = Sandbox::new().with_lab();
     let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out", "--rows", "1,9,23"]));
     let rows = object["rows"].as_array().unwrap();
-    // Two rows computed on the CPU and one drawn on the GPU; each also has its own test.
+    // Checks two rows computed on the CPU and one drawn on the GPU. Each also has its own test.
     for method in ["surface", "Kajiya-Kay", "light of strands"] {
         assert!(rows.iter().any(|row| row["series"] == method), "no row {method}");
     }

@@ -1,4 +1,4 @@
-//! Comb marks in recipes, comb lines in models and images projected through space, with the real binary.
+//! Tests with the real binary: comb marks in recipes, comb lines in models, and images projected in space.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use glam::Vec3;
@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 const BAKE: [&str; 8] =
     ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=4", "--set=slice.tile_texels=16"];
 
-/// Returns a folder with the torus, without texture coordinates and colours. Its axis is y, its width 0.28 m, its top
-/// at 0.16 m. `change` edits its document.
+/// Returns a folder with the torus, without texture coordinates and colours. Its axis is y, its width is 0.28 m, and
+/// its top is at y = 0.16 m. `change` edits the glTF document.
 fn sandbox(change: impl FnOnce(&Sandbox, &mut Value)) -> Sandbox {
     let sandbox = Sandbox::new();
     let glb = std::fs::read(workspace().join("assets/models/torus.glb")).unwrap();
@@ -24,8 +24,8 @@ fn sandbox(change: impl FnOnce(&Sandbox, &mut Value)) -> Sandbox {
     sandbox
 }
 
-/// Adds a line of 0.2 m along +x over the top of the torus, at z = 0.2. In the file it runs along y; its node rotates
-/// it.
+/// Adds a line of 0.2 m along +x over the top of the torus, at z = 0.2 m. In the file the line runs along y; its node
+/// rotates it.
 fn add_line(sandbox: &Sandbox, document: &mut Value) {
     let points: [f32; 9] = [0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     sandbox.write("line.bin", points.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
@@ -55,12 +55,12 @@ fn vertices(sandbox: &Sandbox) -> (Vec<GeometryVertex>, Vec<AttributeVertex>, f3
     (mesh.geometry().collect(), mesh.attributes().collect(), package.manifest().fur.height_m)
 }
 
-/// Bakes, and returns the report.
+/// Runs a bake, and returns its report.
 fn bake(sandbox: &Sandbox, more: &[&str]) -> Value {
     parse_success(&sandbox.run(&[&BAKE[..], more].concat()), "bake")
 }
 
-/// Returns the mean hair direction, along the surface, of the vertices within a distance of a point.
+/// Returns the mean hair direction along the surface, over the vertices less than `within` metres from a point.
 fn mean_hair_direction(sandbox: &Sandbox, place: Vec3, within: f32) -> Vec3 {
     let (geometry, ..) = vertices(sandbox);
     let near = geometry.iter().filter(|v| Vec3::from(v.position).distance(place) < within);
@@ -93,12 +93,12 @@ fn a_comb_line_turns_the_hair() {
     assert!(said["decisions"].to_string().contains("comb_top"), "{said}");
     assert_eq!(said["warnings"].as_array().unwrap().len(), 0, "{said}");
     let after = mean_hair_direction(&drawn, TOP, 0.05);
-    // The effect is full within a quarter of the reach, here 21 mm; the vertices are up to 50 mm away.
+    // The effect is full up to a quarter of the reach, which is 21 mm here; the vertices are up to 50 mm away.
     assert!(after.dot(Vec3::X) > 0.75, "along the line: {after}");
     let far = mean_hair_direction(&drawn, FAR, 0.05);
     assert!(far.dot(Vec3::NEG_Z) > 0.9, "as far from the line as without: {far}");
 
-    // The recipe has priority, and the decision's line has the same effect when set in the recipe.
+    // The recipe has priority. If the recipe contains the line of the decision, the effect is the same.
     let package = |more: &[&str]| {
         let said = bake(&drawn, more);
         (lines(&said), std::fs::read(drawn.path().join("m.pelage")).unwrap())
@@ -112,14 +112,14 @@ fn a_comb_line_turns_the_hair() {
     let (lines, _) = package(&["--set", "surface.comb=marks"]);
     assert!(!lines.iter().any(|line| line.starts_with("surface.comb")), "{lines:?}");
     assert!(mean_hair_direction(&drawn, TOP, 0.05).dot(Vec3::X) > 0.75);
-    // The line is added to the recipe's marks.
+    // The line of the model is used in addition to the recipe's marks.
     let marks = "surface.comb_marks=[{ name = \"back\", at = [0, 0.16, -0.2], direction = [0, 0, 1] }]";
     package(&["--set", marks]);
     let (top, back) = (mean_hair_direction(&drawn, TOP, 0.05), mean_hair_direction(&drawn, FAR, 0.05));
     assert!(top.dot(Vec3::X) > 0.6 && back.dot(Vec3::Z) > 0.9, "{top} {back}");
 }
 
-/// Returns the share of the length, and the colour, of the vertex nearest to a point.
+/// Returns the relative hair length and the colour of the vertex nearest to a point.
 fn length_and_color(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
     let (geometry, attributes, height) = vertices(sandbox);
     let away = |v: &GeometryVertex| Vec3::from(v.position).distance(place);
@@ -138,7 +138,7 @@ fn mark_values_hold_at_their_position_and_fade() {
     let said = bake(&sandbox, &["--recipe", "r.toml"]);
     let warnings = said["warnings"].to_string();
     assert!(warnings.contains("lost") && warnings.contains("m from the nearest skin"), "{warnings}");
-    // The torus has no colour: its fur is brown outside the white part, and the bake reports the choice.
+    // The torus has no colour. Its fur is brown outside the white part, and the bake reports this decision.
     assert!(said["decisions"].to_string().contains("groom.color"), "{said}");
     let ((length, white), (elsewhere, brown)) = (length_and_color(&sandbox, TOP), length_and_color(&sandbox, FAR));
     assert!((length - 0.2).abs() < 0.02 && (elsewhere - 0.8).abs() < 0.01, "{length} {elsewhere}");
@@ -150,7 +150,7 @@ fn mark_values_hold_at_their_position_and_fade() {
 #[test]
 fn projected_image_applies_at_the_painted_position() {
     let sandbox = sandbox(|_, _| {});
-    // Seen from +x, where −z is right: black on the left, white on the right, grey in the lower half.
+    // Seen from +x, −z is on the right. The image is black on the left, white on the right, and grey in the lower half.
     let shade = |x: u32, y: u32| {
         if y >= 8 {
             128
@@ -177,7 +177,7 @@ fn invalid_comb_settings_are_refused_with_key_and_reason() {
     for (set, words) in [
         ("groom.coordinates=w", "box"),
         ("surface.comb_marks=[{ name = \"a\", at = [0, 0, 0] }]", "found neither direction nor"),
-        ("surface.comb_marks=[{ name = \"a\", length = 1 }]", "found no at"),
+        ("surface.comb_marks=[{ name = \"a\", length = 1 }]", "found no `at`"),
         ("surface.comb_marks=[{ name = \"a\", at = [0, 0, 0], length = 2 }]", "length: "),
     ] {
         let run = sandbox.run(&[&BAKE[..], &["--set", set]].concat());
@@ -187,5 +187,5 @@ fn invalid_comb_settings_are_refused_with_key_and_reason() {
     let none =
         ["--set", "surface.comb=marks", "--set", "surface.comb_marks=[{ name = \"a\", at = [0, 0, 0], length = 1 }]"];
     let run = sandbox.run(&[&BAKE[..], &none].concat());
-    assert!(run.code == Some(3) && run.stderr.contains("none with a direction"), "{run:?}");
+    assert!(run.code == Some(3) && run.stderr.contains("no mark with a direction"), "{run:?}");
 }

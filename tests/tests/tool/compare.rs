@@ -1,4 +1,4 @@
-//! `pelage compare` through the real binary.
+//! Tests of `pelage compare` with the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
@@ -19,7 +19,7 @@ fn encoded(image: DynamicImage, format: ImageFormat) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// Returns a disc in the colour of hair on a transparent background; `stripe` is the darkness of every fourth column.
+/// Returns a disc in the colour of hair, on a transparent background. `stripe` is the darkening of every fourth column.
 fn disc(stripe: u8) -> RgbaImage {
     RgbaImage::from_fn(48, 32, |x, y| {
         let inside = (x as f32 - 24.0).hypot(y as f32 - 16.0) < 14.0;
@@ -41,7 +41,7 @@ fn pictures() -> Sandbox {
 #[test]
 fn equal_and_different_pictures_are_compared() {
     let sandbox = pictures();
-    // The same picture in 8 and in 16 bits as PNG, and linear and premultiplied as EXR.
+    // The same picture is stored as an 8-bit PNG, a 16-bit PNG, and an EXR with linear premultiplied colours.
     let linear = pelage_bake::picture::Picture::from(&disc(0));
     let float = image::Rgba32FImage::from_fn(48, 32, |x, y| Rgba(linear.pixels[(y * 48 + x) as usize]));
     sandbox.write("same.exr", encoded(float.into(), ImageFormat::OpenExr));
@@ -54,7 +54,7 @@ fn equal_and_different_pictures_are_compared() {
     }
     assert_eq!(json_of(&sandbox.run(&["compare", "a.png", "a.png", "--json"]), 0)["psnr_db"], Value::Null);
 
-    // Without a limit a difference is reported but is not a failure.
+    // Without a limit, a difference is reported and is not a failure.
     let object = json_of(&sandbox.run(&["compare", "a.png", "other.png", "--json", "-o", "map.png"]), 0);
     let flip = |name: &str| object["flip"][name].as_f64().unwrap();
     assert!(0.0 < flip("mean") && flip("mean") < flip("covered") && flip("covered") < flip("max"), "{object}");
@@ -62,7 +62,7 @@ fn equal_and_different_pictures_are_compared() {
     assert_eq!(map.dimensions(), (48, 32));
     let sum = |x, y| map.get_pixel(x, y).0.iter().map(|c| u32::from(*c)).sum::<u32>();
     assert!(sum(24, 16) > 3 * sum(0, 0), "the stripe is brighter than what is empty: {} {}", sum(24, 16), sum(0, 0));
-    // The map shows the same values: the mean of its colours rises with the error.
+    // The map must show the same values: the mean of its colours rises with the error.
     let text = sandbox.run(&["compare", "a.png", "other.png"]);
     assert!(text.code == Some(0) && ["FLIP", "RMSE", "PSNR", "coverage"].iter().all(|w| text.stdout.contains(w)));
 }
@@ -70,7 +70,7 @@ fn equal_and_different_pictures_are_compared() {
 #[test]
 fn each_compare_limit_sets_the_exit_code() {
     let sandbox = pictures();
-    // Thinner, not darker: where the colour is black, only coverage differs.
+    // The pixels are more transparent but not darker. Where the colour is black, only coverage differs.
     let faint = RgbaImage::from_fn(48, 32, |x, y| {
         let Rgba([r, g, b, a]) = *disc(0).get_pixel(x, y);
         Rgba([r, g, b, a / 2])

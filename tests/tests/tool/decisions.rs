@@ -1,4 +1,4 @@
-//! Decisions of a bake where the recipe sets nothing, through the real binary.
+//! Tests with the real binary: decisions of a bake about keys that the recipe does not set.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;
@@ -9,7 +9,7 @@ use std::path::Path;
 const BAKE: [&str; 8] =
     ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=4", "--set=slice.tile_texels=16"];
 
-/// Returns the decisions of a bake of a built-in model.
+/// Returns the decisions of a bake of one of the built-in models.
 fn decisions(model: &str, more: &[&str]) -> Vec<Value> {
     decisions_on(&workspace().join("assets/models").join(model), more)
 }
@@ -33,7 +33,7 @@ fn decisions_are_printed_with_the_equivalent_recipe_line() {
     let length = lines(&open).into_iter().find(|line| line.starts_with("hair.length_m = ")).unwrap().to_owned();
     assert!(lines(&open).iter().any(|line| line.starts_with("surface.tile_size_m = ")), "{open:?}");
     assert!(lines(&open).contains(&"model.bare = []"), "{open:?}");
-    // A value set in the recipe stops being a decision.
+    // A value that is set in the recipe must not be reported as a decision.
     let said = decisions("torus.glb", &["--set", &length.replace(' ', "")]);
     assert!(lines(&said).iter().all(|line| !line.starts_with("hair.length_m")), "{said:?}");
 }
@@ -67,7 +67,7 @@ fn bare_parts_are_detected_unless_the_recipe_lists_them() {
 #[test]
 fn bare_parts_of_known_animals_are_detected() {
     let Some(data) = data("bare_parts_of_known_animals_are_detected") else { return };
-    // The bare parts of each, and no others: the nose of the dog and the claws of the reptile are parts of "Black".
+    // Exactly these parts must be bare. The nose of the dog and the claws of the reptile are parts of "Black".
     for (animal, bare) in [
         ("quaternius_Wolf", "[\"Eyes_Black\", \"Nose\"]"),
         ("quaternius_ShibaInu", "[\"Black/eye rims\", \"Eyes_White\", \"Eyes_Pupil\", \"Eyes_Black\", \"Black/nose\"]"),
@@ -136,7 +136,7 @@ fn for_distance_fits_layers_to_the_viewing_distance() {
     let [near, far] = ["0.5", "30"].map(|metres| slices(&["--for-distance", metres]));
     assert!(near[0] > far[0] && near[1] > far[1], "{near:?} {far:?}");
     assert_eq!(far[0], 4, "no more layers than the least");
-    // A picture of twice the height from twice the distance shows the same.
+    // A picture of twice the height from twice the distance shows the fur at the same size.
     assert_eq!(slices(&["--for-distance", "1", "--for-size", "834x848"]), near);
     let bad = sandbox.run(&["bake", "m.glb", "-o", "m.pelage", "--for-distance", "-1"]);
     assert!(bad.code == Some(1) && bad.stderr.contains("expected a number above 0"), "{bad:?}");

@@ -1,4 +1,4 @@
-//! `pelage doctor` through the real binary, compared with the counts of `pelage bench` on an adapter.
+//! Tests of `pelage doctor` with the real binary, compared with the counts of `pelage bench` on an adapter.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
@@ -23,7 +23,7 @@ fn doctor_predictions_match_adapter_counts() {
     let Some(gpu) = gpu("doctor_predictions_match_adapter_counts") else { return };
     let software = gpu.info.device_type == pelage_runtime::wgpu::DeviceType::Cpu;
     let sandbox = Sandbox::new();
-    // Formats that a software adapter stores unchanged.
+    // Software adapters store these formats unchanged.
     let plain = [
         "pack.shell_format=rgba8",
         "pack.direction_format=rgba8",
@@ -35,8 +35,8 @@ fn doctor_predictions_match_adapter_counts() {
     let mut baked = "";
     for (name, view) in [
         ("hare", &["--size", "500x300"][..]),
-        // Nearly straight down, along the body and close by; a view turned by a quarter would show a different part of
-        // the hare.
+        // The camera looks almost straight down, along the body and at close range. If the view were turned by a
+        // quarter, it would show a different part of the hare.
         ("hare", &["--size", "600x200", "--camera", "0.02,0.9,0/0,0.2,0/14"]),
         ("knot", &["--size", "300x300"]),
         ("torus", &["--size", "400x300", "--camera", "1,1,2.5/0,0.1,0/35"]),
@@ -46,12 +46,12 @@ fn doctor_predictions_match_adapter_counts() {
             baked = name;
         }
         let found = doctor(&sandbox, view);
-        // The prediction is for a still frame of layers.
+        // The prediction is for layers in a frame without motion.
         let still = ["bench", "a.pelage", "--json", "--frames", "1", "--hair", "shells", "--hair-motion", "off"];
         let args = [&still, view].concat();
         let counted = schema::parse_success(&sandbox.run(&args), "bench");
         let bytes = |v: &Value| v["gpu_bytes"].as_f64().unwrap();
-        // Uniform blocks are not predicted.
+        // The prediction does not include uniform blocks.
         let ratio = bytes(&found) / bytes(&counted);
         assert!((0.99..=1.0).contains(&ratio), "{name}: {ratio} of the bytes");
         let mut compared = 0;
@@ -64,8 +64,8 @@ fn doctor_predictions_match_adapter_counts() {
             let predicted = a[if software { "fragments_in_blocks" } else { "fragments" }].as_f64().unwrap();
             let ratio = predicted / counted;
             println!("{name}, {}: {predicted} predicted, {counted} counted: {ratio:.4}", a["name"]);
-            // Software rasterisers shade block by block; other adapters may or may not test hidden pixels before
-            // shading.
+            // Software rasterisers shade whole blocks of pixels. Other adapters may or may not test for hidden pixels
+            // before shading.
             let bounds = if software { 0.98..=1.02 } else { 0.5..=2.0 };
             assert!(bounds.contains(&ratio), "{name}, {}: {predicted} predicted, {counted} counted", a["name"]);
             compared += 1;
@@ -74,8 +74,8 @@ fn doctor_predictions_match_adapter_counts() {
     }
 }
 
-/// Checks the predicted number of layers. The renderer takes the distance of the nearest hair from the model's bounds,
-/// `doctor` from its vertices.
+/// Checks the predicted number of layers. The renderer derives the distance of the nearest hair from the model's
+/// bounds, while `doctor` derives it from the vertices.
 #[test]
 fn doctor_predicts_reduced_layers() {
     if gpu("doctor_predicts_reduced_layers").is_none() {
@@ -97,7 +97,7 @@ fn doctor_gives_applicable_advice() {
     bake(&sandbox, "hare", &["slice.tile_texels=64"]);
     let run = sandbox.run(&["doctor", "a.pelage"]);
     assert!(run.code == Some(0) && run.stdout.contains("nothing to change"), "{run:?}");
-    // Close to its flank the layers are visibly apart; this advice precedes all savings.
+    // Close to its flank, the layers are visibly separate. The advice about this precedes all savings.
     let near = ["--size", "64x64", "--camera", "0.25,0.2,0.6/0,0.2,0/1"];
     let found = doctor(&sandbox, &near);
     let advice = found["advice"].as_array().unwrap();
@@ -105,7 +105,7 @@ fn doctor_gives_applicable_advice() {
     assert!(first["saved"].is_null() && first["found"].as_str().unwrap().contains("pixels apart"), "{first}");
     assert!(found["on_screen"]["near_m"].as_f64().unwrap() > 0.0, "{found}");
     assert_eq!(advice.iter().filter(|a| a["saved"].is_null()).count(), 1, "{advice:?}");
-    // All other advice saves something, and the largest savings come first.
+    // All other advice saves something; the largest saving is first.
     bake(&sandbox, "hare", &["pack.shell_format=rgba8", "pack.direction_format=rg8"]);
     let found = doctor(&sandbox, &["--size", "64x64", "--instances", "100", "--shadow-map", "0"]);
     assert_eq!((&found["memory"]["shadow_maps"], &found["instances"]), (&0.into(), &100.into()));
@@ -120,8 +120,8 @@ fn doctor_gives_applicable_advice() {
     }
 }
 
-/// Checks that advice is tried if there is an adapter. A hare 64 pixels high shows four layers, all less than half a
-/// pixel apart. Baking fewer than sixteen layers would still be visible, but half the texels are harmless.
+/// Checks that advice is tested if there is an adapter. A hare 64 pixels high shows four layers, all less than half a
+/// pixel apart. Fewer than sixteen baked layers would still be visible, but half of the texels are harmless.
 #[test]
 fn doctor_omits_advice_that_raises_the_error() {
     if gpu("doctor_omits_advice_that_raises_the_error").is_none() {

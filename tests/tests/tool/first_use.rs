@@ -1,5 +1,5 @@
-//! Problems of first-time users, and their present behaviour: models of impossible sizes, edits with unexpected
-//! results.
+//! Tests of problems of first-time users, and how pelage handles them: models of impossible sizes, edits with
+//! unexpected results.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -8,9 +8,9 @@ use std::io::{BufRead as _, BufReader};
 use std::process::Stdio;
 
 const HARE: &str = "assets/models/hare.glb";
-/// Two triangles of one metre; tests add a third.
+/// OBJ square of one metre, made of two triangles; some tests add a third.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
-/// Settings of the fastest possible bake.
+/// Bake settings for the fastest bake.
 const QUICK: [&str; 6] = ["--set", "slice.layers=4", "--set", "slice.tile_texels=16", "--set", "ink.enabled=false"];
 
 fn bake(sandbox: &Sandbox, model: &str, more: &[&str]) -> Run {
@@ -39,7 +39,7 @@ fn implausible_sizes_are_refused_with_a_suggested_unit() {
     assert_refused(&sandbox, &run, &["hare.glb: whole model: it is ", "surface.tile_size_m", "set model.unit_m=1 "]);
     let run = bake(&sandbox, &hare, &["--set", "model.unit_m=0.00001"]);
     assert_refused(&sandbox, &run, &["hare.glb: whole model: it is ", "set model.unit_m=1 "]);
-    // If the recipe sets the lengths, the size is the user's decision; the result validates.
+    // If the recipe sets the lengths, the size is accepted as intended, and the package is valid.
     let lengths = ["--set", "hair.length_m=100", "--set", "surface.tile_size_m=900", "--set", "model.unit_m=100000"];
     let run = bake(&sandbox, &hare, &lengths);
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -65,7 +65,7 @@ fn a_mesh_without_area_is_refused() {
         let run = bake(&sandbox, name, &[]);
         assert_refused(&sandbox, &run, &[name, "whole model: none of its 1 triangles has an area", "at rest"]);
     }
-    // One triangle with an area is enough.
+    // One triangle with nonzero area is enough.
     sandbox.write("one.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
     assert_eq!(bake(&sandbox, "one.obj", &[]).code, Some(0));
 }
@@ -132,7 +132,7 @@ fn images_given_by_set_are_relative_to_the_working_folder() {
         assert_eq!(run.code, Some(0), "{path}: {run:?}");
         let object: Value = serde_json::from_str(&sandbox.run(&["inspect", "out.pelage", "--json"]).stdout).unwrap();
         let text = object["recipe"].as_str().unwrap();
-        // The package contains no path of this machine.
+        // The recorded path must not contain a folder of this machine.
         assert!(text.contains(&format!("pattern = \"{recorded}\"")), "{text}");
         std::fs::remove_file(sandbox.path().join("out.pelage")).unwrap();
     }
@@ -162,7 +162,7 @@ fn packing_an_edited_recipe_is_refused() {
     assert_refused(&sandbox, &run, &words);
     assert_refused(&sandbox, &pack("[hair\n"), &["folder/recipe.toml: line 1"]);
     assert_refused(&sandbox, &pack("[hair]\ndensty = 3\n"), &["folder/recipe.toml: line 2, hair.densty"]);
-    // A comment changes nothing; the original recipe gives the original bytes.
+    // A comment in the recipe is accepted; the original recipe gives the original bytes.
     let run = pack(&format!("# my fox\n{recipe}"));
     assert_eq!((run.code, sandbox.run(&["validate", "out.pelage"]).code), (Some(0), Some(0)), "{run:?}");
     assert_eq!(pack(&recipe).code, Some(0));
@@ -235,14 +235,14 @@ fn pipes_as_package_or_scene_files_are_refused() {
 fn interrupted_process_leaves_no_partial_files() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
-    // The text of 100 tiles of strands takes long enough to be interrupted half-written.
+    // Writing the strands of 100 tiles as text takes long enough to be interrupted.
     let set = ["--set", "hair.length_m=0.05", "--set", "surface.tile_size_m=0.1"];
     assert_eq!(bake(&sandbox, "a.obj", &set).code, Some(0));
     let before = sandbox.files();
     for signal in ["INT", "TERM"] {
         let mut child =
             sandbox.command(&["export", "out.pelage", "--strands", "strands.txt", "--quiet"]).spawn().unwrap();
-        // Waits until the command writes.
+        // Waits until the command begins to write.
         while sandbox.files() == before && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
@@ -255,8 +255,8 @@ fn interrupted_process_leaves_no_partial_files() {
     }
 }
 
-/// Checks that long work announces its size and, if stderr is not a terminal, prints occasional lines with progress and
-/// remaining time.
+/// Checks that long work announces its size. If stderr is not a terminal, it must also print occasional lines with
+/// progress and remaining time.
 #[test]
 fn long_work_is_announced_and_shows_progress() {
     let sandbox = Sandbox::new();
@@ -268,7 +268,7 @@ fn long_work_is_announced_and_shows_progress() {
         .spawn()
         .unwrap();
     let mut said = Vec::new();
-    // If the expected line is missing, the loop ends with the bake, minutes later.
+    // If the expected line is missing, the loop ends only when the bake does, minutes later.
     for line in BufReader::new(child.stderr.take().unwrap()).lines() {
         said.push(line.unwrap());
         if said.last().is_some_and(|line| line.contains("s: slice, ")) {
@@ -293,7 +293,7 @@ fn export_is_thinned_as_requested() {
         let object: Value = serde_json::from_str(&run.stdout).unwrap();
         let number = |key: &str| object[key].as_u64().unwrap();
         let points = std::fs::read_to_string(sandbox.path().join("strands.txt")).unwrap();
-        // A strand is a block of lines; blocks are separated by blank lines.
+        // A strand is a block of lines, and blocks are separated by blank lines.
         assert_eq!(points.split("\n\n").filter(|s| !s.trim().is_empty()).count() as u64, number("strands"));
         (number("strands"), number("of_strands"))
     };

@@ -1,4 +1,4 @@
-//! Default camera and its framing, and exposure of white surfaces, through the real binary.
+//! Tests with the real binary: default camera and its framing, and exposure of white surfaces.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
@@ -6,7 +6,7 @@ use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 use serde_json::Value;
 
-/// Small settings, and formats without an encoder.
+/// Bake settings for small textures, in formats that need no encoder.
 const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.density=60 \
     --set pack.shell_format=rgba8 --set pack.direction_format=rg8 --set pack.base_color_format=rgba8";
 
@@ -31,7 +31,7 @@ fn camera(sandbox: &Sandbox, line: &str) -> String {
     rendered(sandbox, &format!("{line} -o a.png"))["camera"].as_str().unwrap().to_owned()
 }
 
-/// Parses eye, target and height of the view.
+/// Parses the numbers of a camera: eye, target and vertical field of view.
 fn numbers(camera: &str) -> Vec<f32> {
     camera.split(['/', ',']).map(|n| n.parse().unwrap()).collect()
 }
@@ -40,7 +40,7 @@ fn open(sandbox: &Sandbox, name: &str) -> image::RgbaImage {
     image::open(sandbox.path().join(name)).unwrap().to_rgba8()
 }
 
-/// Returns whether the picture shows something and nothing touches its border.
+/// Returns whether the picture shows something that does not touch its border.
 fn is_whole(picture: &image::RgbaImage) -> bool {
     let (w, h) = picture.dimensions();
     let covered =
@@ -129,7 +129,7 @@ fn camera_option_errors_are_reported() {
     assert!(run("doctor hare.pelage --look-at Trunk").stderr.contains("and the joints \""));
 }
 
-/// Returns the OBJ text of a white sphere of one metre, without materials.
+/// Returns a white sphere of one metre as OBJ text, without materials.
 fn sphere() -> String {
     use std::fmt::Write as _;
     let (rings, sides) = (16u32, 32u32);
@@ -168,7 +168,7 @@ fn white_sphere_without_fur_is_shaded() {
         let mut greens: Vec<u8> = covered.iter().map(|p| p[1]).collect();
         greens.sort_unstable();
         let spread = greens[greens.len() * 9 / 10] - greens[greens.len() / 10];
-        // Half of it was clipped when the lights summed to 1.55; now only the highlight may be white.
+        // When the lights summed to 1.55, half of the sphere was clipped. Now only the highlight may be white.
         assert!(clipped < 0.02, "{light}: {clipped} of the pixels are white");
         assert!(spread > 60, "{light}: nine tenths of the pixels lie within {spread} of 255");
         assert!(greens[greens.len() - 1] > 235, "{light}: the brightest is {}", greens[greens.len() - 1]);

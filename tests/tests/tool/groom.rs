@@ -1,4 +1,4 @@
-//! Groom maps through the real binary: recipes that name images.
+//! Tests of groom maps with the real binary: recipes that name images.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::{Limits, Package};
@@ -27,7 +27,7 @@ fn images_beside_the_recipe_go_into_the_package() {
     let sandbox = sandbox();
     let map = png([[255, 0, 0, 255], [0, 255, 0, 255]]);
     sandbox.write("recipes/maps/coat.png", &map);
-    // Textures in the model's own coordinates.
+    // The textures use the model's own coordinates.
     let recipe = "[color]\nat_root = false\n\
         [groom]\nbare = \"maps/coat.png\"\nwetness = \"maps/coat.png#g\"\ncolor = \"maps/coat.png\"\nlean = 0.5\n\
         [[groom.material]]\nname = \"Coat\"\nlength = 0.5\n[pack]\ndirection_format = \"rg8\"\n";
@@ -53,7 +53,7 @@ fn images_beside_the_recipe_go_into_the_package() {
     let half = manifest.fur.height_m / 2.0;
     assert!(mesh.geometry().all(|v| v.lean == 0.5 && (v.fur_height - half).abs() < 1e-7));
 
-    // The same with `--set`, whose paths are also relative to the recipe's folder.
+    // The maps can also be set with `--set`, whose paths may be relative to the recipe's folder.
     sandbox.write("recipes/r.toml", recipe.replace("color = \"maps/coat.png\"\n", ""));
     let run = sandbox.run(&[&BAKE[..], &["--set", "groom.color=maps/coat.png"]].concat());
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -87,7 +87,8 @@ fn unreadable_groom_images_are_named_with_recipe_and_key() {
 fn patterns_work_without_texture_coordinates() {
     let sandbox = Sandbox::new();
     let glb = std::fs::read(workspace().join("assets/models/knot.glb")).unwrap();
-    // Renderers ignore the renamed attribute; the length of the JSON is unchanged.
+    // Renderers ignore the renamed attribute. The new name is as long as the old, so that the length of the JSON is
+    // unchanged.
     let at = glb.windows(10).position(|w| w == b"TEXCOORD_0").unwrap();
     let mut stripped = glb.clone();
     stripped[at..at + 10].copy_from_slice(b"_EXCOORD_0");

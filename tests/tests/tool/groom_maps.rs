@@ -1,11 +1,11 @@
-//! Groom maps: written, painted on by a script, and read back, through the real binary.
+//! Tests with the real binary: groom maps that are written, painted on by a script, and read back.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema::parse_success;
 
-/// Returns a folder with the knot; its texture coordinates are renamed, so that it has none.
+/// Returns a folder with the knot. Its texture coordinates are renamed, so that the model has none.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     let mut glb = std::fs::read(workspace().join("assets/models/knot.glb")).unwrap();
@@ -15,7 +15,7 @@ fn sandbox() -> Sandbox {
     sandbox
 }
 
-/// Parses the lines of an OBJ that begin with `word` as numbers.
+/// Parses the numbers in the lines of an OBJ file that begin with `word`.
 fn numbers(obj: &str, word: &str) -> Vec<Vec<f32>> {
     let of =
         |line: &str| line.split_whitespace().skip(1).map(|x| x.split('/').next().unwrap().parse().unwrap()).collect();
@@ -47,7 +47,7 @@ fn spot_painted_on_the_atlas_applies_at_its_position() {
     let extent = places.iter().map(|p| distance(p, &[0.0; 3])).fold(0.0, f32::max);
     let (center, radius) = (places[faces[faces.len() / 3][0] as usize - 1].clone(), extent / 4.0);
 
-    // Paints white around that point: every texel of a triangle whose corners are all within the radius.
+    // Paints white around the point: all texels of triangles whose corners are all within the radius.
     for face in &faces {
         let corners: Vec<usize> = face.iter().map(|v| *v as usize - 1).collect();
         if corners.iter().any(|v| distance(&places[*v], &center) > radius) {
@@ -68,7 +68,7 @@ fn spot_painted_on_the_atlas_applies_at_its_position() {
     }
     map.save(&path).unwrap();
 
-    // The image fits, whatever else the recipe says.
+    // The image must fit, whatever other keys the recipe sets.
     for more in [&[][..], &["--set", "surface.tile_size_m=0.3", "--set", "surface.comb=gravity"]] {
         let bake = ["bake", "m.glb", "-o", "m.pelage", "--set", "slice.layers=4", "--set", "slice.tile_texels=16"];
         let read = ["--set", "groom.length=length.png", "--set", "groom.coordinates=atlas"];
@@ -99,7 +99,7 @@ fn exported_groom_mesh_is_a_valid_model_with_its_map() {
     let run = sandbox.run(&write);
     assert_eq!(run.code, Some(0), "{run:?}");
     assert!(run.stdout.contains("groom.coordinates = \"atlas\""), "{run:?}");
-    // A model with the atlas as its own coordinates uses the map in these.
+    // If the atlas is the model's own texture coordinates, the map is read in these.
     let bake = ["bake", "worn.glb", "-o", "w.pelage", "--set", "groom.comb=comb.png", "--set", "slice.layers=4"];
     let run = sandbox.run(&bake);
     assert_eq!(run.code, Some(0), "{run:?}");

@@ -1,4 +1,4 @@
-//! `pelage herd` through the real binary and Ninja: commands run, skipped, failed and interrupted.
+//! Tests of `pelage herd` with the real binary and Ninja: commands that are run, skipped, failed and interrupted.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
@@ -11,8 +11,8 @@ use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Two models, one in two variants, with pictures, references in parts, comparisons, and a sequence in shares; all
-/// small.
+/// Herd of two small models, one of them in two variants. It has pictures, references in parts, comparisons, and a
+/// sequence in shares.
 const HERD: &str = concat!(
     r#"
 title = "A herd of <three>"
@@ -53,8 +53,8 @@ auto_rotate = true
 "#
 );
 
-/// Number of tasks: three packages with bake, inspection, picture, two traced parts, merge and comparison; and two
-/// shares of a sequence.
+/// Number of tasks. Three packages each have a bake, inspection, picture, two traced parts, merge and comparison; the
+/// sequence has two shares.
 const TASKS: usize = 3 * 7 + 2;
 
 fn sandbox() -> Sandbox {
@@ -72,7 +72,7 @@ fn herd(sandbox: &Sandbox, action: &str, more: &[&str]) -> Run {
     sandbox.run(&[&["herd", action, "herd/herd.toml", "-o", "herd/out", "--json"], more].concat())
 }
 
-/// Runs a herd and asserts the exit code. Returns the report and the number of commands run.
+/// Runs a herd and asserts the exit code. Returns the result, and the number of commands that were run.
 #[track_caller]
 fn run(sandbox: &Sandbox, code: i32, more: &[&str]) -> (Value, u64) {
     let run = herd(sandbox, "run", more);
@@ -82,7 +82,7 @@ fn run(sandbox: &Sandbox, code: i32, more: &[&str]) -> (Value, u64) {
     (said, ran)
 }
 
-/// Returns hashes of all files that a herd has made, except its own.
+/// Returns the hash of each result file of a herd; internal files are omitted.
 fn results(sandbox: &Sandbox, out: &str) -> BTreeMap<String, Vec<u8>> {
     let mut files = Vec::new();
     for folder in ["packages", "pictures", "truths", "differences", "sequences"] {
@@ -96,7 +96,7 @@ fn results(sandbox: &Sandbox, out: &str) -> BTreeMap<String, Vec<u8>> {
 }
 
 fn touch(sandbox: &Sandbox, name: &str) {
-    // Ninja compares modification times, which may be coarse on some file systems.
+    // Ninja compares modification times, which are coarse on some file systems.
     std::thread::sleep(Duration::from_millis(20));
     let file = std::fs::File::options().append(true).open(sandbox.path().join(name)).unwrap();
     file.set_modified(std::time::SystemTime::now()).unwrap();
@@ -126,7 +126,8 @@ fn herd_runs_only_changed_tasks() {
     let page = std::fs::read_to_string(sandbox.path().join("herd/out/report.html")).unwrap();
     assert!(page.contains("<title>A herd of &lt;three&gt;") && page.contains("data:image/jpeg;base64,"));
 
-    // Nothing changed; then a model with the same bytes; then a recipe that does not affect the torus.
+    // Checks what is due after no change, after rewriting a model with the same bytes, and after changing a recipe that
+    // the torus does not use.
     let due = || {
         let plan = schema::parse_answer(&herd(&sandbox, "plan", &["--due"]), "herd");
         plan["tasks"]
@@ -151,7 +152,8 @@ fn herd_runs_only_changed_tasks() {
     let changed: Vec<_> = second.iter().filter(|(name, hash)| first[*name] != **hash).map(|(name, _)| name).collect();
     assert!(changed.len() > 4 && changed.iter().all(|name| name.contains("knot")), "{changed:?}");
 
-    // The same herd in another folder, one command at a time, gives the same bytes; also from a cache.
+    // In another folder, and with one command at a time, the results must have the same bytes, with and without a
+    // cache.
     let elsewhere = |out: &str, cache: &str| {
         let args = ["herd", "run", "herd/herd.toml", "-o", out, "--jobs", "1", "--cache", cache, "--json"];
         let run = sandbox.run(&args);
@@ -166,7 +168,8 @@ fn herd_runs_only_changed_tasks() {
     };
     assert_eq!(elsewhere("alone", "cache"), 0);
     assert_eq!(results(&sandbox, "alone"), second);
-    // Once more without outputs, as on another machine: everything except the inspections comes from the cache.
+    // The run is repeated without outputs, as on another machine. Everything except the inspections must come from the
+    // cache.
     std::fs::remove_dir_all(sandbox.path().join("alone")).unwrap();
     assert_eq!(elsewhere("alone", "cache"), TASKS - 3);
     assert_eq!(results(&sandbox, "alone"), second);
@@ -189,7 +192,7 @@ fn herd_continues_after_failures_and_reports_them() {
     let first = failures[0]["message"].as_str().unwrap();
     assert!(first.contains("animals/broken <one>.glb: byte 0"), "{first}");
     assert!(failures[1]["message"].as_str().unwrap().contains("--max-flip"), "{said}");
-    // Only failed commands are repeated.
+    // Only the failed commands may run again.
     assert_eq!(run(&sandbox, 3, &[]).1, 4);
     std::fs::remove_file(sandbox.path().join("herd/animals/broken <one>.glb")).unwrap();
     let (said, ran) = run(&sandbox, 7, &[]);
@@ -211,7 +214,7 @@ fn killed_herd_resumes_with_identical_results() {
     let expected = results(&whole, "herd/out");
     let sandbox = sandbox();
     for made in [1, 3, 5] {
-        // In its own process group, so that the kill gives the tool, Ninja and the commands no chance to clean up.
+        // The process group is killed, so that the tool, Ninja and the commands have no chance to clean up.
         let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out", "--quiet"]);
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.stdout(std::process::Stdio::null()).spawn().unwrap();
@@ -244,14 +247,14 @@ fn silently_killed_commands_are_reported() {
     let sandbox = sandbox();
     let models_alone = HERD.split("[[view]]").next().unwrap();
     sandbox.write("herd/herd.toml", models_alone);
-    // The system kills a process that writes a file over the limit.
+    // With this limit, the system kills a process that writes a large file.
     sandbox.write("bin/ninja", "#!/bin/sh\nPATH=\"${PATH#*:}\"\nulimit -f 8\nexec ninja \"$@\"\n");
     let shim = sandbox.path().join("bin/ninja");
     std::fs::set_permissions(shim, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
     let without_room = |counts: [u64; 3]| {
         let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out", "--json"]);
         let path = format!("{}/bin:{}", sandbox.path().display(), std::env::var("PATH").unwrap());
-        // User settings for terminal output must not break the parser.
+        // The user's settings for terminal output must not break the parser.
         command.env("PATH", path).env("CLICOLOR_FORCE", "1").env("NINJA_STATUS", "%p ");
         let killed = run_to_end(command);
         assert_eq!(killed.code, Some(2), "{killed:?}");
@@ -264,10 +267,10 @@ fn silently_killed_commands_are_reported() {
         assert!(page.contains("it ended without a"));
     };
     without_room([3, 0, 3]);
-    // Once there is space, the failed commands run again.
+    // When there is space again, the failed commands must run again.
     let (said, ran) = run(&sandbox, 0, &[]);
     assert_eq!((ran, &said["tasks"]["failed"]), (6, &0.into()), "{said}");
-    // Earlier results do not count as current.
+    // Checks that earlier results do not count as current.
     sandbox.write("herd/recipes/knot.toml", "[hair]\nlean = 0.5\n");
     without_room([1, 0, 1]);
     let plan = schema::parse_answer(&herd(&sandbox, "plan", &["--due"]), "herd");
@@ -288,18 +291,18 @@ fn herd_plan_is_a_graph_of_plain_commands() {
         let strings = |key: &str| -> Vec<&str> {
             task[key].as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect()
         };
-        // The inputs of a task exist or are made by an earlier task.
+        // The inputs of each task must exist, or be made by an earlier task.
         for input in strings("inputs") {
             assert!(made.contains(&input) || sandbox.path().join("herd").join(input).is_file(), "{input}");
         }
         made.extend(strings("outputs"));
         assert!(task["expected"]["seconds"].as_f64().unwrap() > 0.0 && strings("command")[0] == "pelage", "{task}");
     }
-    // Settings of layers in a look are not passed to reference pictures.
+    // Look keys for layers must not be passed to reference pictures.
     let words = |kind: &str| tasks.iter().find(|task| task["kind"] == kind).unwrap()["command"].to_string();
     assert!(words("render").contains("--look=fur.layers=3") && !words("part").contains("fur.layers"));
     assert!(words("bake").contains("--cache\",\"../cache") || words("bake").contains("cache"), "{}", words("bake"));
-    // The printed commands work in a shell, from the herd's folder.
+    // The printed commands must work in a shell, in the herd's folder.
     let text = sandbox.run(&["herd", "plan", "herd/herd.toml", "-o", "herd/out"]).stdout;
     let bake = text.lines().find(|line| line.contains("knot.pelage") && line.contains("bake")).unwrap();
     let bake = bake.strip_prefix("pelage ").unwrap();
@@ -384,7 +387,7 @@ fn herd_file_errors_are_reported_before_anything_runs() {
     assert!(run.code == Some(1) && run.stderr.contains("--jobs: it applies to --engine ninja"), "{run:?}");
     let run = sandbox.run(&["herd", "run", "none.toml", "-o", "out"]);
     assert_eq!(run.code, Some(2), "{run:?}");
-    // Without Ninja the error says how to install it.
+    // Without Ninja, the error must say how to install it.
     let mut command = sandbox.command(&["herd", "run", "herd/herd.toml", "-o", "herd/out"]);
     let run = run_to_end({
         command.env("PATH", sandbox.path());

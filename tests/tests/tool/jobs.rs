@@ -1,4 +1,4 @@
-//! Options for build systems, common to all commands: depfiles, records, caches, parts; through the real binary.
+//! Tests with the real binary: options for build systems, which all commands have: depfiles, records, caches, parts.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -7,11 +7,11 @@ use pelage_tests::schema;
 use serde_json::Value;
 use std::time::{Duration, SystemTime};
 
-/// Settings of a fast bake.
+/// Bake settings for a fast bake.
 const SMALL: [&str; 6] =
     ["--set", "slice.tile_texels=32", "--set", "slice.layers=4", "--set", "pack.shell_format=rgba8"];
 
-/// Returns a folder with a model that has an external buffer and image, and a recipe with a map.
+/// Returns a folder with a model that has an external buffer and image, and with a recipe that names a map.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.path().join("out")).unwrap();
@@ -84,9 +84,9 @@ fn depfile_names_every_file_read() {
         "  models/skin\\ \\#1.png"
     );
     assert_eq!(rule.trim_end(), expected);
-    // A deleted file must not be an error in Make.
+    // With an empty rule, a deleted file is not an error in Make.
     assert!(text.contains("\nrecipes/length.png:\n"), "{text}");
-    // Without an output the target of the rule is the record, or the depfile itself.
+    // Without an output, the target of the rule is the record, or else the depfile itself.
     for (more, target) in [(&["--record", "out/i.json"][..], "out/i.json"), (&[], "out/i.d")] {
         let run = sandbox.run(&[&["inspect", "out/m.pelage", "--depfile", "out/i.d"], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
@@ -125,7 +125,7 @@ fn record_states_the_outcome_of_a_command() {
     let failed = record(&sandbox, "out/m.json");
     assert_eq!(failed["exit_code"], 3);
     assert!(failed["error"].as_str().unwrap().contains("models/m.gltf"), "{failed}");
-    // A record is also written for an invalid command line, wherever the option is.
+    // A record must also be written for an invalid command line, wherever its option is.
     for args in [["--record", "out/r.json", "--odd"], ["--odd", "--record=out/r.json", "--quiet"]] {
         let run = bake(&sandbox, &args);
         assert_eq!(run.code, Some(1), "{run:?}");
@@ -154,8 +154,8 @@ fn cached_results_are_reused() {
     assert!(!cached);
     let (cached, again) = bake("other", &["--threads", "1"]);
     assert!(cached && again == first, "threads and folders change nothing");
-    // A different argument, image of the model or map of the recipe gives a different package. Restored inputs give the
-    // earlier package.
+    // A changed argument, image of the model or map of the recipe must give another package. If the inputs are
+    // restored, the earlier package must be restored too.
     assert!(!bake("out", &["--set", "hair.lean=0.2"]).0);
     for (file, grey) in [("models/skin #1.png", 200), ("recipes/length.png", 100)] {
         sandbox.write(file, png(50));
@@ -165,7 +165,7 @@ fn cached_results_are_reused() {
         let (cached, again) = bake("out", &[]);
         assert!(cached && again == first, "{file}");
     }
-    // Damaged entries are made again, and the depfile is also restored from the cache.
+    // Damaged cache entries must be made again. On a cache hit, the depfile must be written as well.
     let mut files = Vec::new();
     pelage_tests::binary::walk(&sandbox.path().join("cache/v1/files"), &mut files);
     files.iter().for_each(|file| std::fs::write(file, "damaged").unwrap());
@@ -220,7 +220,7 @@ fn pictures_and_comparisons_are_cached() {
         [false, true, false]
     );
     assert_eq!(sandbox.read("out/01.png"), sandbox.read("other/01.png"));
-    // Ranges give the same pictures as the whole sequence.
+    // Ranges must give the same pictures as the whole sequence.
     assert!(!sequence("out", "4"));
     for picture in ["00.png", "01.png", "02.png", "03.png"] {
         let (whole, range) = (sandbox.read(&format!("out/{picture}")), sandbox.read(&format!("other/{picture}")));

@@ -1,12 +1,12 @@
-//! Error measure of a bake with limits, compared with pairs of pictures ranked by a person.
+//! Tests of the error measure of a bake with limits against pairs of pictures that a person has ranked.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::likeness::{FUR_PX, folder, likeness, pairs};
 
-/// Checks that every pair is ranked as by a person, by a margin above the noise of the reference picture. Mean FLIP
-/// alone must fail.
+/// Checks that the error ranks every pair as a person does, by a margin above the noise of the reference picture. Mean
+/// FLIP alone must fail.
 #[test]
 fn likeness_ranks_pairs_as_people_do() {
     let (mut flip_fails, mut wrong) = (0, Vec::new());
@@ -26,8 +26,8 @@ fn likeness_ranks_pairs_as_people_do() {
     assert!(flip_fails >= 10, "mean FLIP alone ranks all but {flip_fails}: the pairs ask for nothing");
 }
 
-/// Checks a freshly drawn pair: long hair in four coarse layers, which mean FLIP accepted, and the usual layers with
-/// fins.
+/// Checks a pair that is drawn by the test: long hair in four coarse layers, which mean FLIP accepted, and the usual
+/// layers with fins.
 #[test]
 fn ghost_outlines_score_worse_than_hair() {
     if gpu("ghost_outlines_score_worse_than_hair").is_none() {

@@ -1,5 +1,5 @@
-//! `pelage bake` with limits, and `pelage chart shells`, through the real binary; the chosen package is measured again
-//! independently.
+//! Tests of `pelage bake` with limits and of `pelage chart shells`, with the real binary. The chosen package is
+//! measured again independently.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -8,8 +8,8 @@ use pelage_tests::likeness::likeness;
 use pelage_tests::schema;
 use serde_json::Value;
 
-/// Small pictures and plain texels: the same measurements, but faster. Ink textures are unaffected by limits and would
-/// outweigh everything that can be chosen.
+/// Bake settings for fast measurements: small pictures and uncompressed texels. Ink textures are disabled: limits do
+/// not affect them, and their size would dominate that of the package.
 const SMALL: [&str; 6] = [
     "judge.width=120",
     "judge.height=72",
@@ -19,7 +19,7 @@ const SMALL: [&str; 6] = [
     "ink.enabled=false",
 ];
 
-/// Runs `pelage bake` on the built-in torus with more arguments.
+/// Runs `pelage bake` on the built-in torus with additional arguments.
 fn bake(sandbox: &Sandbox, more: &[&str]) -> Run {
     let path = |name: &str| workspace().join(name).display().to_string();
     let (model, recipe) = (path("assets/models/torus.glb"), path("assets/recipes/torus.toml"));
@@ -33,11 +33,11 @@ fn file_size(sandbox: &Sandbox, name: &str) -> u64 {
     std::fs::metadata(sandbox.path().join(name)).unwrap().len()
 }
 
-/// Returns the fragments of a frame of the baked package, as counted by `pelage doctor`.
+/// Returns the number of fragments in a frame of the baked package, from `pelage doctor`.
 fn fragments(sandbox: &Sandbox) -> f64 {
     let found =
         schema::parse_success(&sandbox.run(&["doctor", "torus.pelage", "--size", "120x72", "--json"]), "doctor");
-    // Passes that do not draw into the picture have none.
+    // Passes that do not draw into the picture have no fragments.
     let fragments: f64 = found["passes"].as_array().unwrap().iter().filter_map(|pass| pass["fragments"].as_f64()).sum();
     assert!(fragments > 0.0, "{found}");
     fragments
@@ -49,7 +49,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
         return;
     }
     let sandbox = Sandbox::new();
-    // Error of the recipe's own settings; a limit a tenth higher leaves room for savings.
+    // The limit is a tenth above the error of the recipe's own settings, which leaves room for savings.
     let trial = schema::parse_success(&bake(&sandbox, &["--max-error", "1", "--json"]), "bake");
     let own = &trial["choice"]["trials"][0];
     let limit = 1.1 * own["error"].as_f64().unwrap();
@@ -57,7 +57,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
     let choice = &object["choice"];
     let chosen = &choice["trials"][choice["chosen"].as_u64().unwrap() as usize];
     assert!(chosen["error"].as_f64().unwrap() <= limit, "{choice}");
-    // The cost is counted, not timed; the search itself is tested with deterministic judges (`judge/decide`).
+    // The cost is counted instead of timed. The search itself is tested with deterministic judges (`judge/decide`).
     let plain = Sandbox::new();
     assert_eq!(bake(&plain, &["-q"]).code, Some(0));
     let (fragments_chosen, fragments_own) = (fragments(&sandbox), fragments(&plain));
@@ -66,7 +66,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
     assert!(choice["trials"].as_array().unwrap().len() > 2, "{choice}");
     assert_eq!(choice["views"].as_array().unwrap().len(), 2);
 
-    // The package contains the same evidence, and the chosen settings.
+    // The package must contain the same evidence, and the chosen settings.
     assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
     let manifest: Value =
         serde_json::from_slice(&std::fs::read(sandbox.path().join("folder/manifest.json")).unwrap()).unwrap();
@@ -78,7 +78,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
         assert!(recipe.lines().any(|l| l == line), "{line} in {recipe}");
     }
 
-    // Drawn, traced and compared by the other subcommands, from the views in the evidence.
+    // The other subcommands draw, trace and compare the views in the evidence.
     let (mut errors, mut flips) = (Vec::new(), Vec::new());
     for view in choice["views"].as_array().unwrap() {
         let words: Vec<&str> = view.as_str().unwrap().split(' ').collect();
@@ -92,7 +92,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
         let compared = schema::parse_success(&sandbox.run(&["compare", "drawn.png", "true.png", "--json"]), "compare");
         flips.push(compared["flip"]["mean"].as_f64().unwrap());
         let picture = |name: &str| sandbox.path().join(name);
-        // The fur of the torus is less than twenty pixels high.
+        // The fur of the torus is less than 20 pixels high.
         errors.push(likeness(&picture("drawn.png"), &picture("true.png"), 20.0).error);
     }
     let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
@@ -116,14 +116,14 @@ fn cost_limits_are_met() {
     assert_eq!(object["bytes"], file_size(&sandbox, "torus.pelage"));
     let choice = &object["choice"];
     assert_eq!(choice["binding"], "max_bytes", "{choice}");
-    // The most accurate of the trials within the limit.
+    // The chosen trial must be the most accurate within the limit.
     let trials = choice["trials"].as_array().unwrap();
     let chosen = &trials[choice["chosen"].as_u64().unwrap() as usize];
     let error = |trial: &Value| trial["error"].as_f64().unwrap();
     let within = trials.iter().filter(|t| t["bytes"].as_u64().unwrap() <= limit);
-    // Errors within one per cent are a tie, won by the smaller package.
+    // Errors that differ by at most 1 % are a tie, which the smaller package wins.
     assert!(within.clone().count() > 0 && within.clone().all(|t| 1.01 * error(t) >= error(chosen)), "{choice}");
-    // The next better trial costs more, and the next cheaper one has a larger error.
+    // The next better trial must cost more, and the next cheaper one must have a larger error.
     let ms = |trial: &Value| trial["frame_ms"].as_f64().unwrap();
     if let Some(better) = choice["next_better"].as_u64().map(|i| &trials[i as usize]) {
         assert!(error(better) < error(chosen) && ms(better) >= ms(chosen), "{choice}");
@@ -131,8 +131,8 @@ fn cost_limits_are_met() {
     if let Some(cheaper) = choice["next_cheaper"].as_u64().map(|i| &trials[i as usize]) {
         assert!(ms(cheaper) < ms(chosen) && error(cheaper) >= error(chosen), "{choice}");
     }
-    // Each trial has the parts of its error. The chosen one was timed alternately with others, and its time is within
-    // the quartiles.
+    // Each trial lists the components of its error. The chosen trial was timed alternately with others, and its time
+    // must be within the quartiles.
     let judged = object["judged"].as_array().unwrap();
     assert_eq!(judged.len(), trials.len());
     for (parts, trial) in judged.iter().zip(trials) {
@@ -143,7 +143,7 @@ fn cost_limits_are_met() {
     let spread = &judged[choice["chosen"].as_u64().unwrap() as usize]["frame_ms_quartiles"];
     let [low, high] = [0, 1].map(|i| spread[i].as_f64().unwrap());
     assert!(low < high && (low..=high).contains(&ms(chosen)), "{spread}, {chosen}");
-    // The text output says the same.
+    // The text output must contain the same result.
     let run = bake(&sandbox, &["--max-bytes", &bytes]);
     for word in [
         "chosen:",
@@ -208,13 +208,13 @@ fn shells_chart_is_written() {
             assert!(row[column].as_f64().unwrap() > 0.0, "{column}: {row}");
         }
     }
-    // A package contains everything needed to slice it again.
+    // The package must contain everything needed to slice it again.
     assert_eq!(bake(&sandbox, &["-q"]).code, Some(0));
     let run = sandbox.run(&["chart", "shells", "torus.pelage", "-o", "again", "--rows", "1,2", "--json"]);
     let own = schema::parse_success(&run, "chart");
     assert_eq!(own["rows"][0]["fins.enabled"], "false");
     assert!(own["rows"][0]["flip"].as_f64() > own["rows"][0]["coverage_error"].as_f64(), "{own}");
-    // More layers cost more, and the chart is drawn.
+    // More layers must cost more, and the chart must be drawn.
     assert!(rows[2]["slice.layers"].as_f64() > rows[0]["slice.layers"].as_f64(), "{rows:?}");
     assert!(rows[2]["package_bytes"].as_f64() != rows[0]["package_bytes"].as_f64());
     assert!(std::fs::read_to_string(sandbox.path().join("out/shells.svg")).unwrap().contains("<svg"));

@@ -1,6 +1,6 @@
-//! The `pelage` command as users run it: fresh folders, real arguments, exit codes, resulting files.
+//! Tests of the `pelage` command as users run it: fresh folders, real arguments, exit codes, resulting files.
 
-/// Random numbers and packages shared with the formats' own tests.
+/// Random numbers and packages, shared with the tests of the formats crate.
 #[path = "../../../formats/tests/formats/common/mod.rs"]
 mod common;
 

@@ -1,5 +1,5 @@
-//! `bake`, `render` and `bench` through the real binary: bad models and recipes, the whole corpus of hard glTF files,
-//! missing adapters.
+//! Tests of `bake`, `render` and `bench` with the real binary: bad models and recipes, all difficult glTF files of the
+//! test data, missing adapters.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;
@@ -11,14 +11,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Smallest possible bake; these tests do not depend on texture sizes.
+/// Bake settings for the smallest package; these tests do not depend on texture sizes.
 const SMALL: [&str; 6] = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4", "--set", "hair.density=20"];
 
 fn bake(sandbox: &Sandbox, model: &str, more: &[&str]) -> Run {
     sandbox.run(&[&["bake", model, "-o", "out.pelage"][..], &SMALL, more].concat())
 }
 
-/// Runs the binary, and asserts the exit code, words of stderr, and an unchanged list of files.
+/// Runs the binary. Asserts the exit code, that stderr contains `words`, and that the list of files is unchanged.
 #[track_caller]
 fn assert_refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
     let before = sandbox.files();
@@ -31,7 +31,7 @@ fn assert_refused(sandbox: &Sandbox, args: &[&str], code: i32, words: &[&str]) {
     assert_eq!(sandbox.files(), before, "{args:?} left something behind");
 }
 
-/// Returns a triangle without normals but with texture coordinates, whose data is in `triangle.bin`.
+/// Returns a triangle with texture coordinates and without normals, whose data is in `triangle.bin`.
 fn triangle() -> Value {
     json!({
         "asset": { "version": "2.0" },
@@ -65,7 +65,7 @@ fn glb(version: u32, length: u32) -> Vec<u8> {
 
 #[test]
 fn valid_triangle_bakes() {
-    // Valid input, from which each bad one below differs in a single item.
+    // This input is valid. Each bad input below differs from it in one item.
     let sandbox = Sandbox::new();
     sandbox.write("a.gltf", triangle().to_string());
     sandbox.write("triangle.bin", triangle_bin());
@@ -219,7 +219,7 @@ fn bad_render_and_bench_requests_are_refused() {
     ] {
         assert_refused(&sandbox, args, code, words);
     }
-    // An empty driver list simulates a machine without a driver.
+    // An empty driver list simulates a machine without a graphics driver.
     for args in [&["render", "out.pelage", "-o", "a.png"][..], &["bench", "out.pelage"], &["demo", "-o", "pictures"]] {
         let before = sandbox.files();
         let mut command = sandbox.command(args);
@@ -255,7 +255,7 @@ fn bad_render_and_bench_requests_are_refused() {
     let passes = ["ink_normals", "ink_features", "ink_trace", "ink_dilate", "ink_stroke", "ink_composite", "ink_fur"]
         .map(Value::from);
     assert_eq!(ran(&object), passes, "{object}");
-    // No recipe says that this model is furred, so it has no strokes of fur.
+    // No recipe says that the model is furred, so it has no fur strokes.
     let small = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4"];
     let run = sandbox.run(&[&["bake", "good.glb", "-o", "stone.pelage"][..], &small].concat());
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -267,14 +267,14 @@ fn bad_render_and_bench_requests_are_refused() {
     };
     let (small, large) = (bench("48x32"), bench("96x64"));
     let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
-    // The bench poses the model in every frame, and fur motion follows the posed surface.
+    // The benchmark poses the model in every frame, and fur motion follows the posed surface.
     assert_eq!(names, [&["pose", "fur_motion"].map(Value::from)[..], &passes].concat());
     let bytes = |object: &Value| object["gpu_bytes"].as_u64().unwrap();
-    // Bytes per pixel: normals, surface, features, line features, rows, strokes, depth.
+    // The sum lists the bytes per pixel of normals, surface, features, line features, rows, strokes and depth.
     assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 4 + 4 + 4 + 4 + 4));
 }
 
-/// Bakes all models in one sandbox on several threads; each must leave a complete package or nothing.
+/// Bakes all models in one sandbox on several threads. Each bake must leave a complete package or nothing.
 fn bake_all(models: &[PathBuf], more: &[&str]) -> BTreeMap<PathBuf, Run> {
     let (next, results) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
     std::thread::scope(|scope| {
@@ -306,7 +306,7 @@ fn hard_gltf_files_never_crash_the_tool() {
     for folder in ["hard-gltf", "gltf-validator", "gltf-asset-generator"] {
         walk(&data.join("meshes").join(folder), &mut models);
     }
-    // Files that are not models (buffers, images, notes) are bad input too and are baked like the rest.
+    // Other files of the folder (buffers, images, notes) are bad input, and are baked as well.
     assert!(models.len() > 150, "only {} files found", models.len());
     let results = bake_all(&models, &["--set", "ink.enabled=false", "--set", "slice.layers=4"]);
     let mut wrong = Vec::new();
@@ -323,11 +323,11 @@ fn hard_gltf_files_never_crash_the_tool() {
     }
     println!("exit codes: {counts:?}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // Much of the corpus has no triangles or is broken on purpose, and must be rejected.
+    // Many files of the test data have no triangles or are broken on purpose, and must be rejected.
     assert!(counts.get(&Some(0)).is_some_and(|n| *n >= 8), "the good models must bake: {counts:?}");
 }
 
-/// OBJ files that must be rejected, with the reason; all others can be baked.
+/// OBJ files that must be rejected, and part of the reason. All others can be baked.
 const REFUSED_OBJ: &[(&str, &str)] = &[
     ("assimp_malformed", "line 28: `f` has `0`"),
     ("assimp_number_formats", "line 11: `v` has `3.1+e2`, expected a number"),
@@ -347,8 +347,8 @@ fn every_obj_file_bakes_or_is_refused() {
     }
     models.retain(|m| m.extension().is_some_and(|e| e == "obj"));
     assert!(models.len() >= 46, "only {} files found", models.len());
-    // Without ink textures, which do not depend on the model and take two seconds each, and without shadows of the body
-    // on itself.
+    // Ink textures are disabled: they do not depend on the model and take two seconds each. Shadows of the body on
+    // itself are disabled too.
     for (model, run) in bake_all(&models, &["--set", "ink.enabled=false", "--set", "visibility.enabled=false"]) {
         let name = model.file_stem().unwrap().to_str().unwrap();
         match REFUSED_OBJ.iter().find(|(file, _)| *file == name) {
@@ -374,7 +374,7 @@ fn obj_with_materials_bakes() {
     let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
         usemtl coat\nf 1/1 2/2 3/3 4/4\n";
     sandbox.write("a.obj", text);
-    // The contents determine the format, not the name.
+    // The contents of a file determine its format, whatever its name is.
     sandbox.write("a.gltf", text);
     let object = schema::parse_success(&bake(&sandbox, "a.obj", &["--json"]), "bake");
     assert_eq!(object["warnings"], json!([]));

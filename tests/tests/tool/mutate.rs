@@ -1,10 +1,10 @@
-//! Subset of the mutation run, so that the chore keeps working. `cargo run --release -p pelage-tests --bin chores --
-//! mutate` runs all of it.
+//! Runs a small part of the mutation run, so that the chore keeps working. The whole run is `cargo run --release -p
+//! pelage-tests --bin chores -- mutate`.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::mutate::{KINDS, Plan, run};
 
-/// Cases of each kind, in the order of [`KINDS`]; those that bake take longer.
+/// Number of cases of each kind, in the order of [`KINDS`]. Kinds that bake take longer.
 const CASES: [u64; KINDS.len()] = [40, 28, 12, 8, 8, 8, 8];
 
 #[test]
@@ -14,7 +14,7 @@ fn short_mutation_run_finds_no_fault() {
     let text = report.text(7);
     println!("{text}");
     assert_eq!(report.faulty(), 0, "{text}");
-    // Both rejected and successful cases must occur, else the cases test nothing.
+    // Both successful and rejected cases must occur, or else the cases test nothing.
     for word in ["unpack 0", "unpack 3", "pack 0", "pack 3", "bake 0", "bake 3", "validate 0", "validate 7"] {
         let count: u64 = report.tallies.iter().filter_map(|tally| tally.exits.get(word)).sum();
         assert!(count > 0, "no {word}: {text}");

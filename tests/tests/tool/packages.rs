@@ -1,4 +1,4 @@
-//! `inspect`, `validate`, `unpack` and `pack` through the real binary.
+//! Tests of `inspect`, `validate`, `unpack` and `pack` with the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::tool::common::random::Random;
@@ -45,10 +45,14 @@ fn inspect_prints_package_contents() {
     for word in ["4 triangles", "bc5-rg-unorm", "breathe", "XTRA", "angle_distortion", "3 triangles without area"] {
         assert!(text.stdout.contains(word), "{word}: {}", text.stdout);
     }
-    // Only in version 3.
-    for words in
-        ["0.75 of the height", "1 layer in 2, 50 % of the fins", "the coat alone", "max_error binds", "next cheaper"]
-    {
+    // Only packages of version 3 have this data.
+    for words in [
+        "0.75 of the height",
+        "1 layer in 2, 50 % of the fins",
+        "the far layer alone",
+        "max_error binds",
+        "next cheaper",
+    ] {
         assert!(text.stdout.contains(words), "{words}: {}", text.stdout);
     }
 }
@@ -58,7 +62,7 @@ fn validate_lists_each_fault_with_its_position() {
     let sandbox = sandbox();
     let run = sandbox.run(&["validate", "a.pelage", "--json"]);
     let object = schema::parse_answer(&run, "validate");
-    // The sample's recipe contains an unknown key, the only fault in it that only the tool can detect.
+    // The sample's recipe has an unknown key. This is the only fault of the sample, and only the tool can detect it.
     assert_eq!((run.code, object["valid"].as_bool()), (Some(7), Some(false)), "{run:?}");
     let message = object["faults"][0]["message"].to_string();
     assert!(object["faults"].as_array().unwrap().len() == 1 && message.contains("strands"), "{object}");
@@ -76,7 +80,7 @@ fn validate_lists_each_fault_with_its_position() {
     let run = sandbox.run(&["validate", "sound.pelage", "--json"]);
     assert_eq!((run.code, schema::parse_answer(&run, "validate")["valid"].as_bool()), (Some(0), Some(true)), "{run:?}");
 
-    // Two damaged sections are two faults.
+    // Two damaged sections must give two faults.
     let mut damaged = sound.clone();
     for section in [&sections[2], &sections[4]] {
         damaged[(section.offset + section.length) as usize - 1] ^= 1;
@@ -94,7 +98,7 @@ fn validate_lists_each_fault_with_its_position() {
     assert!(text.stdout.contains(&format!("section KTX2, byte {}", sections[4].offset)), "{}", text.stdout);
 }
 
-/// Unpacks, packs, compares; returns the file names of the folder.
+/// Unpacks and packs a package, and asserts that the bytes are the same. Returns the file names of the folder.
 #[track_caller]
 fn assert_round_trip(sandbox: &Sandbox, package: &[u8]) -> Vec<String> {
     sandbox.write("in.pelage", package);
@@ -131,7 +135,7 @@ fn pack_reverses_unpack() {
     ];
     assert_eq!(files, expected);
     assert_round_trip(&sandbox, &PackageWriter::new(Manifest::default()).finish().unwrap());
-    // A package of an older version keeps its version.
+    // A package of an older version must keep its version.
     for version in 1..=FORMAT_VERSION {
         let golden = workspace().join(format!("formats/tests/golden/v{version}.pelage"));
         assert_round_trip(&sandbox, &std::fs::read(golden).unwrap());
@@ -155,7 +159,10 @@ fn inspect_prints_ink() {
     assert_eq!(ink["stroke_texture"], expected.stroke_texture);
     assert_eq!(ink["shading"]["wash_speed"].as_f64().unwrap() as f32, expected.shading.wash_speed);
     let text = sandbox.run(&["inspect", "ink.pelage"]).stdout;
-    let range = format!("wash from {:.2}, fading by {:.2}", expected.shading.wash_range, expected.shading.wash_speed);
+    let range = format!(
+        "wash: grey {:.2} at the centre, slope {:.2}",
+        expected.shading.wash_range, expected.shading.wash_speed
+    );
     assert!(text.contains(&range), "{text}");
 }
 
@@ -181,7 +188,7 @@ fn pack_reverses_unpack_for_generated_packages() {
     }
 }
 
-/// Returns any finite number, of any magnitude and sign.
+/// Returns a finite number of random magnitude and sign.
 fn float(random: &mut Random) -> f32 {
     loop {
         let value = f32::from_bits(random.next_u64() as u32);
@@ -191,7 +198,7 @@ fn float(random: &mut Random) -> f32 {
     }
 }
 
-/// Returns a package of random sizes and numbers, with or without each optional part.
+/// Returns a package with random sizes and numbers, in which each optional section may be missing.
 fn random_package(random: &mut Random) -> Vec<u8> {
     let vertices = random.below(40);
     let triangles = if vertices == 0 { 0 } else { random.below(60) };
@@ -271,7 +278,7 @@ fn random_package(random: &mut Random) -> Vec<u8> {
 fn the_unpacked_mesh_opens_as_gltf() {
     let sandbox = sandbox();
     assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder"]).code, Some(0));
-    // Our own importer shares no code with the writer.
+    // The importer shares no code with the writer, so it is an independent check.
     let options = pelage_import::ImportOptions::default();
     let model = pelage_bake::io::read_model(
         &sandbox.path().join("folder/mesh.glb"),
@@ -306,7 +313,8 @@ fn a_broken_pipe_is_success() {
     let sandbox = sandbox();
     let mut child =
         sandbox.command(&["inspect", "a.pelage"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // Closed before the first byte is written; a slower close only takes a different code path.
+    // The pipe is usually closed before the first byte is written. If closing takes longer, another code path is
+    // tested.
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{output:?}");

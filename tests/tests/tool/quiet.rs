@@ -1,4 +1,4 @@
-//! Output of commands with `--quiet`, in an environment where the graphics driver would complain.
+//! Tests of commands with `--quiet`, in an environment where the graphics driver would print complaints.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, run_to_end, workspace};

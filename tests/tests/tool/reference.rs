@@ -1,11 +1,11 @@
-//! `reference` and `export` through the real binary: a package's strands, traced and exported to other programs; no
-//! adapter is needed.
+//! Tests of `reference` and `export` with the real binary: strands of a package, traced and exported to other programs.
+//! No adapter is needed.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;
 
-/// Returns a folder with the built-in torus as `torus.pelage`, without ink, which does not affect strands.
+/// Returns a folder with the built-in torus as `torus.pelage`. It has no ink, which does not affect strands.
 fn torus(settings: &[&str]) -> Sandbox {
     let sandbox = Sandbox::new();
     let model = workspace().join("assets/models/torus.glb");
@@ -137,7 +137,7 @@ fn reference_option_errors_are_reported() {
         let run = sandbox.run(&[&["reference", "torus.pelage"], more].concat());
         assert!(run.code == Some(1) && run.stderr.contains(word), "{more:?}: {run:?}");
     }
-    // A package with a changed recipe would grow strands that do not match its slices.
+    // With a changed recipe, the grown strands would not match the slices of the package.
     assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
     let recipe = std::fs::read_to_string(sandbox.path().join("folder/recipe.toml")).unwrap();
     let wrong: Vec<String> =

@@ -1,11 +1,11 @@
-//! Hair that leans over differently coloured surface keeps the colour of its root, through the real binary.
+//! Tests with the real binary that hair keeps the colour of its root where it leans over surface of another colour.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::Sandbox;
 use pelage_tests::gpu::gpu;
 
-/// Writes a plane of one by two metres, blue behind and red in front; hair leans over it from the front.
+/// Writes a plane of one by two metres, which is blue behind and red in front. Hair leans from the front over the back.
 fn write_plane(sandbox: &Sandbox) {
     sandbox.write("plane.mtl", "newmtl behind\nKd 0.1 0.1 0.8\nnewmtl front\nKd 0.8 0.1 0.1\n");
     let mut obj = String::from("mtllib plane.mtl\n");
@@ -36,7 +36,7 @@ fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) {
     done(sandbox, &["validate", package]);
 }
 
-/// Returns the share of red among the pixels of hair, in the middle of a picture from above.
+/// Returns the share of red among hair pixels in the middle of a picture from above.
 fn red_share(sandbox: &Sandbox, picture: &str) -> f64 {
     let pixels = image::open(sandbox.path().join(picture)).unwrap().to_rgb8();
     let middle = || pixels.enumerate_pixels().filter(|(x, y, _)| (40..60).contains(x) && (50..100).contains(y));
@@ -69,7 +69,7 @@ fn hair_at_a_border_has_its_roots_colour() {
     let [root, below] = ["root", "below"].map(|package| share(package, "shells"));
     println!("red: true {truth:.3}, by the root {root:.3}, by the skin below {below:.3}");
     assert!(truth - below > 0.05 && (truth - root).abs() < 0.3 * (truth - below), "{truth}, {root} and {below}");
-    // Single strands always had the colour of their root; their roots are unchanged.
+    // Individual strands always have the colour of their root, and their roots are the same.
     let [strands, before] = ["root", "below"].map(|package| share(package, "strands"));
     assert!((strands - before).abs() < 0.005 && (strands - truth).abs() < 0.03, "{strands}, {before} and {truth}");
 }
@@ -85,7 +85,7 @@ fn uniform_colours_need_no_root_texture() {
         let bytes = std::fs::read(sandbox.path().join("out")).unwrap();
         let package = Package::open(&bytes, &Limits::default()).unwrap();
         assert_eq!(package.roots().unwrap(), None);
-        // The manifest holds the recipe, which contains the setting itself.
+        // The manifest is excluded, because the recipe in it contains the setting itself.
         let all = (1..package.sections().len()).map(|i| package.section_bytes(i).unwrap().to_vec());
         all.collect::<Vec<_>>()
     };

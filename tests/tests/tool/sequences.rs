@@ -1,4 +1,4 @@
-//! Scene files, numbered pictures and videos of `pelage render`, through the real binary.
+//! Tests of scene files, numbered pictures and videos of `pelage render`, with the real binary.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_tests::binary::{Run, Sandbox, walk, workspace};
@@ -9,7 +9,7 @@ use std::io::Read as _;
 use std::process::Stdio;
 use std::time::Duration;
 
-/// Small settings, and formats without an encoder.
+/// Bake settings for small textures, in formats that need no encoder.
 const SMALL: [&str; 12] = [
     "--set",
     "slice.tile_texels=32",
@@ -42,7 +42,7 @@ fn rendered(sandbox: &Sandbox, args: &[&str]) -> (Value, Run) {
     (schema::parse_answer(&run, "render"), run)
 }
 
-/// Draws with the given arguments and returns the bytes of the picture.
+/// Runs `render` with the given arguments, and returns the bytes of the picture.
 #[track_caller]
 fn picture(sandbox: &Sandbox, args: &[&str]) -> Vec<u8> {
     rendered(sandbox, &[args, &["-o", "picture.png"]].concat());
@@ -61,7 +61,7 @@ fn blend_option_interpolates_between_clips() {
     assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:0"]) == breath, "nothing of it");
     assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:1"]) == walk, "all of it");
     assert!(drawn(&["--blend", "Walk:0"]) == rest && drawn(&["--blend", "Walk:1"]) == walk, "from rest");
-    // The reference picture has the same pose as the drawn one.
+    // The reference picture must have the same pose as the rendered one.
     let traced = |more: &[&str]| {
         let run = sandbox.run(&[&["reference", "-o", "true.png", "--samples", "1"], &seen[..], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
@@ -107,7 +107,7 @@ fn single_model_scene_equals_rendering_its_package() {
         (format!("{words}{clip}start_s = 0.5\n"), &[], [&moving[..], &["--time", "0.5"]].concat()),
         (format!("{words}{clip}speed = 2\n"), &["--time", "0.5"], [&moving[..], &["--time", "1"]].concat()),
         (format!("{words}{clip}loop = false\n"), &["--time", "99"], [&moving[..], &["--time", "2"]].concat()),
-        // Command-line options have priority.
+        // Checks that command-line options have priority.
         (
             format!(
                 "[view]\nsize = \"7x7\"\nstyle = \"bare\"\nbackground = \"1,2,3\"\nself_shadow = false\n{camera}{model}"
@@ -134,7 +134,7 @@ fn single_model_scene_equals_rendering_its_package() {
         assert!(of_scene == picture(&sandbox, &arguments), "{scene}, {more:?} is not {arguments:?}");
         drawn.push(of_scene);
     }
-    // A look from a pipe, which can be read only once, also works.
+    // A look may come from a pipe, which can be read only once.
     #[cfg(unix)]
     {
         use std::io::Write as _;
@@ -144,8 +144,8 @@ fn single_model_scene_equals_rendering_its_package() {
         assert!(child.wait().unwrap().success());
         assert!(sandbox.read("piped.png") == drawn[0], "a look from a pipe");
     }
-    // All of the settings above have an effect. At its end the clip returns to the rest pose; its camera frames the
-    // whole clip.
+    // All of the settings above must have an effect. At its end, the clip returns to the rest pose; the default camera
+    // frames the whole clip.
     drawn.sort();
     drawn.dedup();
     assert_eq!(drawn.len(), 8);
@@ -167,7 +167,8 @@ fn models_and_camera_follow_their_paths() {
     };
     let (at_origin, first) = scene("eye = [0, 0.3, 2], target = [0, 0.2, 0]", "");
     assert!(at_origin > 300.0);
-    // Halfway between two positions, with the camera moved equally: the same picture, except for rounding at edges.
+    // The model is halfway between two positions, and the camera is moved by the same amount. The picture must be the
+    // same, except for rounding at edges.
     let path = "path = [{ time_s = 0, position = [4, 1, 0], heading_deg = 0 }, \
                 { time_s = 2, position = [6, 1, 0], heading_deg = 0 }]";
     let (moved, second) = scene("eye = [5, 1.3, 2], target = [5, 1.2, 0]", path);
@@ -175,8 +176,8 @@ fn models_and_camera_follow_their_paths() {
     let differ =
         first.pixels().zip(second.pixels()).filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 24));
     assert!(differ.count() < 96 * 96 / 50);
-    // Seen from the side, it walks along the picture. A hare that walks along +x, seen along +x, shows the same as one
-    // at rest seen from its front.
+    // Seen from the side, the model moves along the picture. A hare that walks along +x, viewed along +x, must look
+    // like a hare at rest viewed from its front.
     let way = "path = [{ time_s = 0, position = [-1, 0, 0] }, { time_s = 2, position = [1, 0, 0] }]";
     let (front, _) = scene("eye = [2, 0.3, 0], target = [0, 0.2, 0]", way);
     assert!((front / at_origin - 1.0).abs() < 0.02, "{at_origin} and {front} pixels");
@@ -201,15 +202,15 @@ fn scene_packages_are_loaded_once_and_drawn_together() {
     assert_eq!(value["scene"]["models"], serde_json::json!(["left", "right", "torus"]));
     assert_eq!(value["scene"]["packages"], serde_json::json!(["hare.pelage", "torus.pelage"]));
     assert_eq!(value["detail"].as_array().unwrap().len(), 3);
-    // A plain name gives one picture, whatever the file says about sequences; numbered names give the number in the
-    // file.
+    // A plain name gives one picture, whatever the sequence of the scene file is. Numbered names give as many pictures
+    // as the file says.
     assert_eq!((&value["frames"], value["output"].as_str()), (&1.into(), Some("a.png")));
     let (value, _) = rendered(&sandbox, &["a.toml", "-o", "%02d.png"]);
     assert_eq!(value["outputs"], serde_json::json!(["00.png", "01.png", "02.png"]));
     assert_eq!((&value["frames"], &value["fps"]), (&3.into(), &5.into()));
     let (value, _) = rendered(&sandbox, &["a.toml", "-o", "b%1d.png", "--frames", "2", "--fps", "10"]);
     assert_eq!((&value["frames"], &value["fps"]), (&2.into(), &10.into()));
-    // The second picture of one is the third of the other.
+    // The second picture of one sequence must equal the third of the other.
     sandbox.write("c.toml", "[[model]]\npackage = \"hare.pelage\"\nclip = \"EarBreath\"\n");
     let draw =
         |fps: &str| rendered(&sandbox, &["c.toml", "--size", "64x64", "-o", "c%1d.png", "--frames", "3", "--fps", fps]);
@@ -244,7 +245,7 @@ fn bad_scenes_are_refused() {
             .write(&format!("scenes/{name}.toml"), format!("look = {look}\n[[model]]\npackage = \"../hare.pelage\"\n"));
     }
     sandbox.write("scenes/looks/faulty.toml", "[ink]\ntone = 3\n");
-    // Recognised by its contents, not by its name.
+    // A scene file is recognised by its contents, whatever its name is.
     sandbox.write("scene.txt", format!("{model}speed = 1\n"));
     let before = sandbox.files();
     for (args, code, words) in [
@@ -258,7 +259,7 @@ fn bad_scenes_are_refused() {
         (&["clip.toml"], 3, &["line 3, model[0].clip: found \"Gallop\"", "hare.pelage", "EarBreath"]),
         (&["latin.toml"], 3, &["latin.toml: byte 2", "UTF-8"]),
         (&["scene.txt"], 3, &["scene.txt: line 3, model[0].speed: found without a clip"]),
-        // Paths are relative to the current folder of the command.
+        // On the command line, paths are relative to the current folder.
         (
             &["scenes/looked.toml"],
             3,
@@ -315,7 +316,7 @@ fn videos_hold_the_pictures() {
         let mut transparent = 0;
         for (k, pixel) in png.pixels().enumerate() {
             let [y, cb, cr] = [0, 1, 2].map(|plane| f64::from(frame[6 + plane * planes + k]));
-            // Inverse of BT.709; bytes without chroma averaging are exact to about one step of luma.
+            // Inverse of the BT.709 matrix. Without chroma averaging, the bytes are exact to about one step of luma.
             let (y, cb, cr) = ((y - 16.0) / 219.0, (cb - 128.0) / 224.0, (cr - 128.0) / 224.0);
             let (r, b) = (y + 1.5748 * cr, y + 1.8556 * cb);
             let g = (y - 0.2126 * r - 0.0722 * b) / 0.7152;
@@ -331,7 +332,7 @@ fn videos_hold_the_pictures() {
         assert!(transparent > planes / 4);
     }
 
-    // The same bytes and nothing else on stdout; a reader that stops early is not an error.
+    // Stdout must contain the same bytes and nothing else. If the reader stops early, this is not an error.
     let mut child =
         sandbox.command(&[&["render"], &view[..], &["-o", "-"]].concat()).stdout(Stdio::piped()).spawn().unwrap();
     let mut piped = Vec::new();
@@ -351,14 +352,15 @@ fn videos_hold_the_pictures() {
     assert!(both.code == Some(1) && both.stderr.contains("--json") && both.stdout.contains("exit_code"), "{both:?}");
 }
 
-/// Returns the mean difference of two pictures' channels, 0..=255.
+/// Returns the mean absolute difference of two pictures over all channels, 0..=255.
 fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
     let [a, b] = [a, b].map(|name| image::load_from_memory(&sandbox.read(name)).unwrap().to_rgba8());
     let off = a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| f64::from(a.abs_diff(*b)));
     off.sum::<f64>() / a.as_raw().len() as f64
 }
 
-/// Checks that manes and tails move with the time of a sequence, for any number of pictures and after any interruption.
+/// Checks that the motion of manes and tails depends only on the time in a sequence: on neither the number of pictures
+/// nor interruptions.
 #[test]
 fn hair_swings_in_sequences() {
     let Some(_) = gpu("hair_swings_in_sequences") else { return };
@@ -375,11 +377,11 @@ fn hair_swings_in_sequences() {
     shot(&["--frames", "7", "--fps", "24", "-o", "b/%d.png"]);
     shot(&["--frames", "5", "--fps", "16", "-o", "e/%d.png"]);
     shot(&["--frames", "4", "--fps", "12", "--look", "motion.hair=false", "-o", "c/%d.png"]);
-    // Frame rates that divide the simulation rate give identical bytes; others give nearly the same.
+    // Frame rates that divide the simulation rate must give identical bytes; others give nearly the same picture.
     assert!(sandbox.read("a/3.png") == sandbox.read("b/6.png"), "12 and 24 pictures a second");
     let (rate, swing) = (difference(&sandbox, "a/3.png", "e/4.png"), difference(&sandbox, "a/3.png", "c/3.png"));
     assert!(swing > 0.5 && rate < 0.15 * swing, "another rate differs by {rate}, stiff hair by {swing}");
-    // In a single picture hair is at rest.
+    // In a single picture, hair must be at rest.
     rendered(&sandbox, &[&view[..], &["--time", "0.25", "-o", "still.png"]].concat());
     assert_eq!(difference(&sandbox, "still.png", "c/3.png"), 0.0);
 
@@ -439,7 +441,7 @@ fn interrupted_sequence_resumes() {
     let kept = lines();
     assert!(kept < 14);
     let saved = std::fs::read(&journal).unwrap();
-    // A picture that was painted over, and one that is missing.
+    // One picture was overwritten, and one is missing.
     sandbox.write("out/0001.png", b"red");
     std::fs::remove_file(sandbox.path().join("out/0002.png")).unwrap();
 
@@ -454,12 +456,12 @@ fn interrupted_sequence_resumes() {
     assert_eq!(value["skipped"], kept - 2, "{}", run.stderr);
     assert!(run.stderr.contains(&format!("{} of 14 pictures exist", kept - 2)), "{}", run.stderr);
     same();
-    // Results of the earlier run are repeated in the report.
+    // The report must repeat the results of the earlier run.
     for key in ["covered_pixels_per_picture", "mean_luminance_per_picture", "passes", "detail"] {
         assert_eq!(value[key], whole[key], "{key}");
     }
 
-    // With another view or with `--restart` all pictures are drawn again; with the same view none is.
+    // With another view or with `--restart`, all pictures must be drawn again; with the same view, none.
     for (more, skipped, word) in [
         (
             &["--background", "1,2,3"][..],
@@ -476,7 +478,7 @@ fn interrupted_sequence_resumes() {
         assert!(run.stderr.contains(&word), "{more:?}: {}", run.stderr);
     }
     same();
-    // A changed scene file is a different scene, and a different package of the same name is a different package.
+    // A changed scene file must count as another scene, and a changed package of the same name as another package.
     let text = std::fs::read_to_string(sandbox.path().join("a.toml")).unwrap();
     sandbox.write("a.toml", text.replace("0.3\n", "0.31\n"));
     std::fs::write(&journal, &saved).unwrap();
@@ -487,7 +489,7 @@ fn interrupted_sequence_resumes() {
     assert_eq!(rendered(&sandbox, &args).0["skipped"], 0);
 }
 
-/// Draws every scene in assets, with small packages of the models that it names.
+/// Draws every scene in assets, with small packages of the models that it uses.
 #[test]
 fn the_scenes_of_the_assets_are_drawn() {
     let Some(_) = gpu("the_scenes_of_the_assets_are_drawn") else { return };
@@ -497,7 +499,7 @@ fn the_scenes_of_the_assets_are_drawn() {
     assert!(!scenes.is_empty());
     for scene in scenes {
         let text = std::fs::read_to_string(&scene).unwrap();
-        // Packages are named after their models.
+        // Packages have the names of their models.
         let named = text.lines().filter_map(|line| line.strip_prefix("package = \"")?.strip_suffix(".pelage\""));
         for name in named.clone() {
             let asset = |path: String| workspace().join("assets").join(path).display().to_string();

@@ -1,4 +1,4 @@
-//! Environment maps through the real binary: panoramas fitted by few lights, invalid files, and pictures lit by both.
+//! Tests of environment maps with the real binary: lights fitted to panoramas, invalid files, and pictures lit by both.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;
@@ -6,13 +6,14 @@ use pelage_stage::sky::{Environment, Sun, environment_from_toml, environment_to_
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;
 
-/// Checks real skies of 1k × 512: the fit keeps the total light, is fast, and reads back from its file as reported.
-/// Errors of broken files name the file and the fault.
+/// Checks real skies of 1k × 512. The fit must keep the total light, be fast, and read back from its file as reported.
+/// Errors of broken files must name the file and the fault.
 #[test]
 fn skies_are_fitted_by_few_lights() {
     let Some(data) = data("skies_are_fitted_by_few_lights") else { return };
     let sandbox = Sandbox::new();
-    // Name, and greatest allowed error of the lobes' radiance; lobes cannot represent sources smaller than 8 degrees.
+    // Columns: name, and largest allowed error of the lobes' radiance. Lobes cannot represent sources smaller than 8
+    // degrees.
     let skies = [
         ("venice_sunset_1k", 0.65),
         ("spiaggia_di_mondello_1k", 0.25),
@@ -68,12 +69,12 @@ fn environment_is_given_by_words_or_files() {
     assert!((bright / dim - 2.0).abs() < 1e-4, "{dim} {bright}");
     let same = mean(&["--environment", "0.5,0.5,0.5", "--environment-strength", "2"]);
     assert!((same / bright - 1.0).abs() < 1e-5, "{same} {bright}");
-    // A path in a look file is relative to that file.
+    // In a look file, a path is relative to the folder of that file.
     sandbox.write("looks/sky.toml", "even = [1.0, 1.0, 1.0]\n");
     sandbox.write("looks/l.toml", "[environment]\nsky = \"sky.toml:30\"\n");
     let filed = mean(&["--look", "looks/l.toml"]);
     assert!((filed / bright - 1.0).abs() < 1e-5, "{filed} {bright}");
-    // A sun in an environment file becomes the key light; an explicit light shines in addition to the sky.
+    // The sun of an environment file becomes the key light. An explicit light shines in addition to the sky.
     let sunny = Environment { sun: Some(Sun { towards: [0.3, 1.0, 0.5], color: [1.0; 3] }), ..Environment::default() };
     sandbox.write("sun.toml", environment_to_toml(&sunny));
     let words = ["--light", "0.3,1,0.5", "--light-strength", "1", "--environment", "0,0,0", "--penumbra", "0.15"];
@@ -91,8 +92,8 @@ fn environment_is_given_by_words_or_files() {
     }
 }
 
-/// Checks that the sky is visible behind a traced picture, and that a ground colours the lower half and its light from
-/// below.
+/// Checks that the sky is visible behind a traced picture. A ground must colour the lower half of the picture, and the
+/// light from below.
 #[test]
 fn sky_is_visible_behind_the_model_and_above_a_ground() {
     let sandbox = Sandbox::new();
@@ -106,14 +107,14 @@ fn sky_is_visible_behind_the_model_and_above_a_ground() {
     };
     let level = ["--camera", "0,0,9/0,0,0/90", "--background", "sky"];
     let plain = picture(&[&level[..], &["--environment", "0.2,0.4,0.8"]].concat());
-    // Linear 0.2 is byte 124, 0.4 is 170, 0.8 is 231.
+    // Linear 0.2, 0.4 and 0.8 are 124, 170 and 231 in 8-bit sRGB.
     assert_eq!(plain.get_pixel(0, 0).0, [124, 170, 231, 255]);
     assert_eq!(plain.get_pixel(31, 31).0, [124, 170, 231, 255]);
     let ground = [&level[..], &["--environment", "1,1,1", "--environment-strength", "0.25", "--ground", "#ff0000"]];
     let over = picture(&ground.concat());
     let [above, below] = [0, 31].map(|y| over.get_pixel(16, y).0);
     assert!(above[2] > 110 && below[2] < 80 && below[0] > 120, "{above:?} {below:?}");
-    // Fitted lights over a ground, as a file.
+    // The fitted lights over a ground are written as a file.
     sandbox.write("even.toml", "even = [1.0, 1.0, 1.0]\n");
     let run = sandbox.run(&["sky", "even.toml", "-o", "over.toml", "--ground", "#000000"]);
     assert_eq!(run.code, Some(0), "{run:?}");

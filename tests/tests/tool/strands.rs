@@ -1,4 +1,5 @@
-//! Single strands through the real binary: closer to the traced picture than layers, and reproducible.
+//! Tests of individual strands with the real binary: they are closer to the traced picture than layers, and
+//! reproducible.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_formats::{Limits, Package};
@@ -38,8 +39,8 @@ fn strands_are_nearer_to_the_reference_than_layers() {
     assert!(first == again, "a picture of strands is the same every time");
 }
 
-/// Checks hair on guides: hair hanging from the hare, thin enough that each hair matters, at rest and in the middle of
-/// a jump.
+/// Checks hair on guides that hangs from the hare, at rest and in the middle of a jump. It is so thin that each hair
+/// matters.
 #[test]
 fn guided_hair_is_drawn_as_in_the_reference() {
     if gpu("guided_hair_is_drawn_as_in_the_reference").is_none() {
@@ -75,7 +76,7 @@ fn guided_hair_is_drawn_as_in_the_reference() {
             [&found["coverage"], &found["flip"]["mean"]].map(|n| n.as_f64().unwrap())
         };
         let [coverage, flip] = against(&drawn_png);
-        // The same hare without the hair on guides.
+        // The hare is also baked without the hair on guides, for comparison.
         if name == "rest" {
             done(&[
                 "bake",
@@ -97,7 +98,7 @@ fn guided_hair_is_drawn_as_in_the_reference() {
     }
 }
 
-/// Checks that lines written by `export`, in one file and in two, are read back as the same guides.
+/// Checks that lines written by `export` are read back as the same guides, whether they are in one file or in two.
 #[test]
 fn exported_strands_are_read_as_guides() {
     let sandbox = Sandbox::new();
@@ -127,14 +128,14 @@ fn exported_strands_are_read_as_guides() {
     let mut compared = 0;
     for i in 0..30 {
         let [tip, found] = [&grown, &read].map(|groups| *groups[0].guide(i).last().unwrap());
-        // The roots are the same; their triangles may differ if a root is on an edge.
+        // The roots must be the same. Their triangles may differ if a root is on an edge.
         if grown[0].guide_roots[i].0 == read[0].guide_roots[i].0 {
             assert!(found.distance(tip) < 0.01 * tip.length(), "guide {i}: {found}, expected {tip}");
             compared += 1;
         }
     }
     assert!(compared > 20, "{compared} of 30 on the same triangle");
-    // The same with the buffer in a separate file.
+    // Checks the same strands with the buffer in a separate file.
     let (mut document, buffer) = chunks(&std::fs::read(sandbox.path().join("g.glb")).unwrap()).unwrap();
     document["buffers"][0]["uri"] = "g.bin".into();
     sandbox.write("g.bin", buffer);

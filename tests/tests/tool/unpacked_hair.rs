@@ -1,4 +1,5 @@
-//! Strands and guides of an unpacked package: files for other programs, and the result of packing edited files.
+//! Tests of strands and guides in an unpacked package: files for other programs, and the result of packing edited
+//! files.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::tool::common::random::Random;
@@ -13,11 +14,11 @@ const STRANDS: usize = 7;
 const POINTS: usize = 4;
 const GUIDES: usize = 5;
 
-/// Returns the sample package, with joints, dry and wet hair, strands and two groups of hair.
+/// Returns the sample package, with joints, dry and wet hair, and the given strands and groups of hair.
 fn package(strands: &StoredStrands, groups: &[HairGroup]) -> Vec<u8> {
     let sample = sample_package();
     let opened = Package::open(&sample, &Limits::default()).unwrap();
-    // A valid recipe.
+    // The recipe is emptied, which makes it valid.
     let manifest = Manifest { recipe: String::new(), ..opened.manifest().clone() };
     let sections = opened.sections().iter().enumerate().skip(1);
     let add = |writer: PackageWriter<'static>, (index, section): (usize, &Section)| {
@@ -27,7 +28,7 @@ fn package(strands: &StoredStrands, groups: &[HairGroup]) -> Vec<u8> {
     writer.hair_groups(groups).stored_strands(strands).finish().unwrap()
 }
 
-/// Returns strands that are evenly distributed in the tile, rise and taper.
+/// Returns strands that are evenly distributed in the tile, rise from it, and taper.
 fn strands() -> StoredStrands {
     let scale = StrandScale { reach: 0.5, radius: 0.01 };
     let point = |i: usize| {
@@ -93,7 +94,7 @@ fn packed(sandbox: &Sandbox) -> Vec<u8> {
     bytes
 }
 
-/// A `.hair` file as written by `unpack`: all arrays except transparency.
+/// Contents of a `.hair` file as written by `unpack`, with all arrays except transparency.
 struct Hair {
     bytes: Vec<u8>,
     strands: usize,
@@ -113,7 +114,7 @@ impl Hair {
         sandbox.write(&format!("folder/{name}"), &self.bytes);
     }
 
-    /// Changes `N` numbers from number `index` on, counted after the header and the segment counts.
+    /// Changes `N` numbers, from index `index` on. Indices begin after the header and the segment counts.
     fn floats<const N: usize>(&mut self, index: usize, change: impl FnOnce(&mut [f32; N])) {
         let at = 128 + 2 * self.strands + 4 * index;
         let bytes = &mut self.bytes[at..at + 4 * N];
@@ -142,7 +143,7 @@ fn stored(bytes: &[u8]) -> StoredStrands {
     Package::open(bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored()
 }
 
-/// Returns the points of all guides of a group on the mesh surface at rest.
+/// Returns the points of all guides in a group, on the mesh surface at rest.
 fn at_rest(bytes: &[u8], group: usize) -> Vec<Vec<Vec3>> {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let (skin, groups) = (RestMesh::of(&package).unwrap(), package.hair_groups().unwrap());
@@ -163,9 +164,9 @@ fn strands_and_guides_are_unpacked_to_separate_files() {
     assert!(names.iter().all(|name| files.contains(&format!("folder/{name}"))), "{files:?}");
     assert!(!files.iter().any(|name| name.contains("STRN") || name.contains("HAIR")), "{files:?}");
     assert!(packed(&sandbox) == bytes, "the bytes differ");
-    // `unpack` may replace a folder that contains only these files.
+    // The folder contains only files of `unpack`, so `unpack` may replace it.
     assert_eq!(sandbox.run(&["unpack", "in.pelage", "folder"]).code, Some(0));
-    // The first strand of the tile in metres, y up: tile 0.25 m wide, fur 0.03 m high.
+    // The first strand of the tile is checked in metres, y up: the tile is 0.25 m wide, and the fur is 0.03 m high.
     let mut hair = Hair::read(&sandbox, "strands.hair");
     let made = strands();
     hair.point(POINTS - 1, |p| {
@@ -175,7 +176,7 @@ fn strands_and_guides_are_unpacked_to_separate_files() {
         assert!(Vec3::from(*p).distance(expected) < 1e-6, "{p:?}, expected {expected}");
     });
     hair.thickness(0, |t| assert!((t[0] - 2.0 * 0.01 * 0.25).abs() < 1e-7, "{t:?}"));
-    // Everything decodes exactly, so the JSON files contain no exact values.
+    // All values can be recovered from the `.hair` files, so the JSON files contain no exact integers.
     for name in ["hair.json", "strands.json"] {
         let text = std::fs::read_to_string(sandbox.path().join("folder").join(name)).unwrap();
         assert_eq!((text.matches("\"exact\": []").count(), text.matches("exact").count()), (2, 2), "{name}: {text}");
@@ -188,7 +189,8 @@ fn arbitrary_hair_sections_survive_a_round_trip() {
         let random = &mut Random(seed);
         let mut made = strands();
         let mut number = |most: u64| (random.next_u64() % most) as u32;
-        // From hair that hardly leaves its root, whose coordinates lose digits, to hair that crosses tiles.
+        // The reach varies from hair that hardly leaves its root, whose coordinates lose digits, to hair that crosses
+        // tiles.
         made.scale = StrandScale { reach: [1e-6, 1e-3, 0.3, 50.0][seed as usize % 4], radius: 1e-3 };
         for root in &mut made.roots {
             *root = [number(1 << 16) as u16, number(1 << 16) as u16];
@@ -226,8 +228,8 @@ fn edited_tile_strands_are_packed() {
     let (made, bytes) = (strands(), package(&strands(), &groups()));
     let sandbox = unpacked(&bytes);
     let mut hair = Hair::read(&sandbox, "strands.hair");
-    // Strand 2 is bent, thinned and coloured, with its root in place; strand 3 is moved as a whole across the tile's
-    // border.
+    // Strand 2 is bent, thinned and coloured, while its root stays; strand 3 is moved as a whole across the border of
+    // the tile.
     for k in 1..POINTS {
         hair.point(2 * POINTS + k, |p| p[0] += 0.01);
     }
@@ -242,7 +244,7 @@ fn edited_tile_strands_are_packed() {
     for (i, (found, point)) in found.points.iter().zip(&made.points).enumerate() {
         let mut expected = *point;
         if (2 * POINTS + 1..3 * POINTS).contains(&i) {
-            // 0.01 m of a tile of 0.25 m; a reach of 0.5 is 32767.
+            // The offset is 0.01 m in a tile of 0.25 m; the integer 32767 represents the reach of 0.5 tile widths.
             expected.aside[0] += (0.01_f32 / 0.25 / 0.5 * 32767.0).round() as i16;
         }
         if i == 2 * POINTS {
@@ -257,7 +259,7 @@ fn edited_tile_strands_are_packed() {
         );
         assert_eq!(found.visibility, expected.visibility, "{i}");
     }
-    // Farther than any other strand: all are stored with a larger reach and keep their positions.
+    // Moves the tip of strand 4 beyond all others: the stored reach grows, and all other points keep their positions.
     hair.point(5 * POINTS - 1, |p| p[2] -= 0.5);
     hair.write(&sandbox, "strands.hair");
     let far = stored(&packed(&sandbox));
@@ -275,7 +277,7 @@ fn edited_guides_are_packed() {
     let sandbox = unpacked(&bytes);
     let before = at_rest(&bytes, 0);
     let mut hair = Hair::read(&sandbox, "hair_0_mane.hair");
-    // Guide 1 is combed sideways; guide 2 is moved with its root to the root of guide 1.
+    // Guide 1 is combed sideways. Guide 2 is moved as a whole to the root of guide 1.
     for k in 1..POINTS {
         hair.point(POINTS + k, |p| p[0] += 0.05 * k as f32);
     }
@@ -301,7 +303,7 @@ fn edited_guides_are_packed() {
     let (old, new) = (groups(&bytes), groups(&edited));
     assert_eq!(new[0].guide_roots[2].0, old[0].guide_roots[1].0, "it hangs on the other triangle");
     assert_eq!((&new[0].guide_roots[..2], &new[1]), (&old[0].guide_roots[..2], &old[1]));
-    // Values that only the JSON contains.
+    // Changes values that only the JSON file contains.
     let path = sandbox.path().join("folder/hair.json");
     let mut json: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
     (json[0]["hairs"], json[1]["name"]) = (77.into(), "brow".into());
@@ -350,7 +352,7 @@ fn invalid_unpacked_hair_is_refused_with_the_position() {
         (
             "hair.json",
             &|v| drop(v[0]["guide_roots"].as_array_mut().unwrap().pop()),
-            &["hair_0_mane.hair: byte 4", "5 strands, expected 4: /0/guide_roots of hair.json"],
+            &["hair_0_mane.hair: byte 4", "5 strands, expected 4, the length of /0/guide_roots in hair.json"],
         ),
         (
             "hair.json",

@@ -1,4 +1,4 @@
-//! `pelage bake --write-recipe` through the real binary: the written recipe of a bake gives the same package.
+//! Tests of `pelage bake --write-recipe` with the real binary: the written recipe gives the same package.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_bake::recipe::{Coat, Recipe, keys};
@@ -6,7 +6,7 @@ use pelage_tests::binary::{Run, Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::schema;
 
-/// Returns a folder with the torus, a recipe that names a pattern, and the pattern.
+/// Returns a folder with the torus, a recipe that names a pattern image, and that image.
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     let asset = |name: &str| std::fs::read(workspace().join("assets").join(name)).unwrap();
@@ -22,12 +22,12 @@ fn bake(sandbox: &Sandbox, package: &str, more: &[&str]) -> Run {
     sandbox.run(&[&["bake", "torus.glb", "-o", package], more].concat())
 }
 
-/// Bakes and writes the recipe, bakes with it, and returns it.
+/// Bakes with `--write-recipe`, asserts that the written recipe gives the same package, and returns the recipe.
 fn bake_with_written(sandbox: &Sandbox, path: &str, more: &[&str]) -> String {
     bake_with_written_and_run(sandbox, path, more).0
 }
 
-/// Does the same as [`bake_with_written`], and also returns the run that wrote the recipe.
+/// Same as [`bake_with_written`], but also returns the run that wrote the recipe.
 fn bake_with_written_and_run(sandbox: &Sandbox, path: &str, more: &[&str]) -> (String, Run) {
     let first = bake(sandbox, "first.pelage", &[&["--write-recipe", path], more].concat());
     assert_eq!(first.code, Some(0), "{first:?}");
@@ -50,7 +50,7 @@ fn the_written_recipe_gives_the_same_package() {
     let recipe = Recipe::parse("whole.toml", &text).unwrap();
     assert!(recipe.hair.length_m.is_some() && recipe.surface.tile_size_m.is_some(), "{text}");
     assert_eq!(recipe.slice.layers, 4);
-    // Every key is present, with a value or as a comment, and chosen values are marked.
+    // Every key must be present, with a value or as a comment, and chosen values must be marked.
     for key in keys() {
         let there = [format!("\n{} = ", key.key()), format!("\n# {} =\n", key.key())];
         assert!(there.iter().any(|line| text.contains(line)), "{} is missing: {text}", key.name);
@@ -58,7 +58,7 @@ fn the_written_recipe_gives_the_same_package() {
     assert!(
         text.contains("\n# chosen by the bake: length of hair, ") && text.contains("\n# chosen by the bake\nfur = ")
     );
-    // Overwritten by the next bake: the recipe is an output like the package.
+    // The next bake must overwrite the recipe, which is an output like the package.
     let again = bake_with_written(&sandbox, "whole.toml", &[&SMALL[..], &["--set", "hair.length_m=0.01"]].concat());
     assert!(!again.contains("length of hair, "), "{again}");
 }
@@ -72,7 +72,7 @@ fn recipe_with_a_coat_and_images_is_written_completely() {
     assert_eq!((recipe.hair.coat, recipe.hair.lean), (Coat::Wool, 0.4));
     assert_eq!(recipe.hair.curl_radius, wool.hair.curl_radius);
     assert_eq!(recipe.images(), [("color.pattern".to_owned(), "spots.png")]);
-    // Choices of the bake that have no text of their own.
+    // These are choices of the bake that have no explanation of their own.
     assert!(
         text.contains("\n# chosen by the bake\npattern_size_m = ") && text.contains("\n# chosen by the bake\ndepth = ")
     );
@@ -96,7 +96,7 @@ fn written_recipe_contains_values_chosen_by_limits() {
     let limits = [&["--max-error", "1", "--json"], &sets[..]].concat();
     let (text, run) = bake_with_written_and_run(&sandbox, "whole.toml", &limits);
     assert!(text.contains("\n# chosen by the bake: for --max-error 1\nlayers = "), "{text}");
-    // The package equals that of a bake without measurements; the measurements are in the report.
+    // The package must equal that of a bake without measurements. The report contains the measurements.
     let object = schema::parse_success(&run, "bake");
     assert!(object["choice"].is_object() && object["recipe"] == "whole.toml", "{object}");
     let inspected = sandbox.run(&["inspect", "first.pelage", "--json"]);
@@ -115,7 +115,7 @@ fn recipe_that_would_lose_its_files_is_not_written() {
         assert_eq!(sandbox.files(), before, "{path} left something behind");
     };
     refused("whole.toml", &["color.pattern", "spots.png", "copy the files", "--recipe"]);
-    // A different image with that name is there.
+    // The file with that name contains a different image.
     sandbox.write("spots.png", std::fs::read(workspace().join("assets/patterns/zebra.png")).unwrap());
     refused("whole.toml", &["whole.toml", "another file", "spots.png"]);
     // The same image is accepted.

@@ -1,5 +1,5 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
-//! `pelage view` in a real window on a virtual display, with real key and mouse events.
+//! Tests of `pelage view` in a real window on a virtual display, with real key and mouse events.
 
 use pelage_bake::pipeline::STAGES;
 use pelage_tests::binary::{Sandbox, walk, workspace};
@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::time::Duration;
 
-/// Bakes a hare with little hair, once.
+/// Bakes `hare.pelage` with little hair.
 fn package(sandbox: &Sandbox) {
     let model = workspace().join("assets/models/hare.glb").display().to_string();
     let set = SMALL.iter().flat_map(|set| ["--set", set]);
@@ -35,7 +35,7 @@ fn window_matches_render_and_responds_to_input() {
     package(&sandbox);
     let mut view = open_window(&desktop, &sandbox, &["hare.pelage", "--window", "500x400", "--no-panels"]);
 
-    // The picture equals that of `render` with the camera reported by the window.
+    // The picture must equal that of `render` with the camera that the window reports.
     view.skip_events();
     view.key("p");
     let told = view.wait_for("pictured");
@@ -49,7 +49,7 @@ fn window_matches_render_and_responds_to_input() {
     let off = first.as_raw().iter().zip(drawn.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();
     assert!(off <= Some(1), "a pixel is off by {off:?} bytes");
 
-    // A drag orbits the camera, and R resets it.
+    // A drag orbits the camera, and the key R resets it.
     view.drag("1", (150, 200), (350, 230));
     std::thread::sleep(Duration::from_millis(400));
     let turned = pixels(&view.save("p"));
@@ -58,7 +58,7 @@ fn window_matches_render_and_responds_to_input() {
     let back = pixels(&view.save("p"));
     assert!(back == first, "R is not where it began");
 
-    // Styles, wheel, flight, light: each changes the picture.
+    // Style, mouse wheel, flight and light must each change the picture.
     let mut before = back;
     for (what, hands) in [
         ("bare skin", &["key", "3"][..]),
@@ -82,13 +82,13 @@ fn window_matches_render_and_responds_to_input() {
     view.xdotool(&["key", "ctrl+z"]);
     assert!(pixels(&view.save("p")) == before, "an undo does not turn it back");
 
-    // The whole window, including its panels.
+    // The picture shows the whole window, including its panels.
     view.key("n");
     let window = pixels(&view.save("F12"));
     assert_eq!(window.dimensions(), (500, 400));
     view.key("n");
 
-    // As small as possible, and back.
+    // The window is reduced to its minimum size, and restored.
     let id = view.focus();
     view.xdotool(&["windowsize", &id, "1", "1"]);
     std::thread::sleep(Duration::from_millis(300));
@@ -97,7 +97,7 @@ fn window_matches_render_and_responds_to_input() {
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(pixels(&view.save("p")).dimensions(), (420, 300));
 
-    // The reference picture beside it, up to its first sample.
+    // The reference picture is shown beside the other, up to its first sample.
     view.skip_events();
     view.key("t");
     let truth = view.wait_for("truth");
@@ -130,7 +130,7 @@ fn saved_recipe_is_rebaked_and_a_broken_one_is_reported() {
     view.focus();
     let dark = pixels(&view.save("p"));
 
-    // As editors save: a new file takes the name.
+    // Editors save a file by renaming a new file to its name.
     sandbox.write("hare.toml.new", recipe("[2.5, 2.5, 2.5]"));
     std::fs::rename(sandbox.path().join("hare.toml.new"), sandbox.path().join("hare.toml")).unwrap();
     let made = view.wait_for("made");
@@ -152,7 +152,7 @@ fn saved_recipe_is_rebaked_and_a_broken_one_is_reported() {
     view.wait_for("picture");
     assert!(pixels(&view.save("p")) == dark, "the mended recipe is another one");
 
-    // Saved without changes, the recipe keeps its original text.
+    // If the recipe is saved without changes, its text must stay the same.
     view.skip_events();
     view.xdotool(&["key", "ctrl+s"]);
     view.wait_for("saved");
@@ -174,7 +174,7 @@ fn window_survives_files_other_than_packages() {
     sandbox.write("d-text.pelage", b"This is a letter.");
     sandbox.write("e-broken.glb", b"glTF\x02\0\0\0\xff\xff\xff\xff");
     let mut bad = 5;
-    // Also every file of the test data that is not a model, under names that a window opens.
+    // Files of the test data that are not models are opened too, under names that the window accepts.
     if let Some(data) = pelage_needs::data("window_survives_files_other_than_packages") {
         let mut files = Vec::new();
         walk(&data, &mut files);

@@ -164,7 +164,13 @@ impl Reader<'_> {
         let color = match count {
             6 => Some([n[3], n[4], n[5]]),
             7 => Some([n[4], n[5], n[6]]),
-            5 => return Err(s.fault(self.file, "`v` has 5 numbers, expected 3 (x y z), 4 (and w), 6 or 7 (and r g b)")),
+            5 => {
+                return Err(s.fault(
+                    self.file,
+                    "`v` has 5 numbers, expected 3 (x y z), 4 (x y z w), 6 (x y z r g b) \
+                 or 7 (x y z w r g b)",
+                ));
+            }
             _ => None,
         };
         let position = Vec3::new(n[0], n[1], n[2]) * self.unit_m;
@@ -321,7 +327,7 @@ impl Reader<'_> {
         for (count, list) in [(ignored[0], List::Uvs), (ignored[1], List::Normals)] {
             if count > 0 {
                 let name = list.name();
-                notes.warn(format!("{count} corners name a {name}, but the file has none; read without it"));
+                notes.warn(format!("{count} corners refer to a {name}, but the file has none; read without it"));
             }
         }
         Ok(())

@@ -104,7 +104,7 @@ impl Statement<'_> {
         match numbers.iter().position(|x| !x.is_finite()) {
             Some(i) => {
                 let word = self.words().nth(i).unwrap_or_default();
-                Err(self.unexpected(file, word, "a finite number of 32 bits"))
+                Err(self.unexpected(file, word, "a finite 32-bit number"))
             }
             None => Ok((numbers, count)),
         }

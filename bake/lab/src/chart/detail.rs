@@ -89,10 +89,10 @@ pub fn panels(counted: bool) -> Vec<Panel> {
         false => ("frame_milliseconds", "frame, milliseconds"),
     };
     let error_labels = [
-        "mean FLIP at twice the judge's size",
-        "mean FLIP at the judge's size",
-        "mean FLIP at half the judge's size",
-        "mean FLIP at a quarter of the judge's size",
+        "mean FLIP at twice the size in [judge]",
+        "mean FLIP at the size in [judge]",
+        "mean FLIP at half the size in [judge]",
+        "mean FLIP at a quarter of the size in [judge]",
     ];
     let panel = |(size, error_label): (Size, _)| Panel {
         cost,

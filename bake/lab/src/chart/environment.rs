@@ -348,7 +348,8 @@ pub fn measure_map(form: MapLighting, sky: &NamedSky, truth: &EnvironmentTruth) 
                 let of = |light: &CutGaussianLight| tables.scatter([point.sigma; 3], point.tip, light, point.eye)[0];
                 let lobe = |(lobe, share): (&pelage_stage::sky::LightLobe, &f64)| {
                     let light = lobe.light();
-                    let half = CutGaussianLight { towards: light.towards, mean: cut_gaussian_mean_cosine(light.sharpness) };
+                    let half =
+                        CutGaussianLight { towards: light.towards, mean: cut_gaussian_mean_cosine(light.sharpness) };
                     share * radiance(lobe) * light.integral() / half.integral() * of(&half)
                 };
                 environment.lobes.iter().zip(&shares[i]).map(lobe).sum::<f64>()

@@ -80,7 +80,8 @@ fn walk(strands: &Strands, texels: f64, spacing: f64, mut visit: impl FnMut(Stra
             let (a, b) = (strands.points[i].as_dvec3(), strands.points[i + 1].as_dvec3());
             let [from, to] = [strands.radii[i], strands.radii[i + 1]].map(f64::from);
             let way = b - a;
-            let pieces = (POINTS_PER_TEXEL * (way.truncate().length() * texels).max(way.z.abs() / spacing)).ceil().max(1.0);
+            let pieces =
+                (POINTS_PER_TEXEL * (way.truncate().length() * texels).max(way.z.abs() / spacing)).ceil().max(1.0);
             for piece in 0..pieces as u32 {
                 let share = (f64::from(piece) + 0.5) / pieces;
                 let area = (from + (to - from) * share) * way.length() / pieces;

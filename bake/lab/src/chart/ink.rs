@@ -80,7 +80,7 @@ pub const PANELS: [Panel; 2] = [
         cost: "frame_milliseconds",
         cost_label: "frame, milliseconds",
         error: "line_error",
-        error_label: "1 - F1 of lines within 2 pixels",
+        error_label: "1 - F1 score of lines, tolerance 2 pixels",
         only: None,
     },
     Panel {

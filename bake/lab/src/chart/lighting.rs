@@ -60,7 +60,7 @@ pub const PANELS: [Panel; 2] = [
         cost: "shells_milliseconds",
         cost_label: "shells, milliseconds",
         error: "rmse",
-        error_label: "RMSE of eq. (1) against its value at the strand",
+        error_label: "RMSE of eq. (1) with T instead of the strand's direction",
         only: None,
     },
     Panel {

@@ -66,7 +66,7 @@ pub const PANELS: [Panel; 4] = [
         "milliseconds",
         "drawing the map, milliseconds",
         "largest_step",
-        "largest step of t between slabs, ball of hair",
+        "ball of hair: largest step of t between slabs",
     ),
 ];
 

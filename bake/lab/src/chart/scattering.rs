@@ -275,7 +275,8 @@ fn all_lengths(fibre: &Fibre, size: usize) -> FibreEvaluator {
     for j in 0..size {
         let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
         let others = section.mean_rest(REFERENCE_SIGMA).length;
-        lengths.extend(section.mean_contributions(2, &phis, REFERENCE_SIGMA).into_iter().map(|way| [way.length, others]));
+        lengths
+            .extend(section.mean_contributions(2, &phis, REFERENCE_SIGMA).into_iter().map(|way| [way.length, others]));
     }
     FibreEvaluator::AllLengths { tables: Box::new(ScatteringTables::new(fibre, size)), lengths }
 }

@@ -196,7 +196,8 @@ impl Sheet {
             return Err(BakeError::Params {
                 what: "slice.tile_texels",
                 reason: format!(
-                    "all layers have {texels} texels, expected at most {MOST_TEXELS}: the chart holds them in memory"
+                    "all layers together have {texels} texels, expected at most {MOST_TEXELS}: \
+                 the chart holds them in memory"
                 ),
             });
         }

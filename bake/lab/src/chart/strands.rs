@@ -180,11 +180,11 @@ pub const COLUMNS: [&str; 24] = [
 pub fn panels() -> Vec<Panel> {
     let labels = [
         "mean FLIP, a third of the field of view",
-        "mean FLIP at twice the judge's size",
-        "mean FLIP at the judge's size",
-        "mean FLIP at half the judge's size",
-        "mean FLIP at a quarter of the judge's size",
-        "mean FLIP at an eighth of the judge's size",
+        "mean FLIP at twice the size in [judge]",
+        "mean FLIP at the size in [judge]",
+        "mean FLIP at half the size in [judge]",
+        "mean FLIP at a quarter of the size in [judge]",
+        "mean FLIP at an eighth of the size in [judge]",
     ];
     let panel = |(size, error_label): (Size, _)| Panel {
         cost: "frame_milliseconds",

@@ -233,7 +233,7 @@ fn draw_legend(area: &Area<'_>, series: &[&str]) -> Result<(), BakeError> {
     area.draw(&Text::new("ringed: the default", (x + 14, y), style.clone())).map_err(fault)?;
     let (x, y) = place.next().unwrap_or_default();
     area.draw(&PathElement::new([(x - 9, y), (x + 9, y)], BLACK.mix(0.5).stroke_width(2))).map_err(fault)?;
-    area.draw(&Text::new("front: nothing is better in both", (x + 14, y), style)).map_err(fault)?;
+    area.draw(&Text::new("Pareto front", (x + 14, y), style)).map_err(fault)?;
     Ok(())
 }
 

@@ -70,13 +70,13 @@ pub const PANELS: [Panel; 4] = [
     panel(NANOSECONDS, "7 points: ns per guide and second, one core", "7"),
     panel(NANOSECONDS, "16 points: ns per guide and second, one core", "16"),
     panel(NANOSECONDS, "36 points: ns per guide and second, one core", "36"),
-    panel("corrections_per_s", "16 points: corrections of a length per second", "16"),
+    panel("corrections_per_s", "16 points: length corrections per segment and second", "16"),
 ];
 
 const NANOSECONDS: &str = "nanoseconds";
 
 const fn panel(cost: &'static str, cost_label: &'static str, points: &'static str) -> Panel {
-    let error_label = "RMS distance from the truth, % of the length";
+    let error_label = "RMS distance from the truth, % of the guide's length";
     Panel { cost, cost_label, error: "rms_percent", error_label, only: Some(("points", points)) }
 }
 

@@ -114,13 +114,13 @@ pub fn run(
     make_folder(folder)?;
     let mut journal = Rows::open(folder, plan.topic, &key(subject, &plan), args.restart)?;
     if journal.others() > 0 {
-        output.note(&format!("ignored {} rows of another model, recipe, tool or adapter", journal.others()));
+        output.note(&format!("ignored {} rows measured with another model, recipe, tool or adapter", journal.others()));
     }
     for path in &args.from {
         let others = journal.take(path)?;
         if others > 0 {
             let file = path.display();
-            output.note(&format!("{file}: ignored {others} rows of another model, recipe, tool or adapter"));
+            output.note(&format!("{file}: ignored {others} rows measured with another model, recipe, tool or adapter"));
         }
     }
     let known = numbers.iter().filter(|n| journal.cells(**n).is_some()).count();

@@ -38,7 +38,7 @@ impl Topic for EnvironmentTopic {
         Plan {
             topic: "environment",
             title: format!(
-                "Light from skies scattered by three fibres, against the sum over all directions: {}",
+                "Sky light scattered by three fibres, against the sum over all directions: {}",
                 names(&self.skies)
             ),
             adapter: measured_on("CPU, one thread"),

@@ -58,7 +58,7 @@ impl Topic for EnvironmentFitTopic {
         };
         Plan {
             topic: "environment-fit",
-            title: format!("Skies as 0 to 32 lobes and a sun: {}", names(&self.skies)),
+            title: format!("Environment maps fitted by 0 to 32 lobes and a sun: {}", names(&self.skies)),
             adapter: measured_on("CPU"),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),

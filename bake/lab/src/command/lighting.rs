@@ -47,7 +47,7 @@ impl Topic for LightingTopic<'_> {
         let (name, layers) = (&self.subject.name, self.subject.recipe.slice.layers);
         Plan {
             topic: "lighting",
-            title: format!("Hair of {name}, {layers} layers: lighting by the direction of hairs"),
+            title: format!("Hair of {name}, {layers} layers: lighting from stored hair directions"),
             adapter: measured_on(&self.gpu.info.name),
             columns: lighting::COLUMNS.to_vec(),
             panels: lighting::PANELS.to_vec(),

@@ -63,7 +63,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     if let Some(own) = built_in_input(args.topic)
         && (args.model.is_some() || args.recipe.recipe.is_some() || !args.recipe.set.is_empty())
     {
-        return Err(Failure::Usage(format!("chart {name} takes neither model nor recipe: it brings its own {own}")));
+        return Err(Failure::Usage(format!("chart {name} takes neither model nor recipe: its {own} are built in")));
     }
     if !args.sky.is_empty() && !matches!(args.topic, Topic::Environment | Topic::EnvironmentFit) {
         return Err(Failure::Usage(format!("chart {name} takes no --sky: it sets the lights of its model")));

@@ -58,7 +58,7 @@ impl Topic for MultipleTopic<'_> {
         Plan {
             topic: "multiple",
             title: format!(
-                "{}: fibres in three lights, {SIZE}x{SIZE} pixels, against {} bounces of {SAMPLES} paths per pixel",
+                "{}: fibres in three lights, {SIZE}x{SIZE} pixels, against paths of {} bounces, {SAMPLES} per pixel",
                 self.subject.name,
                 TrueScattering::BOUNCES
             ),

@@ -73,7 +73,7 @@ impl Topic for OpacityShadowTopic<'_> {
         let (width, height) = (self.recipe.judge.width, self.recipe.judge.height);
         Plan {
             topic: "opacity-shadow",
-            title: format!("{} as single strands, {width}x{height} pixels: shadows between them", self.subject.name),
+            title: format!("{} as single strands, {width}x{height} pixels: shadows between strands", self.subject.name),
             adapter: measured_on(&self.gpu.info.name),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),

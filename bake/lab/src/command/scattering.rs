@@ -48,7 +48,7 @@ impl Topic for ScatteringTopic {
         };
         Plan {
             topic: "scattering",
-            title: format!("Scattering by five fibres, over {PAIRS} pairs of directions each, against their equations"),
+            title: format!("Scattering by five fibres, {PAIRS} pairs of directions each, against the exact equations"),
             adapter: measured_on(&self.gpu.info.name),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),

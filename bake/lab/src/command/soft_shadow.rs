@@ -46,7 +46,7 @@ impl Topic for SoftShadowTopic<'_> {
         Plan {
             topic: "soft-shadow",
             title: format!(
-                "{}, {triangles} triangles: soft shadows on its skin against a disc light",
+                "{}, {triangles} triangles: soft shadows on the skin against a traced disc light",
                 self.subject.name
             ),
             adapter: measured_on(&self.gpu.info.name),

@@ -102,7 +102,7 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
         || args.part
         || !args.from.is_empty()
     {
-        return Err(Failure::Usage("chart stability takes neither model nor recipe: its rows bring their own".into()));
+        return Err(Failure::Usage("chart stability takes neither model nor recipe: its inputs are built in".into()));
     }
     let mut table = Table::default();
     let numbers: BTreeSet<usize> = args.numbers(ROWS.len() + DRAWN_ROWS.len())?.collect();

@@ -100,7 +100,7 @@ impl Topic for StrandsTopic<'_> {
         Plan {
             topic: "strands",
             title: format!(
-                "{}, close and from twice to an eighth of {}x{} pixels: strands and layers against the true strands",
+                "{}, in close-up and at 2 to 1/8 times {}x{} pixels: strands and layers against the true strands",
                 self.subject.name, judge.width, judge.height
             ),
             adapter: measured_on(&self.gpu.info.name),

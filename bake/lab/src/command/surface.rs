@@ -41,7 +41,7 @@ impl Topic for SurfaceTopic<'_> {
         let triangles = subject.model.mesh.triangles.len();
         Plan {
             topic: "surface",
-            title: format!("{}, {triangles} triangles: what fewer seams cost in distortion", subject.name),
+            title: format!("{}, {triangles} triangles: distortion against seam length", subject.name),
             adapter: processor(),
             columns: surface::COLUMNS.to_vec(),
             panels: surface::PANELS.to_vec(),
@@ -52,7 +52,7 @@ impl Topic for SurfaceTopic<'_> {
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
         let recipe = &self.configurations[index].recipe;
         let Subject { file, model, images, .. } = self.subject;
-        doing("laying the tile");
+        doing("mapping the tile onto the surface");
         let (mut seconds, mut measures) = (Vec::new(), None);
         while seconds.len() < RUNS && seconds.iter().sum::<f64>() < LONG_S {
             let begun = Instant::now();

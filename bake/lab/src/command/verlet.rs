@@ -42,7 +42,7 @@ impl Topic for VerletTopic {
         let points = POINTS.map(|points| points.to_string()).join(", ");
         Plan {
             topic: "verlet",
-            title: format!("Guides of {points} points: a head that turns, a gallop, gusts, {SECONDS} s each"),
+            title: format!("Motion of guides with {points} points: turning head, gallop and gusts, {SECONDS} s each"),
             adapter: measured_on("CPU, one thread"),
             columns: COLUMNS.to_vec(),
             panels: PANELS.to_vec(),

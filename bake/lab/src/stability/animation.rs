@@ -13,9 +13,9 @@ use pelage_runtime::shared::tile_frame::{any_perpendicular, orthonormal_tangent}
 pub const ROW: Row = Row {
     method: "animation",
     cliff: "mirrored, flattened and collapsed joints; broken joints of weight 0; vertices without weight",
-    naive: "the joint's matrix, its inverse transpose or its cofactors on normals; the plain weighted sum",
-    safe: "cofactors without their sign, the original normal where none remains; joints of weight 0 skipped; \
-           no weight, no motion",
+    naive: "normals: joint matrix, inverse transpose or cofactor matrix; blended matrix: plain weighted sum",
+    safe: "normals: cofactor matrix corrected for mirroring, or the original normal if the result is zero; \
+           joints of weight 0: skipped; vertices without weight: not moved",
     drive,
 };
 
@@ -114,19 +114,19 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     };
     Ok(vec![
         finding(
-            "9 joints, non-uniform to collapsed, 1000 normals each",
-            "normals and tangents not of unit length, or not a number",
+            "9 joints from non-uniform scale to collapsed, 1000 normals each",
+            "normals and tangents that are NaN or not of unit length",
             not_unit(),
             1000.0,
         ),
         finding(
-            "those of the 9 joints that keep a volume, mirrored ones included",
+            "joints with |determinant| > 1e-6, mirrored ones included",
             "normals that point inward",
             inward(),
             1000.0,
         ),
         finding(
-            "a joint of weight 0 whose matrix is not a number",
+            "a joint of weight 0 whose matrix contains NaN",
             "distance from the correct position, metres",
             broken_joint(),
             1.0,

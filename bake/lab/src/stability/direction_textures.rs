@@ -15,7 +15,7 @@ pub const ROW: Row = Row {
     method: "direction textures",
     cliff: "filtered tangents of opposing hairs cancel",
     naive: "normalise the mean",
-    safe: "keep its length as confidence, fall back to upright",
+    safe: "keep the mean's length as a confidence, fall back to the surface normal",
     drive,
 };
 
@@ -70,7 +70,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     }
     Ok(vec![Finding {
         case: "two hairs crossing at 0..=90 degrees".into(),
-        measure: "wrong directions of 91",
+        measure: "wrong directions, out of 91",
         naive: naive_wrong as f64,
         safe: safe_wrong as f64,
         bound: 0.0,

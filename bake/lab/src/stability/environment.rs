@@ -19,12 +19,12 @@ use std::f64::consts::TAU;
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "light from a sky",
-    cliff: "narrow lobes, indices that pass 2, light along the hair, negative light, \
+    cliff: "narrow lobes, effective refractive indices crossing 2, light along the hair, negative light, \
             a sun on the horizon and the seam, black and broken panoramas",
-    naive: "exp(-k) I0(k) in 32 bits, Gaussians for TRT, azimuths by normalised parts, \
-            plain least squares, a mean of columns, means over sums",
-    safe: "scaled I0, sums of cosines, a fixed azimuth where none is defined, no negative lobes, \
-           a mean of directions, invalid pixels replaced",
+    naive: "exp(-k) I0(k) in 32 bits, Gaussians for TRT, azimuths from normalised components, \
+            plain least squares, the sun as a mean of columns, means divided by a sum that may be 0",
+    safe: "scaled I0, sums of cosines, a fixed azimuth where none is defined, non-negative lobes, \
+           the sun as a mean of directions, invalid pixels replaced",
     drive,
 };
 
@@ -71,7 +71,7 @@ fn narrow_lights() -> Finding {
     };
     Finding {
         case: "lights of half a degree to 60 degrees".into(),
-        measure: "lights whose strength is not a number, or off by a thousandth",
+        measure: "lights whose strength is NaN, or wrong by a thousandth or more",
         naive: wrong(&naive),
         safe: wrong(&i0e),
         bound: 0.0,
@@ -123,7 +123,7 @@ fn merging_glints() -> Finding {
         safe = safe.max((exact.scatter([0.2; 3], DVec3::Y, light, *eye)[0] / truth - 1.0).abs());
     }
     Finding {
-        case: "a light of 10 degrees, difference angles where the index across the fibre passes 2".into(),
+        case: "a light of 10 degrees, difference angles where the effective refractive index crosses 2".into(),
         measure: "largest relative error of the light scattered to the eye",
         naive,
         safe,
@@ -162,8 +162,8 @@ fn along_the_hair() -> Finding {
     let bad = cases().filter(|(tip, light, eye, _)| !(-1.0..=1.0).contains(&naive(*tip, *light, *eye))).count();
     let wrong = cases().filter(|(tip, light, eye, aside)| !ours(*tip, *light, *eye, *aside)).count();
     Finding {
-        case: "400 hairs along the middle of a light of 27 degrees".into(),
-        measure: "azimuths that are undefined, or that change the seen light by a hundredth",
+        case: "400 hairs parallel to the central direction of a light of 27 degrees".into(),
+        measure: "undefined azimuths, or jumps of the scattered light by 1 % or more",
         naive: bad as f64,
         safe: wrong as f64,
         bound: 0.0,
@@ -207,7 +207,7 @@ fn negative_light() -> Result<Finding, BakeError> {
     };
     Ok(Finding {
         case: "a lamp of 7 degrees in a dark ring in a pale room".into(),
-        measure: "most negative radiance, relative to the radiance 1 of the walls",
+        measure: "most negative radiance; the walls have radiance 1",
         naive: least(&naive),
         safe: least(&|way| brightness(fitted.environment.radiance(way))),
         bound: 0.0,
@@ -278,7 +278,7 @@ fn black() -> Result<Finding, BakeError> {
     let naive = (middle / all).to_array().into_iter().chain([1.0 / all]);
     Ok(Finding {
         case: "a black picture".into(),
-        measure: "numbers of its lights that are not finite",
+        measure: "values of its lights that are not finite",
         naive: count_not_finite(naive),
         safe: count_not_finite(numbers_of(&black)),
         bound: 0.0,
@@ -302,7 +302,7 @@ fn broken() -> Result<Finding, BakeError> {
     // Counts results that are not finite, and invalid pixels that were not reported as repaired.
     Ok(Finding {
         case: "a panorama with NaN, infinities and negative light".into(),
-        measure: "numbers of its lights that are invalid, and invalid pixels that are not reported",
+        measure: "invalid values in its lights, plus invalid pixels that are not reported",
         naive,
         safe: count_not_finite(numbers) + f64::from(4 - mended.mended().min(4)),
         bound: 0.0,

@@ -18,9 +18,9 @@ use std::f32::consts::TAU;
 pub const ROW: Row = Row {
     method: "hair in motion",
     cliff: "long guides, stiff springs, frames of varying length, colliders, roots that jump",
-    naive: "Verlet over the whole frame, a share of the speed lost per step, four sweeps over spheres and lengths",
-    safe: "steps of 1/120 s, damping by rates, implicit springs, tensions solved for, \
-           out of spheres at the right length",
+    naive: "Verlet, one step per frame, a fraction of the speed lost per step, four sweeps over spheres and lengths",
+    safe: "steps of 1/120 s, damping per unit of time, implicit springs, a linear solve for tensions, \
+           spheres resolved at constant segment length",
     drive,
 };
 
@@ -209,7 +209,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let finding = |case: &str, measure: &'static str, (naive, safe): (f64, f64), bound: f64, fails_above: f64| {
         Finding { case: case.into(), measure, naive, safe, bound, fails_above }
     };
-    let longer = "longest or shortest segment, relative";
+    let longer = "largest relative error of a segment's length";
     let mut out = Vec::new();
 
     let hangs = both(&base, 3.0, &|_, places| stretch(places));
@@ -233,7 +233,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let exploded = both(&stiff, 0.0, &far);
     out.push(finding(
         "frames of half a second, a spring of 5 Hz",
-        "farthest point beyond the guide's length, in lengths",
+        "largest distance from the root minus the guide's length, in guide lengths",
         exploded,
         0.01,
         1.0,
@@ -253,7 +253,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let rates = (spread(&|drive| drive.printed()), spread(&|drive| drive.ours()));
     out.push(finding(
         "5 s at 30, 60 and 144 frames per second",
-        "distance between their points, in lengths",
+        "largest distance between their points, in guide lengths",
         rates,
         0.03,
         0.1,
@@ -273,7 +273,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let pushed = both(&HangingString { points: 16, seconds: 2.0, spheres: &body, ..base }, 0.0, &inside);
     out.push(finding(
         "head and neck move through the hair",
-        "deepest point, relative to the radius",
+        "greatest penetration, as a share of the sphere's radius",
         pushed,
         0.02,
         0.05,

@@ -12,7 +12,7 @@ pub const ROW: Row = Row {
     method: "hair simulation",
     cliff: "large steps, stiff curls, strong lean",
     naive: "explicit Euler on position and velocity",
-    safe: "integrate the heading alone, by the exact solution of its relaxation",
+    safe: "integrate the direction only, with the exact solution of its relaxation",
     drive,
 };
 
@@ -99,7 +99,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     }
     let finding = |case: &str, naive: f64, fails_above: f64| Finding {
         case: format!("{case}; ours: {} extreme parameter sets", all.len()),
-        measure: "stretch of strands, relative",
+        measure: "relative stretch of strands",
         naive,
         safe,
         bound: 0.01,

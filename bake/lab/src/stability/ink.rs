@@ -18,7 +18,7 @@ pub const ROW: Row<DrawnRowTest> = Row {
     method: "ink",
     cliff: "large flat faces seen edge on: black patches",
     naive: "the sphere map alone",
-    safe: "no ink farther than half a line from a feature",
+    safe: "no ink farther than half a line width from a feature",
     drive,
 };
 

@@ -17,8 +17,9 @@ use pelage_runtime::shared::layer_shadow::{layer_transmittance, slanted_path};
 pub const ROW: Row = Row {
     method: "layer shadows",
     cliff: "light at a slant, at the horizon, and behind",
-    naive: "product of 1 - alpha; to the power of 1 / |N.L|; lit from behind",
-    safe: "(1 - alpha)^(1 / |N.L|), path length at most 4, half of the layer itself; Attenu_Back",
+    naive: "product of (1 - alpha), with or without the power 1 / |N.L|; light from behind not attenuated",
+    safe: "(1 - alpha)^(1 / |N.L|) with the path length clamped to 4; half of the receiving layer counted; \
+           light from behind attenuated by Attenu_Back",
     drive,
 };
 

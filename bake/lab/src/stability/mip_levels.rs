@@ -38,7 +38,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         let worst = |of: &dyn Fn(usize) -> f64| (1..=6).map(|l| (of(l) - truth).abs()).fold(0.0, f64::max);
         out.push(Finding {
             case: format!("{} hair, lean {lean}", style.word()),
-            measure: "mean transmittance against level 0, worst of 6 levels",
+            measure: "error of mean transmittance against level 0, worst of 6 levels",
             naive: worst(&|level| averaged(&set, level)),
             safe: worst(&|level| mean(&transmittances(&set, level))),
             bound: 0.02,

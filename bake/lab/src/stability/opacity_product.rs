@@ -96,7 +96,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     }
     Ok(vec![Finding {
         case: "faint hair, worst of 4 to 256 layers".into(),
-        measure: "coverage against f64, relative",
+        measure: "relative error of coverage against f64",
         naive,
         safe,
         bound: 0.03,

@@ -12,7 +12,7 @@ use pelage_runtime::{OpacityForm, ShadowParams};
 pub const ROW: Row = Row {
     method: "opacity shadow maps",
     cliff: "fur of 2 cm on a body 1 m deep",
-    naive: "16 planes over the whole depth; as printed, with the last one before its end",
+    naive: "16 planes over the whole depth; as published, with the last plane before the end of the depth range",
     safe: "4 slabs behind the first hair of each texel",
     drive,
 };
@@ -62,8 +62,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let behind = || (0..16).map(|k| BODY_M - FUR_HEIGHT_M - 0.02 * k as f32 / 16.0);
     let slabs = ShadowParams::default().slabs;
     let finding = |case: &str, naive, safe| Finding {
-        case: format!("{case}, {truth:.2} of the light arrives 5 mm below its surface"),
-        measure: "largest error of t there",
+        case: format!("{case}; {truth:.2} of the light arrives 5 mm below the surface of the fur"),
+        measure: "largest error of t at that depth",
         naive,
         safe,
         bound: 0.15,

@@ -53,7 +53,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         };
         Finding {
             case: format!("a parting whose hair rises {rise:.0} cm"),
-            measure: "largest share of its length that a hair loses",
+            measure: "largest relative loss of hair length",
             naive: shortened(&guides, &naive),
             safe: shortened(&guides, &ours),
             bound: 0.02,

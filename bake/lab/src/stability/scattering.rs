@@ -13,11 +13,11 @@ use std::f64::consts::PI;
 /// Row of the stability table.
 pub const ROW: Row = Row {
     method: "scattering by a fibre",
-    cliff: "light along the fibre, indices that pass 2, glints, absorption, black and white",
-    naive: "an angle of refraction for each index, exp(-2 s (1 + cos 2 g)), 1 / cos^2, tables over cos phi, \
-            caustics unchanged",
-    safe: "one angle in space, the chord, lobes that conserve energy, tables over phi, \
-           caustics spread with the light that they focus",
+    cliff: "light along the fibre, effective refractive indices crossing 2, glints, absorption, black and white fibres",
+    naive: "a refraction angle for each effective index, absorption exp(-2 s (1 + cos 2 g)), lobes over cos^2, \
+            tables over cos phi, caustics unchanged",
+    safe: "one refraction angle in space, absorption along the chord, energy-conserving lobes, tables over phi, \
+           caustics spread together with the light that they focus",
     drive,
 };
 
@@ -74,7 +74,7 @@ fn fresnel() -> Finding {
         largest(sections().map(|s| largest(gammas().map(|gamma| (form(&s, gamma) - truth(&s, gamma)).abs()))))
     };
     Finding {
-        case: "reflectance, three indices, all angles".into(),
+        case: "reflectance, three refractive indices, all angles".into(),
         measure: "largest absolute error of the reflectance",
         naive: off(&naive),
         safe: off(&|section, gamma| section.fresnel(libm::cos(gamma))),
@@ -106,8 +106,8 @@ fn chord() -> Finding {
         libm::exp(-4.0 * SIGMA * cos * cos)
     };
     Finding {
-        case: "light through a fibre with absorption 1 per radius, three indices, all angles".into(),
-        measure: "largest relative error of the light that comes out",
+        case: "light through a fibre with absorption 1 per radius, three refractive indices, all angles".into(),
+        measure: "largest relative error of the transmitted light",
         naive: off(&printed),
         safe: off(&|section, gamma| {
             PathContribution { light: 1.0, length: section.chord(libm::sin(gamma)) }.attenuated(SIGMA)
@@ -143,7 +143,7 @@ fn energy() -> Finding {
     };
     Finding {
         case: "seen from 0 to 89.5 degrees under uniform light, lobes halved as Marschner 2003 requires".into(),
-        measure: "largest share of light that is gained",
+        measure: "largest gain of light, as a share of the incident light",
         naive: whole(&printed),
         safe: whole(&|angles| fibre.along(angles)[0]),
         bound: 1e-4,
@@ -177,7 +177,7 @@ fn glints_in_tables() -> Finding {
         }))
     };
     Finding {
-        case: "a table of 128 texels of glints 5 degrees wide".into(),
+        case: "a table of 128 texels for glints 5 degrees wide".into(),
         measure: "largest error, relative to the highest value",
         naive: off(0.5 / TEXELS as f64, &|x| libm::acos((2.0 * x - 1.0).clamp(-1.0, 1.0)), &|phi| {
             0.5 + 0.5 * libm::cos(phi)
@@ -199,8 +199,8 @@ fn through_two() -> Finding {
         }))
     };
     Finding {
-        case: "difference angles where the index across the fibre passes 2".into(),
-        measure: "most light per radian, of 1",
+        case: "difference angles where the effective refractive index crosses 2".into(),
+        measure: "most light per radian, relative to the incident light",
         naive: most(false),
         safe: most(true),
         bound: 0.2,

@@ -15,8 +15,8 @@ use pelage_import::BakeError;
 pub const ROW: Row = Row {
     method: "short fur",
     cliff: "hair a quarter or a tenth as long as the tile's",
-    naive: "directions of full height",
-    safe: "z of directions scaled by the share of the length",
+    naive: "directions of the full-length hair",
+    safe: "z of directions scaled by the relative hair length",
     drive,
 };
 

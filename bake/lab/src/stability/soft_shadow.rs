@@ -13,7 +13,7 @@ pub const ROW: Row = Row {
     method: "soft shadow",
     cliff: "sd -> 0 at contacts and on lit skin; light at the horizon; the edge of the blurred map",
     naive: "1 - C_scale sw / sd, sw from the blurred map as it is",
-    safe: "bias by a texel's depth, width limited below and above, sw from the middle of the blur on",
+    safe: "depth bias of one texel, penumbra width clamped, sw counted from the middle of the blur",
     drive,
 };
 

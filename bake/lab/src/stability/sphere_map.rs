@@ -17,9 +17,9 @@ use pelage_runtime::shared::ink::{ink_sphere_uv, ink_sphere_uv_reflected};
 pub const ROW: Row = Row {
     method: "sphere map",
     cliff: "R = (0, 0, -1): m = 0; normals perpendicular to the view direction; perspective; missing normals",
-    naive: "R = (N.E)(N.E) E - E as printed, and by reflection in view space",
-    safe: "the normal in the frame perpendicular to the view direction: the outline is the rim, \
-           nothing is divided by m",
+    naive: "R = (N.E)(N.E) E - E as published, and reflection in view space",
+    safe: "the normal in the frame perpendicular to the view direction: outlines map to the rim, \
+           no division by m",
     drive,
 };
 
@@ -103,7 +103,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let empty = |form| (1.0 - distinct_cells(form, aside) as f64 / disc).max(0.0);
     Ok(vec![
         Finding {
-            case: "normals that face the eye, over a view of 60 degrees, as printed".into(),
+            case: "normals that face the eye, over a view of 60 degrees, as published".into(),
             measure: "coordinates that are not a number or outside the map",
             naive: invalid_positions(printed),
             safe: invalid_positions(perpendicular),
@@ -111,7 +111,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             fails_above: 100.0,
         },
         Finding {
-            case: "the same, 30 degrees aside, as printed".into(),
+            case: "the same, 30 degrees off axis, as published".into(),
             measure: "share of the map's disc that no normal reaches",
             naive: empty(printed),
             safe: empty(perpendicular),

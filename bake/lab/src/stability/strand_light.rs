@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Row of the stability table.
 pub const ROW: Row<DrawnRowTest> = Row {
     method: "light of strands",
-    cliff: "a few wide strands at a slant to the light, and slabs about as thick",
+    cliff: "a few wide strands at a slant to the light; slabs about as thick as a strand",
     naive: "shadow looked up on the axis of a strand",
     safe: "shadow looked up one radius towards the eye",
     drive,
@@ -57,7 +57,7 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let error = |light: f64| (light / all / truth - 1.0).abs();
     Ok(vec![Finding {
         case: format!("strands {width_px} pixels wide, {slabs} slabs, {truth:.3} of the light reaches them"),
-        measure: "mean light relative to that of the traced strands, minus 1",
+        measure: "relative error of the mean light, against the traced strands",
         naive: error(naive),
         safe: error(ours),
         bound: 0.06,

@@ -11,7 +11,7 @@ use pelage_import::BakeError;
 pub const ROW: Row = Row {
     method: "order of strands",
     cliff: "a knot whose parts occlude each other, in strands thinner than pixels",
-    naive: "at least a pixel wide, blended by width in the order of the file",
+    naive: "strands at least a pixel wide, opacity scaled by width, blended in file order",
     safe: "opaque ribbons of true width with a depth test, four samples per pixel",
     drive,
 };

@@ -141,7 +141,7 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
                 "strands {width_px} pixels wide that cover {:.2} % of the picture, one sample per pixel",
                 100.0 * truth
             ),
-            measure: "coverage relative to that of the traced strands, minus 1",
+            measure: "relative error of coverage, against the traced strands",
             naive: (widened / truth - 1.0).abs(),
             safe: (ours / truth - 1.0).abs(),
             bound: 0.03,

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 pub const ROW: Row = Row {
     method: "surface",
     cliff: "closed meshes of any genus, edges with three triangles, triangles without area",
-    naive: "one chart, half-edges in a map, gradients over the area",
+    naive: "one chart, half-edges in a map, gradients divided by the area",
     safe: "repair and count defects, grow patches that are topological discs",
     drive,
 };
@@ -165,8 +165,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         });
         let model = broken(model);
         out.push(Finding {
-            case: format!("{case} with a duplicate triangle, one without area, and a third one on an edge"),
-            measure: "half-edges lost and gradients not finite; ours: triangles flipped or without area",
+            case: format!("{case} with a duplicate triangle, a triangle without area and an edge with three triangles"),
+            measure: "lost half-edges plus non-finite gradients; ours: triangles flipped or without area",
             naive: (lost_half_edges(&model) + broken_gradients(&model)) as f64,
             safe: not_positive(&parameterize_default(&model, 0.3)?) as f64,
             bound: 0.0,

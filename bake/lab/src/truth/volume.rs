@@ -61,7 +61,7 @@ impl SampledVolume {
         let (n, layers) = (texels as usize, opacities.len());
         if n == 0 || layers == 0 || !(height.is_finite() && height > 0.0) {
             return fail(format!(
-                "found {layers} layers of {n} texels a side, {height} high, expected all of them above 0"
+                "found {layers} layers of {n} texels a side, {height} high, expected all three above 0"
             ));
         }
         if let Some(layer) = opacities.iter().position(|layer| layer.len() != n * n) {

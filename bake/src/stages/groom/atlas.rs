@@ -133,7 +133,7 @@ impl Atlas {
     pub fn warning(&self) -> Option<String> {
         (!self.is_roomy()).then(|| {
             format!(
-                "color.pattern_texels: {} texels leave gutters of {} between the pieces of skin instead of {}; \
+                "color.pattern_texels: with {} texels, gutters between atlas charts are {} texels wide instead of {}; \
                  colours may bleed into each other at a distance",
                 self.side, self.gutter, GUTTERS[0]
             )

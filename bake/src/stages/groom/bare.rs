@@ -132,7 +132,8 @@ fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
     let shares = material_area_shares(model, rest);
     let share = |m: usize| shares.get(m).copied().unwrap_or(0.0);
     let names = without_common_words(materials.iter().map(|m| vec![words(&m.name)]).collect());
-    let of_parts = without_common_words(mesh.parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
+    let of_parts =
+        without_common_words(mesh.parts.iter().map(|p| p.names.iter().map(|n| words(n)).collect()).collect());
     let mut never = vec![false; materials.len()];
     let mut why = vec![None; materials.len()];
     for m in 0..materials.len() {
@@ -266,7 +267,7 @@ fn describe_choice(materials: &[Material], why: &[Option<BareReason>], alike: &[
         .filter_map(|(material, why)| Some(format!("{} ({})", readable_name(&material.full_name()), (*why)?.words())))
         .collect();
     let mut text = match (count, bare.len()) {
-        (1, _) => "the only material furred".to_owned(),
+        (1, _) => "the only material is furred".to_owned(),
         (_, 0) => format!("all {count} materials furred"),
         (_, n) => format!("{} of {count} materials furred, {n} bare: {}", count - n, bare.join(", ")),
     };

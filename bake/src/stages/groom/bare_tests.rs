@@ -84,7 +84,7 @@ fn recipe_list_is_used_and_missed_bare_parts_are_reported() {
 #[test]
 fn name_of_the_animal_is_not_a_part_name() {
     // A single material is the animal.
-    assert_eq!(decided(&animal(&[("Horn", 1.0)])), ("the only material furred".into(), "model.bare = []".into()));
+    assert_eq!(decided(&animal(&[("Horn", 1.0)])), ("the only material is furred".into(), "model.bare = []".into()));
     // A word that all names share is ignored.
     let bighorn = animal(&[("Big_Horn_Ram", 1.0), ("Big_Horn_Ram_Eye", 0.1)]);
     assert_eq!(found(&bighorn).0.bare, ["Big_Horn_Ram_Eye"]);

@@ -249,7 +249,7 @@ fn read_guides(
         let (low, high) = bounds.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
         let reason = format!(
             "none of the {} strands in the file has its root within {loose_m:.3} m of the scalp: they extend from \
-             {low} to {high}; expected scale_m, turn_deg and at that place them on the model, whose radius is {:.3} m",
+             {low} to {high}; set scale_m, turn_deg and `at` to place them on the model, whose radius is {:.3} m",
             chosen.len(),
             ground.radius_m
         );

@@ -28,7 +28,7 @@ fn tuft_position(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut V
         let names = few.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
         let known = match all.len() {
             0 => "the model has no node with a name".to_owned(),
-            all if few.len() < all => format!("expected one of {all} such as {names}"),
+            all if few.len() < all => format!("expected one of {all} names, such as {names}"),
             _ => format!("expected one of {names}"),
         };
         return Err(format!("no joint or node is named {joint:?}, {known}"));

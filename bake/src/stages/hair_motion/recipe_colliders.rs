@@ -44,7 +44,7 @@ fn joint(table: &HairColliderParams, animation: Option<&Animation>) -> Result<u3
     };
     match (&table.joint, joints.is_empty()) {
         (None, true) => Ok(0),
-        (Some(wanted), true) => Err(format!("the model has no skeleton, expected no joint, found {wanted:?}")),
+        (Some(wanted), true) => Err(format!("found joint {wanted:?}, expected none: the model has no skeleton")),
         (None, false) => {
             let names: Vec<_> = joints.iter().map(name).collect();
             Err(format!("found no joint, expected one of {names:?}"))

@@ -68,7 +68,7 @@ fn check(key: &str, path: &str, image: &Image, grey: &Grey) -> Result<(), BakeEr
     }
     let (dark, light) = grey_range(&grey.values);
     if light - dark < LEAST_CONTRAST {
-        return fail(format!("its greys are {dark:.3} to {light:.3}, expected a painting with light and dark"));
+        return fail(format!("its greys range from {dark:.3} to {light:.3}, expected more contrast"));
     }
     Ok(())
 }

@@ -118,7 +118,7 @@ fn scan_errors_name_the_image_and_its_size() {
     let flat = Image { width: 64, height: 64, rgba: [90, 90, 90, 255].repeat(64 * 64) };
     let text = stroke_band("s.png", &flat).unwrap_err().to_string();
     assert!(
-        ["s.png", "ink.stroke_image", "0.353 to 0.353", "light and dark"].iter().all(|p| text.contains(p)),
+        ["s.png", "ink.stroke_image", "0.353 to 0.353", "more contrast"].iter().all(|p| text.contains(p)),
         "{text}"
     );
     // A transparent image has no contrast either.

@@ -121,7 +121,12 @@ impl Strands {
         let fail = |reason: String| Err(BakeError::Internal(format!("strands: {reason}")));
         let n = self.points.len();
         if self.radii.len() != n || self.colors.len() != n {
-            return fail(format!("{n} points, {} radii and {} colours", self.radii.len(), self.colors.len()));
+            return fail(format!(
+                "there are {n} points, {} radii and {} colours, expected equal \
+                 numbers",
+                self.radii.len(),
+                self.colors.len()
+            ));
         }
         let ordered = self.offsets.windows(2).all(|w| w[0] <= w[1]);
         let ends = (self.offsets.first().copied().unwrap_or(0), self.offsets.last().copied().unwrap_or(0) as usize);

@@ -110,7 +110,7 @@ impl TextureEncoder {
                 self.layers.extend(image.surfaces);
                 Ok(())
             }
-            Ok(PipelineOutput::Encoded(_)) => Err(internal("asked for texels, got a file")),
+            Ok(PipelineOutput::Encoded(_)) => Err(internal("found a file, expected texels")),
             Err(error) => Err(internal(error)),
         }
     }
@@ -143,7 +143,7 @@ impl TextureEncoder {
         let settings = ConvertSettings { container: Container::ktx2(), ..Default::default() };
         match ctt::convert(image.to_ref(), settings) {
             Ok(PipelineOutput::Encoded(bytes)) => Ok(bytes),
-            Ok(PipelineOutput::Raw(_)) => Err(internal("asked for a file, got texels")),
+            Ok(PipelineOutput::Raw(_)) => Err(internal("found texels, expected a file")),
             Err(error) => Err(internal(error)),
         }
     }
@@ -210,7 +210,7 @@ fn mip_chain(width: u32, height: u32, rgba: &[u8], color_space: ColorSpace) -> R
     let settings = ConvertSettings { container: Container::Raw, mipmap: true, ..Default::default() };
     match ctt::convert(image, settings) {
         Ok(PipelineOutput::Raw(image)) => image.surfaces.into_iter().next().ok_or_else(|| internal("no layer")),
-        Ok(PipelineOutput::Encoded(_)) => Err(internal("asked for texels, got a file")),
+        Ok(PipelineOutput::Encoded(_)) => Err(internal("found a file, expected texels")),
         Err(error) => Err(internal(error)),
     }
 }

@@ -18,7 +18,7 @@ pub use decode::decode_texture;
 pub use encode::{AlphaMode, RawLevel, TextureEncoder, encode_base_color, encode_groom};
 pub use far_fur::FarFurStats;
 pub use shells::{ShellTextures, VisibilityTexture, shell_bytes, shell_textures};
-pub use slab::{FinTextures, FIN_SLICES, FinSlice, fin_textures, fin_slice_along};
+pub use slab::{FIN_SLICES, FinSlice, FinTextures, fin_slice_along, fin_textures};
 pub use splat::extinction;
 pub(crate) use splat::weights as gaussian_weights;
 pub use volume::{Layer, ShellSet, collect_layers, slice, slice_for_package};

@@ -126,7 +126,7 @@ impl SurfaceParams {
             Comb::Marks { marks, .. } if marks.is_empty() => {
                 return fail(
                     "surface.comb_marks",
-                    "there are none with a direction, expected at least one for surface.comb = \"marks\", or lines \
+                    "found no mark with a direction, expected at least one for surface.comb = \"marks\", or lines \
                      named comb_… in the model"
                         .into(),
                 );

@@ -115,9 +115,9 @@ impl Faults {
         let said = [
             (self.zero_area, "triangles without area dropped"),
             (self.duplicate, "duplicate triangles dropped"),
-            (self.non_manifold_edges, "edges of more than two triangles split"),
-            (self.flipped, "triangles wound against their neighbours flipped"),
-            (self.one_sided_edges, "edges cut where no winding suits both sides"),
+            (self.non_manifold_edges, "edges with more than two triangles split"),
+            (self.flipped, "inconsistently wound triangles flipped"),
+            (self.one_sided_edges, "edges cut because no winding suits both sides"),
         ];
         let said: Vec<String> = said.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
         said.join(", ")

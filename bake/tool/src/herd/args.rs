@@ -21,7 +21,7 @@ pub enum Action {
     Report(HerdFiles),
 }
 
-// No doc comment: `flatten` would use it as the help text of every action.
+// Has no doc comment, because `flatten` would use it as the help text of every action.
 #[derive(Clone, Debug, Args)]
 pub struct HerdFiles {
     /// Herd file
@@ -38,8 +38,8 @@ pub struct HerdFiles {
 pub struct PlanArgs {
     #[command(flatten)]
     pub files: HerdFiles,
-    /// Only the commands that `run` would run now on this machine, according to Ninja. Includes commands that depend on
-    /// these, although Ninja skips them if their inputs come out unchanged
+    /// Print only the commands that `run` would run now on this machine, according to Ninja. Includes commands that
+    /// depend on these, although Ninja skips them if their inputs come out unchanged
     #[arg(long)]
     pub due: bool,
 }

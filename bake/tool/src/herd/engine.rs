@@ -1,4 +1,4 @@
-//! Ninja as a child process.
+//! Runs Ninja as a child process.
 
 use super::finish;
 use super::ninja_output::NinjaOutput;
@@ -13,21 +13,21 @@ use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Installation advice.
+/// Installation advice for Ninja.
 const HELP: &str =
     "it is not installed: apt-get install ninja-build, dnf install ninja-build, pacman -S ninja, brew install ninja";
 
-/// Runs commands that are not up to date on this machine: benchmarks one after another at the end, all others
+/// Runs the commands that are not up to date on this machine. Benchmarks run one by one at the end, all others
 /// concurrently.
 pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Result<NinjaOutput, Failure> {
     let (file, room) = herd.write_ninja(jobs, memory_bytes)?;
     if room.too_large > 0 {
         let (needs, has) = (human_bytes(room.too_large), human_bytes(memory_bytes));
-        output.note(&format!("note: one command is expected to need {needs}, but all of them share {has}"));
+        output.note(&format!("note: one command is expected to need {needs}, but all commands together have {has}"));
     }
     let mut ran = NinjaOutput::default();
     ninja(herd, &file, jobs, &mut ran, output)?;
-    // A failed bake is not attempted again for its benchmark.
+    // Only packages that exist are timed, so a failed bake is not repeated for its benchmark.
     let timed = herd.timed();
     if !timed.is_empty() {
         ninja(herd, &herd.write_timed(&timed, memory_bytes)?, 1, &mut ran, output)?;
@@ -35,15 +35,15 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
     Ok(ran)
 }
 
-/// Returns the names of commands that this machine would run now, including dependent commands, whose inputs may come
-/// out unchanged.
+/// Returns the names of the commands that this machine would run now. Includes commands that depend on these, although
+/// their inputs may come out unchanged.
 pub fn due(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
     let mut named = dry_run(herd, file)?;
     let timed = herd.timed();
     if !timed.is_empty() {
         named.extend(dry_run(herd, &herd.write_timed(&timed, u64::MAX)?)?);
     }
-    // Failed commands are retried, whatever Ninja concludes from their files.
+    // Failed commands are retried, even if Ninja considers their files up to date.
     let failed: BTreeSet<String> = finish::failed_before(herd).into_iter().collect();
     let makers = herd.plan.makers();
     let mut due = BTreeSet::new();
@@ -66,11 +66,11 @@ fn dry_run(herd: &Herd, file: &str) -> Result<BTreeSet<String>, Failure> {
     Ok(NinjaOutput::of(&said.stdout).tasks)
 }
 
-/// Returns a Ninja command in the herd's folder.
+/// Returns a Ninja command that runs in the herd's folder.
 pub fn command(herd: &Herd, file: &str) -> Command {
     let mut command = Command::new("ninja");
     command.current_dir(&herd.folder).args(["-f", file]);
-    // Its output is parsed, so its format is fixed, without colours.
+    // Ninja's output is parsed, so its format is fixed and has no colours.
     command.env("NINJA_STATUS", STATUS).env_remove("CLICOLOR_FORCE");
     for threads in THREADS {
         if std::env::var_os(threads).is_none() {
@@ -88,7 +88,7 @@ pub fn cannot_run(source: io::Error) -> Failure {
 
 fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut NinjaOutput, output: &mut Output) -> Result<(), Failure> {
     let mut command = command(herd, file);
-    // Continue after failures.
+    // Ninja continues after failures.
     command.args(["-k", "0", "-j", &jobs.to_string()]);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(cannot_run)?;
@@ -114,7 +114,7 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut NinjaOutput, output: &mut
     let status = child.wait().map_err(|source| io_error(Path::new("ninja"), "run", source))?;
     let errors = errors.join().ok().flatten().unwrap_or_default();
     faults.extend(errors.lines().filter(|line| line.starts_with("ninja: ")).map(str::to_owned));
-    // A failed command is reported by its own record; errors of Ninja itself are reported here.
+    // Failed commands are reported by their own records. Only errors of Ninja itself are reported here.
     if status.code() != Some(0) && !faults.is_empty() {
         return Err(io_error(&herd.path(file), "run ninja on", io::Error::other(faults.join("; "))));
     }

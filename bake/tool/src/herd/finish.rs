@@ -21,10 +21,9 @@ use std::path::{Path, PathBuf};
 
 /// Longer side of a thumbnail, pixels.
 const THUMB: u32 = 224;
-/// Largest number of rows with embedded thumbnails; larger reports load the pictures themselves as they scroll into
-/// view.
+/// Number of rows up to which thumbnails are embedded. In larger reports, pictures are loaded as they scroll into view.
 const MOST_ROWS: usize = 1000;
-/// Grey value behind transparent thumbnails.
+/// Background of transparent thumbnails, a grey value 0..=255.
 const GREY: u8 = 128;
 /// Number of failures that are listed individually.
 const TOLD: usize = 20;
@@ -33,12 +32,12 @@ fn failures_file(own: &str) -> String {
     format!("{own}/failures.json")
 }
 
-/// Returns the file with the key of the report's inputs, in the herd's internal folder.
+/// Returns the file that contains the key of the report's inputs, in the herd's internal folder.
 fn key_file(own: &str) -> String {
     format!("{own}/report.key")
 }
 
-/// Marks the report as outdated, so that it is rewritten however this run ends.
+/// Marks the report as outdated. It is then rewritten even if this run is interrupted.
 pub fn mark_report_outdated(herd: &Herd) -> Result<(), Failure> {
     remove(&herd.path(&key_file(&herd.internal_folder())))
 }
@@ -50,12 +49,12 @@ fn remove(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Returns the records of commands that had failed when the report was written.
+/// Returns the record files of the commands that had failed when the report was written.
 pub fn failed_before(herd: &Herd) -> Vec<String> {
     saved_state::read(&herd.path(&failures_file(&herd.internal_folder())))
 }
 
-/// Removes the records of failed commands, so that no engine considers these done.
+/// Removes the records of failed commands, so that no engine considers these commands done.
 pub fn forget_failures(herd: &Herd) -> Result<(), Failure> {
     failed_before(herd).iter().try_for_each(|record| remove(&herd.path(record)))
 }
@@ -72,7 +71,7 @@ fn outcomes(herd: &Herd, ran: &NinjaOutput) -> Result<Vec<Option<CommandOutcome>
     herd.plan.tasks.par_iter().map(of).collect()
 }
 
-/// Writes the record of a command that ended without one.
+/// Writes a record for a command that ended without writing one.
 fn write_missing_record(herd: &Herd, task: &Task, last_words: &str) -> Result<(), Failure> {
     let mut why =
         "it ended without a record or a message: probably it was killed, perhaps for lack of memory".to_owned();
@@ -91,7 +90,7 @@ pub fn finish(herd: &Herd, ran: &NinjaOutput, output: &mut Output) -> Result<Exi
     let key_file = herd.path(&key_file(&own));
     let known = page.is_file() && std::fs::read_to_string(&key_file).is_ok_and(|key| key == plan);
     if ran.tasks.is_empty() && known && failed_before(herd).is_empty() {
-        // Large herds have very many records, all of which report success here, so they are not read.
+        // Reading the records of a large herd takes long, and is unnecessary here: all report success.
         let all = herd.plan.tasks.len();
         let counts = HerdTasks { all, done: all, ..HerdTasks::default() };
         return print_summary(herd, counts, &[], (0, 0), &page, output);
@@ -107,7 +106,7 @@ pub fn finish(herd: &Herd, ran: &NinjaOutput, output: &mut Output) -> Result<Exi
     thumbs.tidy();
     let mut history = herd.history.clone();
     for (task, became) in herd.plan.tasks.iter().zip(&became) {
-        // A cache hit says nothing about the cost of the command.
+        // The time of a cache hit is not the cost of the command.
         if let Some(became) = became.as_ref().filter(|became| became.exit_code == 0 && !became.cached) {
             let peak_bytes = became.peak_bytes.unwrap_or(task.expected.peak_bytes);
             history.insert(task.name.clone(), CommandCost { seconds: became.seconds, peak_bytes });
@@ -135,7 +134,7 @@ pub fn finish(herd: &Herd, ran: &NinjaOutput, output: &mut Output) -> Result<Exi
     print_summary(herd, counts, &failures, ran, &page, output)
 }
 
-/// Returns a key of the parts of a plan that the report shows.
+/// Returns a key of the parts of the plan that the report shows.
 fn plan_key(herd: &Herd) -> Result<String, Failure> {
     let shown: Vec<_> = herd.plan.tasks.iter().map(|task| (&task.name, &task.words)).collect();
     let text = serde_json::to_vec(&(&herd.title, &herd.plan.rows, shown, &herd.tool));
@@ -181,12 +180,12 @@ fn print_summary(
     let models = herd.plan.rows.len();
     let result = HerdResult::Run { report, models, ran, cached, tasks, failures: failures_told };
     output.result(&lines.join("\n"), &result)?;
-    // The exit code is that of the first failure; a difference counts only if nothing failed.
+    // The exit code is that of the first failure. A comparison over its limit counts only if nothing failed.
     let code = failures.first().map_or(if missing > 0 { Exit::FileSystem as u8 } else { 0 }, |(_, exit, _)| *exit);
     Ok(Exit::of(code).unwrap_or(Exit::Internal))
 }
 
-/// Cache of thumbnails, each made once per picture.
+/// Thumbnail cache: each picture's thumbnail is made once.
 struct Thumbs<'a> {
     herd: &'a Herd,
     folder: PathBuf,
@@ -213,7 +212,7 @@ impl<'a> Thumbs<'a> {
         let kept = self.folder.join(&name);
         let bytes = std::fs::read(&kept).ok().or_else(|| {
             let bytes = small(&path)?;
-            // If it cannot be stored, it is made again next time.
+            // If the thumbnail cannot be stored, it is made again next time.
             let _ = io::write_atomic(&kept, &bytes);
             Some(bytes)
         })?;
@@ -233,7 +232,7 @@ impl<'a> Thumbs<'a> {
     }
 }
 
-/// Returns a picture as a small JPEG, over grey.
+/// Returns a picture as a small JPEG, composited over grey.
 fn small(path: &Path) -> Option<Vec<u8>> {
     let picture = image::open(path).ok()?;
     let picture = if picture.width().max(picture.height()) > THUMB {

@@ -1,4 +1,4 @@
-//! Cores and memory of this machine.
+//! Numbers of cores and bytes of memory available on this machine.
 
 use std::thread::available_parallelism;
 
@@ -10,7 +10,7 @@ pub fn cores() -> u32 {
     available_parallelism().map_or(1, |cores| cores.get() as u32)
 }
 
-/// Returns the memory available to commands, bytes: free memory, or what is left of this process's control group.
+/// Returns the memory available to commands, bytes: the free memory, or less if this process's control group limits it.
 pub fn free_bytes() -> u64 {
     let meminfo = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let free = available(&meminfo).unwrap_or(UNKNOWN);
@@ -22,7 +22,7 @@ pub fn free_bytes() -> u64 {
     left.map_or(free, |left| left.min(free))
 }
 
-/// Parses the available memory from /proc/meminfo.
+/// Parses `MemAvailable` from the text of /proc/meminfo.
 fn available(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)

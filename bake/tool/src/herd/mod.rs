@@ -1,4 +1,4 @@
-//! `pelage herd`: processes thousands of models with existing execution engines.
+//! `pelage herd`: processes many models with Ninja or Slurm.
 
 mod args;
 mod engine;
@@ -28,7 +28,7 @@ pub use result::HerdResult;
 /// Runs the subcommand.
 ///
 /// * `cache`: cache folder for all commands
-/// * `refusal`: returns the reason that the tool refuses a command line
+/// * `refusal`: returns the error message if the tool rejects a command line
 pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output: &mut Output) -> Result<Exit, Failure> {
     let read = |files: &HerdFiles| Herd::read(files, cache, refusal);
     match &args.action {
@@ -37,7 +37,7 @@ pub fn run(args: &HerdArgs, cache: Option<&Path>, refusal: &Refusal<'_>, output:
         Action::Report(files) => {
             output.progress("reading the results");
             let herd = read(files)?;
-            // The outcome of a detached submission is only in the cluster's logs.
+            // Only the cluster's logs contain the outcome of a detached submission.
             let ran = slurm::read_logs(&herd).failures_alone();
             finish::finish(&herd, &ran, output)
         }
@@ -71,7 +71,7 @@ fn say_plan(herd: &Herd, args: &PlanArgs, output: &mut Output) -> Result<Exit, F
     Ok(Exit::Done)
 }
 
-/// Summarises the commands of each kind.
+/// Returns the number and expected cost of the commands of each kind.
 fn kinds(tasks: &[&Task]) -> Vec<KindSummary> {
     let mut kinds: BTreeMap<Kind, KindSummary> = BTreeMap::new();
     for task in tasks {

@@ -1,4 +1,4 @@
-//! Discovery of models.
+//! Finds the models of a herd on disk.
 
 use super::paths::utf8;
 use crate::exit::Failure;
@@ -9,8 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use walkdir::WalkDir;
 
-/// Finds the models of a herd, sorted by path. Folders whose names begin with a dot, and the output folder, are
-/// skipped.
+/// Finds the models of a herd, sorted by path. Skips the output folder, and folders whose names begin with a dot.
 ///
 /// * `source`: the herd file, for messages
 /// * `folder`: folder of the herd file

@@ -3,19 +3,19 @@
 use pelage_herd::Task;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Commands run by Ninja and their failures, parsed from its output.
+/// Commands that Ninja ran and their failures, parsed from its output.
 #[derive(Clone, Debug, Default)]
 pub struct NinjaOutput {
-    /// Names of commands that were run.
+    /// Names of the commands that were run.
     pub tasks: BTreeSet<String>,
-    /// Last lines of each failed command, after the command line, by the files that it would have made.
+    /// Last lines that each failed command printed, by its output files as Ninja lists them.
     failed: BTreeMap<String, Vec<String>>,
-    /// Failed command whose output is being read.
+    /// Output files of the failed command whose lines are being read.
     open: Option<String>,
 }
 
 impl NinjaOutput {
-    /// Number of last lines kept per command.
+    /// Number of last lines kept for each failed command.
     const LINES: usize = 3;
 
     /// Parses Ninja's output.
@@ -25,22 +25,22 @@ impl NinjaOutput {
         ran
     }
 
-    /// Parses several lines.
+    /// Parses complete lines.
     pub fn parse(&mut self, lines: &[u8]) {
         for line in String::from_utf8_lossy(lines).lines() {
             self.parse_line(line);
         }
     }
 
-    /// Parses a line. Returns the number of finished commands, the total and the command's name if it is a status line.
-    /// For a failed command Ninja prints its files, then the command line, then its output.
+    /// Parses a line. For a status line, returns the number of finished commands, the total and the command's name. For
+    /// a failed command, Ninja prints its output files, then the command line, then what it printed.
     pub fn parse_line<'a>(&mut self, line: &'a str) -> Option<(usize, usize, &'a str)> {
         let said = status(line);
         if let Some((.., task)) = said {
             self.tasks.insert(task.to_owned());
             self.open = None;
         } else if let Some(files) = line.strip_prefix("FAILED: ") {
-            // Later versions print the exit code first.
+            // Later versions of Ninja print the exit code before the files.
             let code = files.strip_prefix("[code=").and_then(|rest| rest.split_once("] "));
             let files = code.map_or(files, |(_, files)| files).trim();
             self.failed.insert(files.to_owned(), Vec::new());
@@ -58,19 +58,19 @@ impl NinjaOutput {
         said
     }
 
-    /// Returns the failures without the names of the commands that were run.
+    /// Returns only the failures, without the names of the commands that were run.
     pub fn failures_alone(self) -> Self {
         Self { tasks: BTreeSet::new(), ..self }
     }
 
-    /// Returns the last lines of a failed command, possibly empty.
+    /// Returns the last lines that a failed command printed, possibly empty; `None` if the command did not fail.
     pub fn last_words(&self, task: &Task) -> Option<String> {
         let files: Vec<&str> = task.outputs.iter().chain([&task.record]).map(String::as_str).collect();
         Some(self.failed.get(&files.join(" "))?.get(1..).unwrap_or_default().join("; "))
     }
 }
 
-/// Parses `[3/10] bake fox`: finished commands, total, and name.
+/// Parses a status line such as `[3/10] bake fox`: finished commands, total, and name.
 fn status(line: &str) -> Option<(usize, usize, &str)> {
     let (count, task) = line.strip_prefix('[')?.split_once("] ")?;
     let (done, total) = count.split_once('/')?;

@@ -15,24 +15,24 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Returns the reason that the tool refuses a command line, if it does.
+/// Returns the error message if the tool rejects a command line.
 pub type Refusal<'a> = dyn Fn(&[String]) -> Option<String> + 'a;
 
-/// Herd on disk.
+/// Herd as found on disk.
 pub struct Herd {
-    /// Absolute folder of its file; commands run there.
+    /// Absolute path of the herd file's folder, in which commands run.
     pub folder: PathBuf,
-    /// Title of the report.
+    /// Title of the HTML report.
     pub title: String,
     /// Planned commands.
     pub plan: Plan,
-    /// Measured cost of earlier runs.
+    /// Measured cost of earlier runs, by task name.
     pub history: History,
     /// Cache folder, relative to `folder`.
     pub cache: Option<String>,
-    /// Absolute path of the tool.
+    /// Absolute path of the `pelage` program.
     pub tool: String,
-    /// Warnings about entries of the herd file without effect.
+    /// Warnings about unused entries of the herd file.
     pub idle: Vec<String>,
 }
 
@@ -69,7 +69,7 @@ impl Herd {
         Ok(Self { folder, title, plan, history, cache, tool, idle })
     }
 
-    /// Returns the path on disk of a path in the plan.
+    /// Converts a path of the plan to a path on disk.
     pub fn path(&self, path: &str) -> PathBuf {
         self.folder.join(path)
     }
@@ -79,7 +79,7 @@ impl Herd {
         Plan::own_folder(&self.plan.out)
     }
 
-    /// Creates the folders that commands write into, and removes temporary files from existing ones.
+    /// Creates the folders for the outputs of commands, and removes temporary files from folders that already exist.
     pub fn make_folders(&self) -> Result<(), Failure> {
         let files = self.plan.tasks.iter().flat_map(|task| {
             task.outputs.iter().chain([&task.record]).chain(&task.depfile).filter_map(|file| Path::new(file).parent())
@@ -96,19 +96,19 @@ impl Herd {
         Ok(())
     }
 
-    /// Prints the warnings about entries of the herd file without effect.
+    /// Prints the warnings about unused entries of the herd file.
     pub fn say_idle(&self, output: &Output) {
         self.idle.iter().for_each(|idle| output.note(&format!("note: {idle}")));
     }
 
-    /// Returns the benchmark tasks whose packages exist; a failed bake cannot be timed.
+    /// Returns the benchmark tasks whose packages exist. A package is missing if its bake failed.
     pub fn timed(&self) -> Vec<&Task> {
         let there =
             |task: &&Task| task.kind == Kind::Bench && task.inputs.iter().all(|input| self.path(input).is_file());
         self.plan.tasks.iter().filter(there).collect()
     }
 
-    /// Writes the build file of the benchmarks, to run one after another; returns its name.
+    /// Writes the build file that runs the benchmarks one by one; returns its name.
     pub fn write_timed(&self, timed: &[&Task], memory_bytes: u64) -> Result<String, Failure> {
         let own = format!("{}/timed", self.internal_folder());
         let name = format!("{own}/build.ninja");
@@ -127,7 +127,7 @@ impl Herd {
         Ok((name, room))
     }
 
-    /// Writes a build file of some tasks, with `own` as the folder of Ninja's log.
+    /// Writes a build file for some tasks; `own` is the folder of Ninja's log.
     pub fn write_build(
         &self,
         name: &str,
@@ -144,7 +144,7 @@ impl Herd {
 /// Age after which an unchanged temporary file is considered abandoned.
 const ABANDONED: Duration = Duration::from_secs(600);
 
-/// Removes temporary files left by killed commands; errors are ignored.
+/// Removes temporary files of commands that were killed; ignores errors.
 fn remove_temp_files(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -156,8 +156,8 @@ fn remove_temp_files(folder: &Path) {
     }
 }
 
-/// Checks that recipes and looks exist before anything starts, because no engine can report which herd file entry names
-/// a missing file.
+/// Checks before anything runs that recipe and look files exist: an engine could not report which entry of the herd
+/// file names the missing file.
 fn check_files(source: TomlText<'_>, file: &HerdFile, folder: &Path) -> Result<(), Failure> {
     let recipes = file.recipe_files().filter(|(_, path, _)| !path.contains(NAME)).map(|(key, path, _)| (key, path));
     let looks = file.views.iter().enumerate();
@@ -171,7 +171,7 @@ fn check_files(source: TomlText<'_>, file: &HerdFile, folder: &Path) -> Result<(
     }
 }
 
-/// Returns the file with the measured cost of commands, in the herd's internal folder.
+/// Returns the file for the measured cost of commands, in the herd's internal folder.
 pub fn history_file(own: &str) -> String {
     format!("{own}/history.json")
 }

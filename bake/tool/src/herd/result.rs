@@ -3,7 +3,7 @@
 use pelage_herd::{Kind, Row, Task};
 use serde::Serialize;
 
-/// Commands of a herd (`plan`), their outcome (`run`, also of `pelage herd report`), or the jobs submitted to Slurm.
+/// Result of `plan`, of `run` and `report`, or of a submission to Slurm.
 ///
 /// Exit code of `run`: that of the first command that failed; 7 if only comparisons exceeded their limit.
 #[derive(Serialize)]
@@ -12,30 +12,30 @@ use serde::Serialize;
 pub enum HerdResult<'a> {
     /// Plan of a herd.
     Plan {
-        /// Absolute path of the folder that commands run in.
+        /// Absolute path of the folder in which commands run.
         folder: String,
-        /// Build file of Ninja, relative to that folder.
+        /// Ninja build file, relative to `folder`.
         ninja: String,
         /// Models, each in each of its variants.
         rows: &'a [Row],
         /// Commands, with the files that each reads and writes.
         tasks: Vec<PlannedTask<'a>>,
-        /// Number and expected needs of the commands of each kind.
+        /// Number and expected cost of the commands of each kind.
         kinds: Vec<KindSummary>,
         /// Number of concurrent commands on this machine.
         jobs: u32,
-        /// Number of concurrent commands that need much memory.
+        /// Number of concurrent heavy commands on this machine.
         heavy_jobs: u32,
     },
     /// Outcome of a run.
     Run {
         /// Path of the report.
         report: String,
-        /// Number of rows.
+        /// Number of rows of the report.
         models: usize,
-        /// Commands that were run.
+        /// Number of commands that were run.
         ran: usize,
-        /// Commands among them that were cache hits.
+        /// Number of commands that were run and were cache hits.
         cached: usize,
         tasks: HerdTasks,
         /// Commands that failed, then comparisons that exceeded their limit.
@@ -43,9 +43,9 @@ pub enum HerdResult<'a> {
     },
     /// Jobs submitted to Slurm.
     Submitted {
-        /// Job numbers.
+        /// Slurm job numbers.
         jobs_submitted: Vec<String>,
-        /// Number of array tasks.
+        /// Number of array tasks, each of which runs one shard.
         shards: usize,
         /// Number of commands.
         tasks: usize,
@@ -58,20 +58,20 @@ pub enum HerdResult<'a> {
 pub struct PlannedTask<'a> {
     #[serde(flatten)]
     pub(super) task: &'a Task,
-    /// Command line.
+    /// Command line to run.
     pub(super) command: Vec<String>,
 }
 
-/// Number and expected needs of the commands of a kind.
+/// Number and expected cost of the commands of a kind.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KindSummary {
     pub(super) kind: Kind,
     /// Number of commands.
     pub(super) tasks: usize,
-    /// Total time.
+    /// Expected total time, seconds.
     pub(super) seconds: f64,
-    /// Peak memory of the largest command.
+    /// Expected peak memory of the largest command, bytes.
     pub(super) peak_bytes: u64,
 }
 
@@ -84,7 +84,7 @@ pub struct HerdTasks {
     pub(super) failed: usize,
     /// Comparisons that exceeded their limit.
     pub(super) differ: usize,
-    /// Commands that could not run.
+    /// Commands that were not run, because one that they depend on failed.
     pub(super) missing: usize,
 }
 

@@ -1,4 +1,4 @@
-//! State that a herd saves for its next run: private JSON files.
+//! State that a herd saves for its next run, in private JSON files.
 
 use crate::exit::Failure;
 use pelage_bake::io;
@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::json;
 use std::path::Path;
 
-/// Reads saved state. If it cannot be read, returns the default, which only costs time.
+/// Reads saved state. Returns the default if it cannot be read; the only loss is time.
 pub fn read<T: DeserializeOwned + Default>(path: &Path) -> T {
     serde_json::from_slice(&std::fs::read(path).unwrap_or_default()).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! Slurm, controlled by its commands.
+//! Runs commands on Slurm, through its command-line programs.
 
 use super::args::RunArgs;
 use super::engine;
@@ -20,12 +20,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// Polling interval of the queue.
+/// Polling interval of the job queue.
 const ASKED_EVERY: Duration = Duration::from_secs(2);
-/// Default size of an array job, if Slurm does not report its limit.
+/// Size limit of an array job if Slurm does not report one.
 const ARRAY: usize = 1000;
 
-/// Submits what is not up to date and waits for it; returns `None` with `--detach`.
+/// Submits the commands that are not up to date, and waits for them. With `--detach`, returns `None` without waiting.
 pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<NinjaOutput>, Failure> {
     let files = format!("{}/slurm", herd.internal_folder());
     make_folder(&herd.path(&files))?;
@@ -62,7 +62,7 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ni
             jobs.push(job);
         }
         shards.extend(open.iter().map(|shard| format!("{files}/{}-{}.done", stage.name, shard.number)));
-        // When a stage ends, the inputs of the next one are made or have been recorded as failed.
+        // Each stage waits for the jobs before it; at their end, its inputs exist or have failed.
         before.clone_from(&jobs);
         ids.extend(jobs);
     }
@@ -80,12 +80,12 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ni
     Ok(Some(read_logs(herd)))
 }
 
-/// Returns the file that lists the name prefixes of the latest submission's logs.
+/// Returns the file with the name prefixes of the logs of the latest submission.
 fn logs_file(herd: &Herd) -> PathBuf {
     herd.path(&format!("{}/slurm/logs.json", herd.internal_folder()))
 }
 
-/// Parses Ninja's output from the readable logs of the latest submission.
+/// Parses Ninja's output from the logs of the latest submission; skips logs that cannot be read.
 pub fn read_logs(herd: &Herd) -> NinjaOutput {
     let logs: Vec<String> = saved_state::read(&logs_file(herd));
     let mut ran = NinjaOutput::default();
@@ -101,7 +101,7 @@ pub fn read_logs(herd: &Herd) -> NinjaOutput {
     ran
 }
 
-/// Writes the build files of all shards; returns, for each stage, the shards that are not up to date.
+/// Writes the build files of all shards. Returns the shards of each stage that are not up to date.
 fn open_shards<'a>(
     herd: &Herd,
     files: &str,
@@ -121,7 +121,7 @@ fn open_shards<'a>(
             let own = format!("{name}.log");
             make_folder(&herd.path(&own))?;
             let tasks: Vec<&Task> = shard.tasks.iter().map(|i| &herd.plan.tasks[*i]).collect();
-            // One command at a time: Slurm allocates cores and memory.
+            // Each shard runs one command at a time, because Slurm allocates cores and memory.
             let room = ninja::ConcurrencyLimits::of(&tasks, 1, u64::MAX);
             herd.write_build(&format!("{name}.ninja"), &own, &tasks, room)?;
             let waits = tasks.iter().any(|task| task.inputs.iter().any(|input| made.contains(input.as_str())));
@@ -142,7 +142,7 @@ fn is_done(herd: &Herd, file: &str) -> Result<bool, Failure> {
     Ok(said.status.success() && String::from_utf8_lossy(&said.stdout).contains("no work to do"))
 }
 
-/// Submits an array job with a task for each of `shards`; returns its number.
+/// Submits an array job with one task for each of `shards`; returns the job number.
 fn submit(herd: &Herd, script: &str, stage: &str, shards: &[&Shard], before: &[String]) -> Result<String, Failure> {
     let mut command = Command::new("sbatch");
     command.current_dir(&herd.folder).args(["--parsable", &format!("--array=0-{}", shards.len() - 1)]);
@@ -152,11 +152,11 @@ fn submit(herd: &Herd, script: &str, stage: &str, shards: &[&Shard], before: &[S
     }
     let list = shards.iter().map(|shard| shard.number.to_string()).collect::<Vec<_>>().join(",");
     let said = answer(command.arg(script).arg(list))?;
-    // With several clusters, Slurm appends the cluster after a semicolon.
+    // On several clusters, Slurm prints the cluster's name after a semicolon.
     Ok(said.trim().split(';').next().unwrap_or_default().to_owned())
 }
 
-/// Returns the output of a Slurm command.
+/// Runs a Slurm command and returns its output.
 fn answer(command: &mut Command) -> Result<String, Failure> {
     let name = command.get_program().to_string_lossy().into_owned();
     let fail = |source| io_error(Path::new(&name), "run", source);
@@ -171,16 +171,16 @@ fn answer(command: &mut Command) -> Result<String, Failure> {
     }
 }
 
-/// Returns the largest array job that this cluster allows.
+/// Returns the size limit of array jobs on this cluster.
 fn array_size() -> usize {
     let config = answer(Command::new("scontrol").args(["show", "config"])).unwrap_or_default();
     let line = config.lines().find_map(|line| line.trim().strip_prefix("MaxArraySize"));
     let most = line.and_then(|line| line.trim().strip_prefix('=')?.trim().parse::<usize>().ok());
-    // Tasks are numbered from 0 to one less than the limit.
+    // Slurm's limit is exclusive: it applies to the task numbers, which begin at 0.
     most.map_or(ARRAY, |most| most.saturating_sub(1).max(1))
 }
 
-/// Waits until no job is in the queue.
+/// Waits until none of the jobs is in the queue.
 fn wait(herd: &Herd, ids: &[String], shards: &[String], output: &mut Output) -> Result<(), Failure> {
     let mut failed = 0;
     while !ids.is_empty() {
@@ -192,7 +192,7 @@ fn wait(herd: &Herd, ids: &[String], shards: &[String], output: &mut Output) -> 
             Ok(_) => failed = 0,
             // Slurm forgets jobs that ended long ago.
             Err(Failure::Bake(BakeError::Io { source, .. })) if source.to_string().contains("Invalid job id") => break,
-            // A controller may be temporarily unavailable.
+            // The Slurm controller may be temporarily unavailable.
             Err(error) => {
                 failed += 1;
                 if failed > 30 {

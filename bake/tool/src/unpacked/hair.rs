@@ -1,4 +1,4 @@
-//! Conversion of hair on guides, the section `HAIR`, to one `.hair` file per group with a JSON file, and back.
+//! Converts hair on guides (section `HAIR`) to one `.hair` file per group and a JSON file, and back.
 //!
 //! The `.hair` files contain the guides on the mesh at rest, metres in world space, y up; `hair.json` contains all
 //! other data of a group. An unedited guide is packed to exactly the integers it was unpacked from. Integers that
@@ -19,11 +19,11 @@ use serde_json::{Value, json};
 
 /// Name of the JSON file.
 pub const JSON: &str = "hair.json";
-/// Keys of a group: the one that its `.hair` file replaces, and the one that the JSON adds.
+/// Keys of a group in JSON: `OFFSETS` is omitted, because the `.hair` file replaces it; the other is added.
 const OFFSETS: &str = "guide_offsets";
 const EXACT: &str = "exact";
 
-/// Stored integers of a guide.
+/// Stored integers of a guide that cannot be recovered from the `.hair` file.
 #[derive(Serialize, Deserialize)]
 struct ExactGuide {
     guide: usize,
@@ -40,7 +40,7 @@ fn failed(error: impl std::fmt::Display) -> BakeError {
     BakeError::Internal(format!("writing {JSON}: {error}"))
 }
 
-/// Converts a group to JSON.
+/// Converts a group to JSON, without the data that its `.hair` file contains.
 fn described(group: &HairGroup, exact: &[ExactGuide]) -> Result<Value, BakeError> {
     let mut value = serde_json::to_value(group).map_err(failed)?;
     if let Some(object) = value.as_object_mut() {
@@ -51,7 +51,8 @@ fn described(group: &HairGroup, exact: &[ExactGuide]) -> Result<Value, BakeError
     Ok(value)
 }
 
-/// Returns names and contents of all files, the JSON first; `None` if they could not be read back to the same groups.
+/// Returns the names and contents of all files, the JSON file first. Returns `None` if reading them back would not give
+/// the same groups.
 pub fn write(groups: &[HairGroup], skin: &RestMesh) -> Result<Option<Vec<File>>, BakeError> {
     let at_rest = GuidesAtRest(skin);
     let (mut list, mut files) = (Vec::new(), Vec::new());
@@ -77,7 +78,7 @@ pub fn write(groups: &[HairGroup], skin: &RestMesh) -> Result<Option<Vec<File>>,
     Ok(same.then_some(files))
 }
 
-/// Writes the file of a group, with the radii and colours of its hairs for display; only its points are read back.
+/// Writes the `.hair` file of a group. Radii and colours are included for display; only the points are read back.
 fn shown(group: &HairGroup, guides: &[Vec<Vec3>]) -> Result<Vec<u8>, BakeError> {
     let [root, tip] = [group.root_color, group.tip_color].map(|c| Vec3::from(c.map(srgb_to_linear)));
     let mut curves = Curves::default();
@@ -108,7 +109,7 @@ pub fn read((json_file, json): &File, files: &[File], skin: &RestMesh) -> Result
         BakeError::Input { file: json_file.clone(), place: "whole file".into(), reason }
     })?;
     if list.len() != files.len() {
-        let reason = format!("{} groups, expected {}: one for each .hair", list.len(), files.len());
+        let reason = format!("found {} groups, expected {}, one for each .hair file", list.len(), files.len());
         return Err(BakeError::Input { file: json_file.clone(), place: "whole file".into(), reason });
     }
     let groups = list.iter().zip(files).enumerate();
@@ -141,12 +142,15 @@ fn group(
     let hair = HairFile::read(file, bytes)?;
     let (found, expected) = (hair.strands.len(), group.guide_roots.len());
     if found != expected {
-        let reason = format!("{found} strands, expected {expected}: /{number}/guide_roots of {JSON}");
+        let reason =
+            format!("found {found} strands, expected {expected}, the length of /{number}/guide_roots in {JSON}");
         return Err(fault(file, "byte 4".into(), reason));
     }
     if let Some(odd) = hair.strands.iter().position(|points| *points != group.guide_points) {
-        let reason =
-            format!("{} points, expected {}: /{number}/guide_points of {JSON}", hair.strands[odd], group.guide_points);
+        let reason = format!(
+            "found {} points, expected {}, as in /{number}/guide_points of {JSON}",
+            hair.strands[odd], group.guide_points
+        );
         return Err(fault(file, format!("strand {odd}"), reason));
     }
     let guides: Vec<Vec<Vec3>> = hair.ranges().map(|range| hair.points[range].to_vec()).collect();
@@ -155,7 +159,9 @@ fn group(
     for (k, ExactGuide { guide, offsets }) in exact.iter().enumerate() {
         if *guide >= expected || offsets.len() != each {
             let found = offsets.len();
-            let reason = format!("guide {guide} with {found} offsets, expected one of {expected} guides with {each}");
+            let reason = format!(
+                "found guide {guide} with {found} offsets, expected a guide below {expected} with {each} offsets"
+            );
             return Err(in_json(format!("/{EXACT}/{k}"), reason));
         }
         kept[*guide] = Some(&offsets[..]);

@@ -1,4 +1,4 @@
-//! User-editable JSON: unknown keys are refused, and errors name their location.
+//! Reads and writes JSON that users may edit: unknown keys are rejected, and errors name their location.
 
 use pelage_import::BakeError;
 use pelage_params::nearest;
@@ -15,10 +15,10 @@ pub fn to_text(value: &Value) -> String {
     format!("{value:#}\n")
 }
 
-/// Longest line on which [`to_rows`] puts a list, characters.
+/// Maximum length of a line on which [`to_rows`] puts a whole list, characters.
 const ROW: usize = 100;
 
-/// Writes JSON with short lists on one line, so that long lists of pairs of numbers stay readable.
+/// Writes JSON with short lists on one line, which keeps long lists of pairs readable.
 pub fn to_rows(value: &Value) -> String {
     fn write(value: &Value, indent: usize, out: &mut String) {
         let line = value.to_string();
@@ -54,7 +54,7 @@ pub fn to_rows(value: &Value) -> String {
     out + "\n"
 }
 
-/// Parses a whole JSON file and refuses unknown keys.
+/// Parses a JSON file and rejects unknown keys.
 pub fn parse<T: DeserializeOwned + Serialize>(file: &str, bytes: &[u8]) -> Result<T, BakeError> {
     let value = json_value(file, bytes)?;
     let parsed: T = deserialize(file, "", value.clone())?;
@@ -72,7 +72,7 @@ pub fn json_value(file: &str, bytes: &[u8]) -> Result<Value, BakeError> {
     })
 }
 
-/// Deserializes a value; `at` is its location in the file, a JSON pointer.
+/// Deserializes a value. `at` is its JSON pointer in the file, for errors.
 pub fn deserialize<T: DeserializeOwned>(file: &str, at: &str, value: Value) -> Result<T, BakeError> {
     serde_path_to_error::deserialize(value).map_err(|e| {
         let path = e.path().to_string();
@@ -83,8 +83,8 @@ pub fn deserialize<T: DeserializeOwned>(file: &str, at: &str, value: Value) -> R
     })
 }
 
-/// Compares the keys of `found` with those of `known`, the same value after a round trip. An extra key is misspelt; a
-/// missing one would be read as "none".
+/// Compares the keys of `found` with those of `known`, the same value after a round trip. An additional key is a
+/// misspelling; a missing key would be read as null.
 pub fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<(), BakeError> {
     let fail =
         |key: &str, reason: String| BakeError::Input { file: file.to_owned(), place: format!("{at}/{key}"), reason };
@@ -112,7 +112,7 @@ pub fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<
     }
 }
 
-/// Shortens 32-bit numbers to as few digits as identify them: 0.1, not 0.10000000149011612.
+/// Shortens f32 numbers to as few digits as identify them, such as 0.1 for 0.10000000149011612.
 pub fn shorten_floats(value: &mut Value) {
     match value {
         Value::Array(list) => list.iter_mut().for_each(shorten_floats),
@@ -121,7 +121,7 @@ pub fn shorten_floats(value: &mut Value) {
             let Some(wide) = number.as_f64() else { return };
             let narrow = wide as f32;
             let short = narrow.to_string().parse::<f64>().ok();
-            // Parsed as f64 and converted to f32, as in the reader; used only if that gives the same number.
+            // The reader parses f64 and converts to f32; the short form is used only if this restores the number.
             let same =
                 |s: &f64| (*s as f32).to_bits() == narrow.to_bits() && f64::from(narrow).to_bits() == wide.to_bits();
             if let Some(short) = short.filter(same).and_then(serde_json::Number::from_f64) {

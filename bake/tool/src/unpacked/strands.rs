@@ -1,7 +1,7 @@
-//! Conversion of the tile's strands, the section `STRN`, to `.hair` files with a JSON file, and back.
+//! Converts the tile's strands (section `STRN`) to `.hair` files and a JSON file, and back.
 //!
 //! `strands.hair` shows the tile on a flat surface, metres, y up: u along x, v along −z, height along y. If dry and wet
-//! hair are mixed, `strands_wet.hair` shows the same strands when wet. `strands.json` contains the data that such a
+//! hair are mixed, `strands_wet.hair` shows the same strands when wet. `strands.json` contains the data that a `.hair`
 //! file cannot hold. An unedited strand is packed to exactly the integers it was unpacked from. Integers that cannot be
 //! recovered from a `.hair` file are stored in `exact`, and are used as long as the strand still matches them.
 
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 /// Name of the JSON file.
 pub const JSON: &str = "strands.json";
-/// Names of the strand files, dry and wet.
+/// Names of the files of dry and wet strands.
 pub const FILES: [&str; 2] = ["strands.hair", "strands_wet.hair"];
 
 /// Contents of `strands.json`.
@@ -27,13 +27,13 @@ pub const FILES: [&str; 2] = ["strands.hair", "strands_wet.hair"];
 struct Document {
     /// Number of points of each strand.
     points_per_strand: u32,
-    /// Value of the largest integers of the section, tile widths. An edit that reaches farther increases it.
+    /// Length that the largest stored integer represents, tile widths. Edited strands that reach farther increase it.
     reach: f32,
     radius: f32,
     /// Width of the tile and height of the fur in the `.hair` files, metres.
     width_m: f32,
     height_m: f32,
-    /// Dry strands, then wet ones, if any.
+    /// Set of dry strands, then the set of wet strands, if any.
     sets: Vec<Set>,
 }
 
@@ -46,12 +46,13 @@ impl Document {
 
 #[derive(Default, Serialize, Deserialize)]
 struct Set {
-    /// Visibility of each strand's points to light: four bytes per point, as hexadecimal digits.
+    /// Light visibility of the points of each strand: four bytes per point, in hexadecimal.
     visibility: Vec<String>,
     exact: Vec<ExactStrand>,
 }
 
-/// Returns names and contents of all files, the JSON first; `None` if they could not be read back to the same strands.
+/// Returns the names and contents of all files, the JSON file first. Returns `None` if reading them back would not give
+/// the same strands.
 pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>, BakeError> {
     let each = strands.points_per_strand as usize;
     let mut document = Document {
@@ -59,7 +60,7 @@ pub fn write(strands: &StoredStrands, fur: &FurInfo) -> Result<Option<Vec<File>>
         reach: strands.scale.reach,
         radius: strands.scale.radius,
         width_m: fur.tile_size_m,
-        // In fur without height, strand heights are meaningless, but must be preserved.
+        // Fur of zero height needs a nonzero height here, so that the stored strand heights are preserved.
         height_m: if fur.height_m > 0.0 { fur.height_m } else { fur.tile_size_m },
         sets: Vec::new(),
     };
@@ -100,7 +101,7 @@ pub fn read((json_file, json): &File, files: &[File]) -> Result<StoredStrands, B
     let fault = |file: &str, place: String, reason: String| BakeError::Input { file: file.to_owned(), place, reason };
     let document: Document = parse(json_file, json)?;
     if document.sets.len() != files.len() {
-        let reason = format!("{} sets, expected {}: one for each .hair", document.sets.len(), files.len());
+        let reason = format!("found {} sets, expected {}, one for each .hair file", document.sets.len(), files.len());
         return Err(fault(json_file, "/sets".into(), reason));
     }
     let lengths = [("reach", document.reach), ("radius", document.radius)];
@@ -120,15 +121,18 @@ pub fn read((json_file, json): &File, files: &[File]) -> Result<StoredStrands, B
         }
         let (found, expected) = (hair.strands.len(), set.visibility.len());
         if found != expected {
-            let reason = format!("{found} strands, expected {expected}: /sets/{number}/visibility of {JSON}");
+            let reason = format!(
+                "found {found} strands, expected {expected}, the length of /sets/{number}/visibility in {JSON}"
+            );
             return Err(fault(file, "byte 4".into(), reason));
         }
         if let Some(odd) = hair.strands.iter().position(|points| *points as usize != each) {
-            let reason = format!("{} points, expected {each}: /points_per_strand of {JSON}", hair.strands[odd]);
+            let reason =
+                format!("found {} points, expected {each}, as in /points_per_strand of {JSON}", hair.strands[odd]);
             return Err(fault(file, format!("strand {odd}"), reason));
         }
         if number > 0 && found != sets[0].len() {
-            let reason = format!("{found} strands, expected {}: as many as {}", sets[0].len(), files[0].0);
+            let reason = format!("found {found} strands, expected {}, as many as in {}", sets[0].len(), files[0].0);
             return Err(fault(file, "byte 4".into(), reason));
         }
         let mut exact = vec![None; found];

@@ -1,4 +1,4 @@
-//! Conversion of the tile's strands between `.hair` coordinates and the integers of a package.
+//! Converts the tile's strands between `.hair` coordinates and the integers of a package.
 
 use glam::{DVec2, DVec3, Vec2};
 use pelage_bake::strands::CurvePoint;
@@ -6,12 +6,12 @@ use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{StoredStrandPoint, StrandPoint, StrandScale, strand_root};
 use serde::{Deserialize, Serialize};
 
-/// Stored integers of a strand.
+/// Stored integers of a strand that cannot be recovered from the `.hair` file.
 #[derive(Serialize, Deserialize)]
 pub struct ExactStrand {
     pub strand: usize,
     pub root: [u16; 2],
-    /// Offsets along u and v, height, radius.
+    /// Offsets along u and v, height, and radius of each point.
     pub points: Vec<(i16, i16, u16, u16)>,
 }
 
@@ -38,27 +38,27 @@ impl TileMapping {
         let place = DVec3::new(u * self.width_m, f64::from(found.height) * self.height_m, -v * self.width_m);
         CurvePoint {
             position_ws: place.as_vec3(),
-            // The file stores the diameter; half of it must convert back exactly.
+            // The file stores the diameter, whose half must convert back exactly.
             radius_m: (f64::from(found.radius) * self.width_m) as f32,
             color: found.color.map(srgb_to_linear).into(),
             ..CurvePoint::default()
         }
     }
 
-    /// Returns u, v and height of a file's point.
+    /// Converts a point of the file to u, v and height.
     fn in_tile(&self, point: &CurvePoint) -> DVec3 {
         let p = point.position_ws.as_dvec3();
         DVec3::new(p.x / self.width_m, -p.z / self.width_m, p.y / self.height_m)
     }
 
-    /// Returns the root at the first point of a strand, and the tile that it is in.
+    /// Returns the root position of a strand from its first point, and the tile that contains it.
     fn root(&self, first: &CurvePoint) -> ([u16; 2], DVec2) {
         let place = self.in_tile(first).truncate();
         let root = (place - place.floor()) * 65536.0;
         (root.to_array().map(|x| x as u16), place.floor())
     }
 
-    /// Reads a strand from its points, with the given root, or else the one at its first point. An error names the
+    /// Reads a strand from its points. Without a given root, the first point determines the root. The error names a
     /// point outside the fur.
     pub fn strand(
         &self,
@@ -88,7 +88,7 @@ impl TileMapping {
         }
         let (stands_on, tiles) = self.root(&points[0]);
         let (root, tiles) = match root {
-            // Wet strands have the roots of the dry ones, in the same tile or a neighbouring one.
+            // Wet strands have the same roots as dry ones, but the first point may be in a neighbouring tile.
             Some(root) => (root, (self.in_tile(&points[0]).truncate() - middle(root)).round()),
             None => (stands_on, tiles),
         };
@@ -96,7 +96,7 @@ impl TileMapping {
         let read = |(number, point): (usize, &CurvePoint)| {
             let place = self.in_tile(point);
             let aside = (place.truncate() - from).as_vec2();
-            // Tolerance that rounding removes.
+            // Excess up to half a stored unit disappears in rounding.
             let slack = 0.5 / 65535.0;
             if !(-slack..=1.0 + slack).contains(&place.z) {
                 let (found, most) = (point.position_ws.y, self.height_m as f32);
@@ -121,7 +121,7 @@ fn middle(root: [u16; 2]) -> DVec2 {
     Vec2::from(strand_root(root)).as_dvec2()
 }
 
-/// Returns a scale that holds all strands: `scale`, unless a strand exceeds it by more than rounding.
+/// Returns `scale`, or a larger scale if a strand exceeds it by more than rounding.
 pub fn scale_for(scale: StrandScale, strands: &[Strand]) -> StrandScale {
     let points = || strands.iter().flat_map(|strand| &strand.points);
     let reach = points().flat_map(|p| p.aside).map(f32::abs).fold(0.0, f32::max);

@@ -1,4 +1,4 @@
-//! Thread that holds a model and bakes it on request, recomputing only what changed.
+//! Thread that holds a model and bakes it on request. Only stages whose inputs have changed are recomputed.
 
 use pelage_bake::pipeline::{BakeInput, Baked, STAGES};
 use pelage_bake::progress::StageProgress;
@@ -16,10 +16,10 @@ use typed_arena::Arena;
 /// Polling interval of the progress of a long stage.
 const ASKED_EVERY: Duration = Duration::from_millis(100);
 
-/// Bake request.
+/// Request to bake.
 struct BakeRequest {
     recipe: Recipe,
-    /// Images; `None` for those of the previous request.
+    /// Images of the recipe; `None` reuses those of the previous request.
     images: Option<MapImages>,
 }
 
@@ -28,10 +28,10 @@ enum Answer {
     Done(Box<Result<Baked, BakeError>>),
 }
 
-/// Finished bake, and the seconds of each stage that ran.
+/// Finished bake, and the duration of each stage that ran, seconds.
 pub type Timed = (Baked, Vec<(String, f64)>);
 
-/// Handle of the thread, which ends when this is dropped.
+/// Handle of the bake thread. Dropping it ends the thread.
 pub struct BakeThread {
     orders: Sender<BakeRequest>,
     answers: Receiver<Answer>,
@@ -39,7 +39,7 @@ pub struct BakeThread {
 }
 
 impl BakeThread {
-    /// Starts the thread with a model, its file and its name.
+    /// Starts the thread with an imported model, its file and its name.
     pub fn new(file: String, name: String, model: Model) -> Self {
         let (orders, ordered) = channel();
         let (answer, answers) = channel();
@@ -49,7 +49,7 @@ impl BakeThread {
         Self { orders, answers, steps }
     }
 
-    /// Bakes the model with a recipe and images; `None` uses those of the previous bake.
+    /// Bakes the model with a recipe and images. `None` reuses the images of the previous bake.
     ///
     /// # Errors
     ///
@@ -92,7 +92,7 @@ fn bake_all(
     orders: &Receiver<BakeRequest>,
     answer: &Sender<Answer>,
 ) {
-    // Baked data refer to their recipe, so each recipe is kept as long as the model.
+    // Baked data borrow their recipe and images, so these are kept as long as the model.
     let (recipes, image_sets) = (Arena::new(), Arena::new());
     let mut images: &MapImages = image_sets.alloc(MapImages::default());
     let mut rebake = Rebake::new(model);
@@ -101,7 +101,7 @@ fn bake_all(
             images = image_sets.alloc(others);
         }
         let told = BakeInput { steps, ..BakeInput::new(file, name, recipes.alloc(order.recipe), images) };
-        // The requester may have ended in the meantime.
+        // The requester may be gone, in which case the progress report is dropped.
         let baked = rebake.bake(&told, &mut |stage| drop(answer.send(Answer::Begins(stage))));
         if answer.send(Answer::Done(Box::new(baked))).is_err() {
             return;

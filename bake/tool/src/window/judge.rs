@@ -1,4 +1,4 @@
-//! Progressive reference pictures for the window, and their difference from the drawn one.
+//! Progressive reference pictures for the window, and their difference from the drawn picture.
 
 use crate::environment::Sky;
 use crate::truth::{ReferenceTracer as TrueView, encode};
@@ -10,10 +10,11 @@ use pelage_viewer::{Outcome, Progress, ReferencePicture, ReferenceRequest, Refer
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Samples per pixel after each pass: the first gives a quick preview, the last equals `pelage reference`.
+/// Samples per pixel after each pass. The first pass gives a quick preview; the last equals the default of `pelage
+/// reference`.
 const PASSES: [u32; 4] = [1, 4, 16, 64];
 
-/// Tracer that keeps the grown strands for the next view of the same pose.
+/// Tracer that keeps the grown strands, to reuse them for the next view of the same pose.
 #[derive(Default)]
 pub struct Tracer {
     grown: Option<(ReferenceRequest, TrueView)>,
@@ -75,7 +76,7 @@ impl ReferenceSource for Tracer {
     }
 }
 
-/// Returns true if two views have the same strands in the same pose; only camera, light and picture may differ.
+/// Returns true if two requests have the same strands in the same pose. Camera, light and picture may differ.
 fn same_strands(a: &ReferenceRequest, b: &ReferenceRequest) -> bool {
     let pose = |asked: &ReferenceRequest| (asked.clip.clone(), asked.time_s, asked.look.picture.style);
     Arc::ptr_eq(&a.file, &b.file) && pose(a) == pose(b)

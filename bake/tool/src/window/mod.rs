@@ -45,7 +45,7 @@ pub struct WindowArgs {
     /// Folder for saved pictures, looks and sequences
     #[arg(long, value_name = "DIR", default_value = ".")]
     save_to: PathBuf,
-    /// Start without the panels; N shows them
+    /// Start without panels; the key N shows them
     #[arg(long)]
     no_panels: bool,
     /// Write events to this file, one line of JSON each, for scripts: adapter, made, first picture, picture, failure,
@@ -74,7 +74,8 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     };
     let studio = Studio::new(args.recipe.clone());
     if let Some(input) = &args.input {
-        // A missing or invalid input path is reported at once; errors in its contents are shown in the window.
+        // A missing or invalid input path is an error of the command. Errors in the file's contents are shown in the
+        // window.
         studio.kind_of(input)?;
     }
     let options = ViewOptions {

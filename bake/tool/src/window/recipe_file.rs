@@ -1,4 +1,4 @@
-//! Edits of a recipe file: existing keys get new values, and everything else stays as written.
+//! Edits a recipe file. Keys get new values, and everything else in the file is unchanged.
 
 use pelage_bake::io;
 use pelage_bake::recipe;
@@ -6,18 +6,18 @@ use pelage_import::BakeError;
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, Table};
 
-/// Writes changes (`key=value`) into a recipe file, creating it if missing. Returns the error if that fails.
+/// Writes the changes (`key=value`) into a recipe file, which is created if missing.
 pub fn change(path: &Path, edits: &[String]) -> Result<(), BakeError> {
     let file = path.display().to_string();
     let text = if path.exists() { io::read_text(path, "a recipe in TOML")? } else { String::new() };
     let changed =
         with(&text, edits).map_err(|(place, reason)| BakeError::Input { file: file.clone(), place, reason })?;
-    // The file is only written if the result is a valid recipe.
+    // The changed text is validated before the file is written.
     recipe::Recipe::parse(&file, &changed)?;
     io::write_atomic(path, changed.as_bytes())
 }
 
-/// Returns the text with the changes.
+/// Returns the text with the changes applied.
 fn with(text: &str, edits: &[String]) -> Result<String, (String, String)> {
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         let before = text.get(..error.span().map_or(0, |span| span.start)).unwrap_or_default();
@@ -28,7 +28,7 @@ fn with(text: &str, edits: &[String]) -> Result<String, (String, String)> {
         let (name, value) = edit.split_once('=').ok_or_else(|| fail("found no `=`, expected key=value"))?;
         let (table, key) = name.split_once('.').ok_or_else(|| fail("found no table, expected table.key=value"))?;
         let knob = recipe::keys().find(|knob| knob.name == name).ok_or_else(|| fail("unknown key"))?;
-        // On a command line, strings need no quotes.
+        // As on the command line, strings need no quotes.
         let value: toml_edit::Value = value.parse().unwrap_or_else(|_| value.into());
         let at = document.entry(table).or_insert_with(|| Item::Table(Table::new()));
         let at = at.as_table_like_mut().ok_or_else(|| fail("the name before the . is not a table in this file"))?;
@@ -37,7 +37,7 @@ fn with(text: &str, edits: &[String]) -> Result<String, (String, String)> {
             Some(old) => {
                 let decor = old.decor().clone();
                 *old = value;
-                // Keeps the comment at the end of the line.
+                // The comment at the end of the line is kept.
                 *old.decor_mut() = decor;
             }
             None => drop(at.insert(key, Item::Value(value))),

@@ -1,10 +1,10 @@
-//! Knobs of a recipe; choosing a coat changes other knobs.
+//! Knobs of a recipe. Choosing a coat changes the values of other knobs.
 
 use pelage_bake::recipe::Recipe;
 use pelage_params::{Knob, TableInfo, Tables as _};
 use pelage_viewer::Knobs;
 
-/// Recipe.
+/// Recipe whose keys are shown as knobs.
 #[derive(Clone, Debug)]
 pub struct RecipeKnobs(pub Recipe);
 
@@ -18,7 +18,7 @@ impl Knobs for RecipeKnobs {
     }
 
     fn default_value(&self, knob: &Knob) -> Option<String> {
-        // In a recipe with a coat, unset keys have the values of that coat.
+        // A recipe with a coat gets the values of that coat for its unset keys.
         let of_coat = Recipe::of_coat(self.0.hair.coat).unwrap_or_default();
         let plain = Recipe::default();
         knob.value(if knob.name == "hair.coat" { &plain } else { &of_coat })

@@ -1,4 +1,4 @@
-//! Content of the window, made from files: packages, baked models, and scenes with their packages.
+//! Content of the window, loaded from files: packages, baked models, and scenes with their packages.
 
 use super::baking::{BakeThread, Timed};
 use super::judge::Tracer;
@@ -17,7 +17,7 @@ use pelage_viewer::{Outcome, Progress, ReferenceSource, Stamp, Subject, WindowCo
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Kind of a file.
+/// Kind of an input file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Package.
@@ -30,16 +30,16 @@ pub enum Kind {
     Recipe,
 }
 
-/// Workshop of the window.
+/// Loader of the window's content.
 pub struct Studio {
     recipe: RecipeArgs,
     opened: Option<(PathBuf, Kind)>,
     baking: Option<ImportedModel>,
-    /// Files that the open content was made from, or that are missing for it.
+    /// Files that the open content was made from, including those that are missing.
     files: Vec<PathBuf>,
 }
 
-/// Imported model, and the files it was read from.
+/// Imported model, and the files that it was read from.
 struct ImportedModel {
     baking: BakeThread,
     model: Stamps,
@@ -47,20 +47,20 @@ struct ImportedModel {
     images: Stamps,
 }
 
-/// Files with their stamps when they were read.
+/// Files, each with its stamp at the time of reading.
 type Stamps = Vec<(PathBuf, Stamp)>;
 
 fn stamps(files: &[PathBuf]) -> Stamps {
     files.iter().map(|file| (file.clone(), stamp(file))).collect()
 }
 
-/// Returns true if no file has changed.
+/// Returns true if none of the files has changed.
 fn is_unchanged(before: &Stamps) -> bool {
     before.iter().all(|(file, then)| stamp(file) == *then)
 }
 
 impl Studio {
-    /// Creates a studio with nothing open; `recipe` is used for baking models.
+    /// Creates a loader without content; `recipe` is used for the first model.
     pub fn new(recipe: RecipeArgs) -> Self {
         Self { recipe, opened: None, baking: None, files: Vec::new() }
     }
@@ -75,7 +75,7 @@ impl Studio {
             "toml" => Kind::Recipe,
             "glb" | "gltf" | "obj" => Kind::Model,
             _ if bytes.starts_with(b"glTF") => Kind::Model,
-            // Opening it as a package reports what is wrong with it.
+            // Opening any other file as a package gives the error message.
             _ => Kind::Package,
         })
     }
@@ -88,7 +88,7 @@ impl Studio {
     ) -> Result<WindowContent, BakeError> {
         let file = path.display().to_string();
         self.files = [path.to_owned()].into_iter().chain(self.recipe.recipe.clone()).collect();
-        // The recipe of the file, then with the edits made in the window.
+        // `base` is the recipe on disk and on the command line, before the edits made in the window.
         let (base, _) = self.recipe.read()?;
         let set = [&self.recipe.set[..], edits].concat();
         let args = RecipeArgs { set, ..self.recipe.clone() };
@@ -108,7 +108,7 @@ impl Studio {
         let others = if is_new || now != kept.images { Some(args.images(&recipe)?) } else { None };
         kept.images = now;
         let baked = kept.baking.bake(recipe, others, progress);
-        // An internal error may have ended the thread; the next bake starts a new one.
+        // After an internal error the thread may have ended, so the next bake starts a new one.
         self.baking = Some(kept).filter(|_| !matches!(baked, Err(BakeError::Internal(_))));
         let (baked, stages): Timed = baked.map_err(|error| args.with_source(&file, error))?;
         let chosen = baked.decisions.iter().map(|d| format!("{}: {} ({})", d.what, d.chosen, d.line));
@@ -129,7 +129,7 @@ impl Studio {
         let read =
             io::read_model_noting(path, &options, self.recipe.file_access(), &mut |file| named.push(file.to_owned()));
         self.files.extend(named.iter().cloned());
-        // Stamps of the model's files, to detect later changes.
+        // The stamps are taken so that later changes of the model's files are detected.
         let model = stamps(&named);
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let baking = BakeThread::new(path.display().to_string(), name, read?);
@@ -159,7 +159,7 @@ impl Workshop for Studio {
         if kind == Kind::Recipe {
             if !matches!(self.opened, Some((_, Kind::Model))) {
                 let file = path.display();
-                return Err(format!("{file}: found a recipe, expected a model to be opened before it"));
+                return Err(format!("{file}: found a recipe, but no model is open; open a model first"));
             }
             self.recipe.recipe = Some(path.to_owned());
             return Ok(());
@@ -196,7 +196,7 @@ impl Workshop for Studio {
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf> {
         let Some((model, Kind::Model)) = &self.opened else { return Err("no model is open".into()) };
         let path = self.recipe.recipe.clone().unwrap_or_else(|| beside(model));
-        // Changes from the command line are part of what is shown, so they are saved too.
+        // Changes from the command line affect the picture as well, so they are saved with the edits.
         let all = [&self.recipe.set[..], edits].concat();
         recipe_file::change(&path, &all).map_err(|error| error.to_string())?;
         self.recipe.recipe = Some(path.clone());

@@ -1,6 +1,6 @@
 //! Advice: detail that a package has in excess or lacks on a screen, and the recipe line that would change it.
 
-use super::prognosis::{Advice, Prognosis, Saved, PrognosisView};
+use super::prognosis::{Advice, Prognosis, PrognosisView, Saved};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::metric::LEAST_HAIR_TEXELS;
 use pelage_formats::{FormatError, Manifest, Package, TextureFormat};
@@ -87,7 +87,8 @@ fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
             format!("slice.layers={enough}"),
             format!("{apart}: steps between them are visible"),
             format!(
-                "{more:.1} times the shells' fragments; without it the {now} layers look smooth from {:.2} m on",
+                "{more:.1} times as many fragments of shells; without this change, the {now} layers look smooth from \
+                 {:.2} m on",
                 fine_from_m(now)
             ),
         ));
@@ -95,7 +96,11 @@ fn close_up(manifest: &Manifest, found: &Prognosis) -> Option<Advice> {
     let most = MOST_LAYERS.max(now);
     Some(mend(
         format!("the camera: {:.2} m or more from the fur, with slice.layers={most}", fine_from_m(most)),
-        format!("too near for shells: {apart}, and {most} would still be {:.1} apart", height / f64::from(most - 1)),
+        format!(
+            "too near for shells: {apart}, and {most} layers would still be {:.1} pixels \
+             apart",
+            height / f64::from(most - 1)
+        ),
         format!("a smaller animal in the picture; the present {now} layers need {:.2} m", fine_from_m(now)),
     ))
 }
@@ -191,7 +196,7 @@ fn fins(
     Ok(Some(Advice {
         change: "fins.enabled=false".into(),
         found: format!(
-            "the fur is {:.2} pixels high at its nearest: fins never reach a pixel of their own",
+            "the fur is at most {:.2} pixels high: fins never cover a pixel of their own",
             found.on_screen.height_px
         ),
         saves: format!("{} vertices a frame, and the fins' textures", pass.vertices),
@@ -311,7 +316,7 @@ fn triangles(found: &Prognosis) -> Option<Advice> {
             100.0 * on_screen.small_triangles,
             on_screen.triangles
         ),
-        saves: format!("with half of them, half of {vertices} vertices a frame"),
+        saves: format!("half of the {vertices} vertices per frame, if half of the triangles are removed"),
         costs: "a coarser outline when the camera comes nearer".into(),
         saved: Some(Saved { vertices: vertices / 2, ..Saved::default() }),
         can_be_tried: false,

@@ -15,7 +15,7 @@ pub mod raster;
 
 pub use advice::is_harmless;
 pub use fit::fitted;
-pub use prognosis::{Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis, Saved, PrognosisView};
+pub use prognosis::{Advice, ErrorChange, Memory, OnScreen, PassWork, Prognosis, PrognosisView, Saved};
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{PlantingMesh, Roots, SurfaceWalk};
@@ -418,7 +418,7 @@ fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
     // The predicted frame draws layers, so the passes for strands do not run.
     let of_strands = |name| {
         let reason = if w.single {
-            "the prediction is for a frame of layers: --hair shells"
+            "the prediction is for a frame drawn with layers (--hair shells)"
         } else {
             "the package has no strands"
         };
@@ -474,7 +474,7 @@ fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
                 furry && w.drawn > 0,
                 format!("{} of {above} layers, {} strands in the tile", w.drawn, w.manifest.fur.strands),
                 if furry {
-                    "the fur is too small on screen: the far coat on the skin"
+                    "the fur is too small on screen: the skin shows the far coat"
                 } else {
                     "the package has no fur"
                 },

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// View for which a package is diagnosed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrognosisView {
-    /// Point at the centre of the picture, metres; must differ from `eye`.
+    /// Position of the eye, metres.
     pub eye: Vec3,
     /// Point that the camera looks at, metres; must differ from `eye`.
     pub target: Vec3,

@@ -55,7 +55,8 @@ fn prognosis(texels: u32, sets: &[&str], pixels: u32, distance_m: f32, instances
     let baked = package(texels, sets);
     let package = Package::open(&baked, &Limits::default()).unwrap();
     let eye = Vec3::new(0.3, 0.8, 1.0).normalize() * distance_m;
-    let view = PrognosisView { eye, target: Vec3::ZERO, fov_y_rad: 0.6, size: (pixels, pixels), instances, shadow_map: 512 };
+    let view =
+        PrognosisView { eye, target: Vec3::ZERO, fov_y_rad: 0.6, size: (pixels, pixels), instances, shadow_map: 512 };
     diagnose(&package, &view, &|source| BakeError::Package { file: "torus".into(), source }).unwrap()
 }
 

@@ -105,7 +105,9 @@ fn means_and_mean_squares_match_a_sum_over_directions() {
         let whole: f64 = lit().map(|(_, light)| light).sum();
         let mean = lit().map(|(way, light)| light * way.y).sum::<f64>() / whole;
         assert!((cut_gaussian_mean_cosine(sharpness) - mean).abs() < 1e-3, "{sharpness}: {mean}");
-        assert!((cut_gaussian_sharpness(cut_gaussian_mean_cosine(sharpness)) - sharpness).abs() < 1e-3 * (1.0 + sharpness));
+        assert!(
+            (cut_gaussian_sharpness(cut_gaussian_mean_cosine(sharpness)) - sharpness).abs() < 1e-3 * (1.0 + sharpness)
+        );
         for cosine in [-1.0, -0.3, 0.0, 0.6, 1.0_f64] {
             let other = DVec3::new((1.0 - cosine * cosine).sqrt(), cosine, 0.0);
             let expected = lit().map(|(way, light)| light * way.dot(other).powi(2)).sum::<f64>() / whole;

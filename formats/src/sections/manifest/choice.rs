@@ -80,14 +80,18 @@ impl Choice {
             ("max_bytes", limits.max_bytes.is_some()),
         ];
         if !given.iter().any(|(_, given)| *given) {
-            return Err("choice.limits has none, expected at least one".into());
+            return Err("choice.limits sets no limit, expected at least one".into());
         }
         if !self.binding.is_empty() && !given.contains(&(self.binding.as_str(), true)) {
             let names: Vec<_> = given.iter().filter(|(_, given)| *given).map(|(name, _)| *name).collect();
             return Err(format!("choice.binding is {:?}, expected an empty string or one of {names:?}", self.binding));
         }
         if self.width == 0 || self.height == 0 {
-            return Err(format!("choice is of {}x{} pixels, expected at least 1 of each", self.width, self.height));
+            return Err(format!(
+                "choice has a picture of {}x{} pixels, expected at least 1 each \
+                 way",
+                self.width, self.height
+            ));
         }
         for (i, trial) in self.trials.iter().enumerate() {
             number(format!("trials[{i}].error"), trial.error)?;

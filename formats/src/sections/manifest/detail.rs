@@ -76,7 +76,7 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
         };
         let coat = last && i > 0 && level.step == 0;
         if coat && !has_coat {
-            return Err(format!("detail[{i}].step is 0, expected it only beside a coat"));
+            return Err(format!("detail[{i}].step is 0, expected above 0 in a package without a coat"));
         }
         if !coat && level.step != step {
             return Err(format!("detail[{i}].step is {}, expected {step}, or 0 in the last level", level.step));
@@ -92,7 +92,7 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
             return fail(
                 "full_px",
                 level.full_px,
-                format!("more than 0 and at most {ceiling}, where the level before is gone"),
+                format!("more than 0 and at most {ceiling}, the gone_px of the level before"),
             );
         }
         if !(level.gone_px >= 0.0 && level.gone_px <= level.full_px) {

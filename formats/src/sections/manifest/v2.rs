@@ -25,7 +25,7 @@ pub(super) fn decode(offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError>
     match first_newer_field(&manifest) {
         // The section continues with bytes as in version 3.
         Some(what) => {
-            let reason = format!("bytes of {what} after the manifest of version 2, expected its end");
+            let reason = format!("bytes of {what} follow the manifest of version 2, expected none");
             Err(FormatError::Content { tag: Tag::MANIFEST, offset, reason })
         }
         None => Ok(manifest),

@@ -107,7 +107,7 @@ impl StoredStrands {
                 && p.radius >= 0.0
         });
         if !sane || !data.roots.iter().flatten().all(|x| (0.0..1.0).contains(x)) {
-            return Err("a root outside the tile, or a point that is not finite or outside the fur".into());
+            return Err("a root is outside the tile, or a point is not finite or outside the fur".into());
         }
         let most = |of: &dyn Fn(&StrandPoint) -> f32| data.points.iter().map(of).fold(0.0, f32::max);
         let scale = StrandScale {

@@ -44,8 +44,11 @@ impl<'a> Package<'a> {
             }
             let expected = if fur.wet.is_some() { 2 } else { 1 };
             if view.header.sets != expected {
-                let reason =
-                    format!("{} sets of points, expected {expected}: the manifest's fur.wet", view.header.sets);
+                let reason = format!(
+                    "{} sets of points, expected {expected} because of the manifest's \
+                         fur.wet",
+                    view.header.sets
+                );
                 return fail(8, reason);
             }
             Ok(view.header)
@@ -115,7 +118,10 @@ fn set_count(strands: usize, per_strand: u32, points: usize) -> Result<u32, Form
     match strands.checked_mul(per_strand as usize) {
         Some(of_set) if of_set > 0 && points == of_set => Ok(1),
         Some(of_set) if of_set > 0 && points / 2 == of_set && points.is_multiple_of(2) => Ok(2),
-        _ => Err(fault(format!("{points} points for {strands} strands of {per_strand}, expected one set or two"))),
+        _ => Err(fault(format!(
+            "{points} points for {strands} strands of {per_strand} points, expected one set or \
+             two"
+        ))),
     }
 }
 

@@ -123,8 +123,12 @@ impl<'a> Package<'a> {
         if (dry.components() == 2) == (wet.components() == 2) {
             return Ok(());
         }
-        let reason =
-            format!("is {}, expected as many components as {}, the directions of dry hair", wet.name(), dry.name());
+        let reason = format!(
+            "is {}, expected as many components as {}, the format of the directions of dry \
+                 hair",
+            wet.name(),
+            dry.name()
+        );
         Err(self.texture_fault(info.direction_texture, &reason))
     }
 
@@ -141,7 +145,7 @@ impl<'a> Package<'a> {
             let found = (view.width, view.height, view.layers);
             if found != size {
                 let reason = format!(
-                    "is {}x{} texels in {} layers, expected {}x{} in {} as the manifest's {whose} says",
+                    "is {}x{} texels in {} layers, expected {}x{} in {} layers, as in the manifest's {whose}",
                     found.0, found.1, found.2, size.0, size.1, size.2
                 );
                 return Err(self.texture_fault(index, &reason));
@@ -189,7 +193,8 @@ impl<'a> Package<'a> {
         if view.layers != 1 || view.format.is_srgb() {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(
-                "is {format} in {layers} layers, expected one layer that is not sRGB as groom of materials[{material}]"
+                "is {format} in {layers} layers, expected one layer in a format that is not sRGB for the groom of \
+                 materials[{material}]"
             );
             return Err(self.texture_fault(index, &reason));
         }

@@ -151,14 +151,20 @@ impl<'a> TextureView<'a> {
             // Both numbers are u32 in the file, so the sum cannot overflow.
             if length == 0 || offset < end || offset + length > self.ktx2.len() as u64 {
                 let file = self.ktx2.len();
-                let reason = format!("{what} is {length} bytes at {offset}, expected it after {end} in {file} bytes");
+                let reason = format!(
+                    "{what} has {length} bytes at byte {offset}, expected it between byte {end} and \
+                     the end of the file at {file}"
+                );
                 return Err(place.fail(at, reason));
             }
             end = offset + length;
         }
         if (index.sgd_byte_offset, index.sgd_byte_length) != (0, 0) {
             let (offset, length) = (index.sgd_byte_offset, index.sgd_byte_length);
-            let reason = format!("global data is {length} bytes at {offset}, expected none without supercompression");
+            let reason = format!(
+                "global data has {length} bytes at byte {offset}, expected none without \
+                 supercompression"
+            );
             return Err(place.fail(64, reason));
         }
         self.check_descriptor(place, index.dfd_byte_offset, index.dfd_byte_length)?;
@@ -216,7 +222,10 @@ impl<'a> TextureView<'a> {
             }
             if entry.byte_length > (self.ktx2.len() as u64).saturating_sub(start) {
                 let file = self.ktx2.len();
-                let reason = format!("level {level} is {expected} bytes at {start}, the file has {file} bytes");
+                let reason = format!(
+                    "level {level} needs {expected} bytes from byte {start} on, but the file has \
+                     {file} bytes"
+                );
                 return Err(place.fail(at, reason));
             }
             end = start + entry.byte_length;

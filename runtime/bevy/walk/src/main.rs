@@ -87,7 +87,7 @@ fn usage(fault: &str) -> ExitCode {
 /// Creates an app with the Bevy plugins that this example needs. `DefaultPlugins` of the crate `bevy` includes them.
 fn app(window: bool) -> App {
     let mut app = App::new();
-    let title = "pelage in Bevy: I ink, Space stands still, arrows move".to_owned();
+    let title = "pelage in Bevy (I: fur or ink, Space: pause, arrows: orbit and zoom)".to_owned();
     let primary_window = window.then(|| Window { title, ..Default::default() });
     let exit_condition = if window { ExitCondition::OnAllClosed } else { ExitCondition::DontExit };
     app.add_plugins((

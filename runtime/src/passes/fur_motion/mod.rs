@@ -34,8 +34,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "fur_motion",
     place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Ink],
-    does: "compute: leans fur in wind and stride, by a particle on each vertex of the skin",
-    runs_when: "frames move hair, and fur is visible, large enough and not at rest",
+    does: "compute: leans fur in the wind and as the animal moves, with one particle for each vertex of the skin",
+    runs_when: "hair motion is on, and fur is visible, large enough on screen and not at rest",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -95,7 +95,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         count += vertices;
     }
     if dispatches.is_empty() {
-        return Outcome::Skipped("no fur moves, or all of it is at rest or too small to show it");
+        return Outcome::Skipped("no fur moves, or all of it is at rest or too small on screen");
     }
     record_dispatches(frame.encoder, SHADER.name, &dispatches);
     Outcome::recorded(format!("{count} vertices"))

@@ -35,7 +35,7 @@ pub(crate) const PASS: Pass = Pass {
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: simulates hair on guides by Verlet integration, with length constraints and colliders",
-    runs_when: "hair on guides is drawn, frames move it, and it is not at rest",
+    runs_when: "hair on guides is drawn, hair motion is on, and the hair is not at rest",
     shaders: &[SHADER],
     targets: &[],
     run,

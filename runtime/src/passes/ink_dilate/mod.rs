@@ -23,7 +23,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_dilate",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
-    does: "for each pixel, finds the feature in its row whose line extends farthest over it, and counts such features",
+    does: "for each pixel, finds the feature in the same row whose line extends farthest over the pixel, and the \
+         weighted share of features within reach",
     runs_when: "the style is ink",
     shaders: &[SHADER],
     targets: &[ROWS],

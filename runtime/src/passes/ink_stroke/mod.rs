@@ -23,8 +23,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_stroke",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
-    does: "repeats the search of `ink_dilate` along columns; writes opacity and darkness of the line there: its core, \
-         and what the sphere map fills within its width",
+    does: "repeats the search of `ink_dilate` along columns, and writes opacity and darkness of the line: the brush \
+         fills its core, the sphere map the rest of its width",
     runs_when: "the style is ink",
     shaders: &[SHADER],
     targets: &[STROKES],

@@ -40,7 +40,7 @@ pub(crate) const PASS: Pass = Pass {
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "writes the transmittance of the hair above each layer, seen from the key light, into an array of R16Float \
-         maps (Yang 2006, §3); of all hair into one map where packages store how hair shadows hair",
+         maps (Yang 2006, §3). Where packages store how hair shadows hair, writes one map for all hair instead",
     runs_when: "self-shadow is on, fur is drawn, and light, pose or model changed",
     shaders: &[DEPTH, SHADER, GUIDED],
     targets: &[],

@@ -34,8 +34,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "shadow_width",
     place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare],
-    does: "draws two depth maps from the key light and makes a third by shrinking and stretching: its grey is the \
-         distance to the edge of a shadow (Yang 2006, §4)",
+    does: "draws two depth maps from the key light and derives a third map by shrinking and stretching: its grey is \
+         the distance to the edge of a shadow (Yang 2006, §4)",
     runs_when: "soft shadow is on, and light, pose or model changed",
     shaders: &[DEPTH, FILTER],
     targets: &[],

@@ -99,7 +99,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     if drawn > 0 {
         let of: u32 = instances.iter().map(|seen| seen.drawing.detail.of_layers).sum();
         let of = if any_reduced(frame) { format!(" of {of}") } else { String::new() };
-        let words = if frame.params.debug.yardstick { ", yardstick: one read, no lighting" } else { "" };
+        let words = if frame.params.debug.yardstick { ", yardstick mode: one texture read, no lighting" } else { "" };
         return Outcome::Ran(format!("{furry} instances, {drawn}{of} layers{words}"), all);
     }
     Outcome::Skipped(match (instances.is_empty(), frame.params.style.fur().and_then(|fur| fur.layers)) {
@@ -107,7 +107,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         (_, Some(1)) => "the only layer is the skin",
         _ if !instances.iter().any(VisibleInstance::in_picture) => "nothing is in the picture",
         _ if instances.iter().any(|seen| seen.look.strands) => "single strands are drawn instead",
-        _ if any_reduced(frame) => "the fur is too small on screen: far coats on the skin",
+        _ if any_reduced(frame) => "the fur is too small on screen: the skin shows the far coat",
         _ => "no package has fur",
     })
 }

@@ -21,7 +21,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "skin",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur, StyleKind::Bare],
-    does: "the opaque base mesh, depth written",
+    does: "draws the opaque base mesh and writes depth",
     runs_when: "always, except in ink",
     shaders: &[SHADER],
     targets: &[],

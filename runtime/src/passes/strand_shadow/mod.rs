@@ -54,7 +54,7 @@ const FEWEST_GUIDED: u32 = 16;
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let maps = frame.maps.clone();
     let Some((maps, deep)) = maps.as_deref().and_then(|maps| maps.deep.as_ref().map(|deep| (maps, deep))) else {
-        return Outcome::Skipped("no strands are drawn, or nothing shadows them");
+        return Outcome::Skipped("no strands are drawn, or they receive no shadows");
     };
     if !frame.redraws_maps() {
         return Outcome::Skipped("light, poses and models are unchanged");

@@ -27,7 +27,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strands",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
-    does: "draws strands one by one: opaque ribbons of true width that face the eye, depth written",
+    does: "draws strands one by one as opaque ribbons of true width that face the eye, and writes depth",
     runs_when: "single hairs are visible, the package has strands, and edges are not blended",
     shaders: &[SHADER],
     targets: &[],

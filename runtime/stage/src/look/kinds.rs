@@ -474,7 +474,7 @@ impl Item for FillLight {
             }
             Raw::Table(table) => {
                 if let Some((key, _)) = table.iter().find(|(key, _)| key != "direction" && key != "strength") {
-                    return Err(Some(format!("unknown key {key:?}, expected direction and strength")));
+                    return Err(Some(format!("unknown key {key:?}, expected direction or strength")));
                 }
                 let at = |key: &str| table.iter().find(|(name, _)| name == key).map(|(_, raw)| raw);
                 Self::of(at("direction"), at("strength")).map_err(Some)

@@ -88,7 +88,7 @@ pub(super) fn laboratory_hint(name: &str) -> Option<String> {
     let now = format!("study.{}{key}", if table == "ink" { "ink_" } else { "" });
     let is_printed = name == "study" || SHORT_FORMS.iter().any(|short| short.key == now);
     (is_printed && cfg!(not(feature = "study"))).then(|| {
-        let expected = "expected the laboratory's build, the only one that draws it: `./run chart`, `pelage-lab`";
-        format!("found a key of a form printed in a paper, {expected}")
+        let expected = "expected the laboratory's build, which alone supports it: `./run chart` or `pelage-lab`";
+        format!("found a key for a published formula, {expected}")
     })
 }

@@ -226,7 +226,7 @@ fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<CameraTrack, Stag
             path.iter().enumerate().map(key).collect()
         }
         (_, _, Some(_)) => {
-            let reason = "found a path and eye, target or fov_deg beside it, expected them in the keys of the path";
+            let reason = "found a path together with eye, target or fov_deg, expected these in the keys of the path";
             return Err(source.fault("camera", reason));
         }
         _ => return Err(source.fault("camera", "expected eye and target, or a path")),
@@ -266,7 +266,7 @@ fn check_clip(source: &TomlText<'_>, i: usize, model: &SceneModel) -> Result<(),
     match given.iter().find(|(_, given)| model.clip.is_none() && *given) {
         Some((name, _)) => {
             let key = format!("model[{i}].{name}");
-            Err(source.fault(&key, "found without a clip, expected clip beside it"))
+            Err(source.fault(&key, "found without a clip, expected a clip in the same [[model]]"))
         }
         None => Ok(()),
     }

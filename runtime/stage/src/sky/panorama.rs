@@ -36,7 +36,7 @@ impl Panorama {
         let count = u64::from(width) * u64::from(height);
         if count == 0 || count > Self::MOST_PIXELS || count != pixels.len() as u64 {
             let reason = format!(
-                "{width} x {height} pixels and {} values; expected 1 to {} pixels and one value for each",
+                "found {width} x {height} pixels and {} values, expected 1 to {} pixels and one value per pixel",
                 pixels.len(),
                 Self::MOST_PIXELS
             );

@@ -103,11 +103,11 @@ pub fn environment_to_toml(environment: &Environment) -> String {
     };
     let mut text = format!("# Radiance from everywhere, linear RGB.\neven = {}\n", list(environment.even));
     if let Some(sun) = environment.sun {
-        text += "\n# A light as small as to be one direction; colour 1 brings an irradiance of pi.\n[sun]\n";
+        text += "\n# Light from a single direction; colour 1 gives an irradiance of pi.\n[sun]\n";
         text += &format!("towards = {}\ncolor = {}\n", list(sun.towards), list(sun.color));
     }
     if !environment.lobes.is_empty() {
-        text += "\n# Lights spread about a direction (+y is up): standard deviation, and radiance of the middle.\n";
+        text += "\n# Lights spread around a direction (+y is up): standard deviation, and radiance at the centre.\n";
     }
     for lobe in &environment.lobes {
         text += &format!(

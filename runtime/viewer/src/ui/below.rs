@@ -86,7 +86,7 @@ fn figures(ui: &mut Ui, app: &mut App) {
             weak(
                 ui,
                 format!(
-                    "layers {} of {}  strands {}  coat {}  fins {}  level {}",
+                    "layers {} of {}  strands {}  far layer {}  fins {}  level {}",
                     detail.layers,
                     detail.of_layers,
                     share(detail.strands),

@@ -43,8 +43,9 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
         ui.weak("how it is baked");
     });
     ui.horizontal(|ui| {
-        let save =
-            ui.button("Save recipe").on_hover_text("to its file, keeping the comments, or next to the model (Ctrl S)");
+        let save = ui
+            .button("Save recipe")
+            .on_hover_text("to the recipe file, keeping its comments, or to a new file next to the model (Ctrl S)");
         if save.clicked() {
             app.save_recipe();
         }
@@ -69,7 +70,8 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
 fn tables(ui: &mut Ui, now: &dyn Knobs, edits: &mut Edits, search: &mut Search, open: &[&str]) -> bool {
     ui.horizontal(|ui| {
         ui.add(TextEdit::singleline(&mut search.text).hint_text("find a key").desired_width(150.0));
-        ui.checkbox(&mut search.only_changed, "only changed keys").on_hover_text("changed from the default");
+        ui.checkbox(&mut search.only_changed, "only changed keys")
+            .on_hover_text("only keys that differ from the default");
     });
     ui.separator();
     let mut changed = false;

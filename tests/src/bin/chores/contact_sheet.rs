@@ -1,5 +1,5 @@
-//! Contact sheet of many furred models: `chores contact-sheet OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake
-//! options]]…`.
+//! Makes a contact sheet of many furred models: `chores contact-sheet OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL
+//! [bake options]]…`.
 //!
 //! Bakes and draws every model through the real binary, at `WxH` pixels each, row by row. Prints the cell of each model
 //! and the measurements of its surface stage to stdout. If a model cannot be baked or drawn, the run ends with the

@@ -1,10 +1,10 @@
 //! Measures how much of an animal's eyes is covered by its hair: `chores eyes-covered MODEL [bake options] [+ MODEL
 //! [bake options]]…`.
 //!
-//! A copy of each package gets green eyes and black everything else, and is drawn bare and furred, without shadows.
-//! Green that is lost is covered. Highlights on hair are white and are not counted. Eyes are the bare materials with
-//! "eye" in their name. They are seen from the front and the front left, through a long lens, as in pictures of whole
-//! animals. Models without such materials give an empty row.
+//! In a copy of each package, the eyes are green and everything else is black. The copy is drawn bare and furred,
+//! without shadows. Where green is lost, hair covers the eyes; highlights on hair are white and do not count. Eyes are
+//! the bare materials with "eye" in their name. They are seen from the front and the front left, through a long lens,
+//! as in pictures of whole animals. Models without such materials give an empty row.
 
 use anyhow::{Context as _, ensure};
 use image::RgbImage;
@@ -12,13 +12,13 @@ use pelage_stage::Viewpoint;
 use pelage_tests::chores::{Baked, ChoreFolder};
 use serde_json::{Value, json};
 
-/// Views: degrees about the vertical axis, degrees above the horizon, and zoom; the eyes fill about half of the
+/// Views, each with its name and `--orbit`: azimuth and elevation in degrees, and zoom. The eyes fill about half of the
 /// picture.
 const VIEWS: [(&str, &str); 2] = [("front", "0,0,0.5"), ("front left", "40,5,0.5")];
 const SIZE: &str = "834x424";
-/// Distance of the camera, radii of the model.
+/// Distance of the camera, in radii of the model.
 const AWAY: f32 = 6.0;
-/// Threshold of coverage: a pixel is covered if less than this share of its green is left.
+/// Share of a pixel's green below which the pixel counts as covered.
 const LEFT: f64 = 0.9;
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
@@ -44,7 +44,7 @@ fn measure(workshop: &ChoreFolder, name: &str, model: &[String]) -> anyhow::Resu
             workshop.draw(&marked, SIZE, &[&camera, "--style", style, "--self-shadow", "off", "--soft-shadow", "off"])
         };
         let (pixels, covered, area) = covered(&draw("bare")?, &draw("fur")?);
-        // Eyes at the sides of the head may be invisible in this view.
+        // In this view, eyes at the sides of the head may be invisible.
         let [covered, area] =
             [covered, area].map(|share| if pixels > 0 { format!("{:.2}", 100.0 * share) } else { String::new() });
         rows.push(format!("| {} | {} | {view} | {pixels} | {covered} | {area} |", model[0], eyes.join(", ")));
@@ -52,8 +52,8 @@ fn measure(workshop: &ChoreFolder, name: &str, model: &[String]) -> anyhow::Resu
     Ok(rows)
 }
 
-/// Returns a camera at distance `away_m` that looks at the eyes from the direction `orbit`. The field of view shows as
-/// much of them as a camera that frames them.
+/// Returns a camera that looks at the eyes from the direction `orbit` and the distance `away_m`. Its field of view
+/// shows as much as a camera that frames the eyes.
 fn distant_camera(
     workshop: &ChoreFolder,
     marked: &Baked,
@@ -75,8 +75,8 @@ fn distant_camera(
     Ok(Viewpoint { eye, target: near.target, fov_deg }.to_string())
 }
 
-/// Returns a copy of a package with green eyes and black everything else, the names of the eyes, and the radius of the
-/// model, m.
+/// Returns a copy of a package in which the eyes are green and everything else is black. Also returns the names of the
+/// eyes, and the radius of the model in metres.
 fn with_green_eyes(workshop: &ChoreFolder, baked: &Baked, name: &str) -> anyhow::Result<(Baked, Vec<String>, f32)> {
     let folder = baked.package.with_file_name(format!("{name}_unpacked"));
     let package = baked.package.with_file_name(format!("{name}_marked.pelage"));
@@ -100,14 +100,14 @@ fn with_green_eyes(workshop: &ChoreFolder, baked: &Baked, name: &str) -> anyhow:
     Ok((Baked { package, report: Value::Null }, eyes, radius_m))
 }
 
-/// Returns three numbers: pixels of eyes in the bare picture, the share of them that lose more than a tenth of their
-/// green, and the lost share of all green.
+/// Returns the number of eye pixels in the bare picture, the share of them that lose more than a tenth of their green,
+/// and the lost share of all green.
 fn covered(bare: &RgbImage, fur: &RgbImage) -> (usize, f64, f64) {
     let green = |pixel: &image::Rgb<u8>| {
         let linear = |byte: u8| (f64::from(byte) / 255.0).powf(2.2);
         (linear(pixel.0[1]) - linear(pixel.0[0])).max(0.0)
     };
-    // The background is slightly greener than red.
+    // Requires a clear excess of green, because the background is slightly greener than red.
     let eyes: Vec<(f64, f64)> = bare
         .pixels()
         .zip(fur.pixels())

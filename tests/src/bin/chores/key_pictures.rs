@@ -1,7 +1,7 @@
-//! Small pictures of the recipe reference: `chores key-pictures bake/docs [KEY…]`.
+//! Draws the small pictures of the recipe reference: `chores key-pictures bake/docs [KEY…]`.
 //!
-//! Each picture shows the hare without a recipe with three values of one key, side by side. Without keys all pictures
-//! are drawn.
+//! Each picture shows the hare without a recipe at three values of one key, side by side. Without KEY, all pictures are
+//! drawn.
 
 use anyhow::{Context as _, bail, ensure};
 use pelage_bake::recipe::KEY_PICTURES;

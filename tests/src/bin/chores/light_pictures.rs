@@ -1,4 +1,4 @@
-//! Figures of Yang 2006 about light in fur, redrawn with this project's own models: `chores light-pictures FOLDER`.
+//! Redraws the figures of Yang 2006 about light in fur with this project's own models: `chores light-pictures FOLDER`.
 //!
 //! * `light_single_hairs.png`: sparse hair that casts separate shadows on the mesh surface, without and with
 //!   self-shadow (Fig. 6)
@@ -58,7 +58,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         on.iter().for_each(|term| words[2 * term + 1] = "on".into());
         words.join(" ")
     };
-    // γ, t, Attenu_Back, Attenu_Shadow.
+    // The steps add the terms of eq. (3) in turn: γ, t, Attenu_Back, Attenu_Shadow.
     let steps = [
         format!("{} --lighting vertex", terms(&[])),
         terms(&[]),

@@ -1,8 +1,8 @@
-//! Draws the pictures ranked by a person, and prints the error that a bake with limits assigns to them: `chores
-//! likeness-pairs [WIDTHxHEIGHT FOLDER]`.
+//! Draws the pairs of pictures that a person has ranked, and prints the error that a bake with limits assigns to each
+//! picture: `chores likeness-pairs [WIDTHxHEIGHT FOLDER]`.
 //!
-//! Without arguments, redraws those of `tests/golden/likeness` at 417x212 pixels. With arguments, draws larger ones
-//! into FOLDER for viewing. Needs the test data.
+//! Without arguments, redraws the pictures in `tests/golden/likeness` at 417x212 pixels. With arguments, draws larger
+//! ones into FOLDER for viewing. Needs the test data.
 
 use anyhow::Context as _;
 use pelage_tests::binary::workspace;
@@ -10,9 +10,9 @@ use pelage_tests::chores::ChoreFolder;
 use pelage_tests::likeness::{FUR_PX, folder, likeness, pairs, settings};
 use std::path::{Path, PathBuf};
 
-/// Animals with their models and bake arguments; models of the test data begin with `meshes/`.
+/// Animals: name, model, and options of `pelage bake`. Models that begin with `meshes/` are in the test data.
 const ANIMALS: [(&str, &str, &[&str]); 6] = [
-    // Resembles a long-haired husky.
+    // Long hair makes the shiba look like a husky.
     ("shiba", "meshes/skinned/quaternius_ShibaInu.glb", &["--set", "hair.length_m=0.25"]),
     ("wolf", "meshes/skinned/quaternius_Wolf.glb", &["--set", "hair.length_m=0.12"]),
     ("alpaca", "meshes/skinned/quaternius_Alpaca.glb", &[]),
@@ -62,12 +62,12 @@ fn picture_of(folder: &Path, animal: &str, setting: &str, scale: f64) -> pelage_
     likeness(&here.join(format!("{setting}.png")), &here.join("true.png"), FUR_PX * scale)
 }
 
-/// Makes the path of a recipe absolute; recipes are relative to the workspace.
+/// Makes the path of a recipe absolute; recipe paths are relative to the workspace.
 fn absolute(word: &str) -> String {
     if word.starts_with("assets/") { workspace().join(word).display().to_string() } else { word.to_owned() }
 }
 
-/// Bakes and draws one setting; with `truth`, also traces the reference picture.
+/// Bakes and draws one setting. If `truth` is set, also traces the reference picture.
 fn draw(
     workshop: &ChoreFolder,
     (model, bake): (&Path, &[String]),

@@ -1,4 +1,4 @@
-//! Developer programs that are run by hand: `cargo run --release -p pelage-tests --bin chores -- CHORE [ARGUMENTS]`.
+//! Programs that developers run by hand: `cargo run --release -p pelage-tests --bin chores -- CHORE [ARGUMENTS]`.
 //!
 //! Each chore is a module that documents its arguments.
 

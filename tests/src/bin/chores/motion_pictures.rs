@@ -1,7 +1,7 @@
-//! Rows of four frames for each moving subject: `chores motion-pictures PICTURE.png [FOX.glb]`.
+//! Draws four frames of each moving subject, one row per subject: `chores motion-pictures PICTURE.png [FOX.glb]`.
 //!
-//! Subjects: the pony's mane and tail at a gallop, its head in a breeze, the hare landing, and the hare in a gust. A
-//! given model is shown running.
+//! Subjects: the pony's mane and tail at a gallop, its head in a breeze, the hare landing, and the hare in a gust. If a
+//! model is given, it is shown running.
 
 use anyhow::{Context as _, bail};
 use pelage_tests::binary::workspace;

@@ -46,7 +46,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
             Plan::only(seed, kind, range, jobs)
         }
     };
-    // Panics are caught and reported as faults; their messages would flood the report.
+    // Panics are caught and reported as faults, so the hook's messages are suppressed.
     std::panic::set_hook(Box::new(|_| ()));
     let loader = if gpu { Some(Loader::open().context("no adapter; --no-gpu goes without")?) } else { None };
     let report = mutate::run(&plan, loader.as_ref(), out.as_deref())?;

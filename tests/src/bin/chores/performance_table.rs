@@ -1,6 +1,6 @@
 //! Measures and updates the tables of runtime/docs/performance.md: `chores performance-table`.
 //!
-//! Replaces the lines between the markers of the page, with adapter, date and commit. Measure on an idle machine.
+//! Replaces the lines between the markers of the page, including adapter, date and commit. Run it on an idle machine.
 
 use anyhow::{Context as _, ensure};
 use pelage_tests::binary::workspace;
@@ -8,10 +8,10 @@ use pelage_tests::chores::ChoreFolder;
 use serde_json::Value;
 use std::process::Command;
 
-/// Formatter of a result for a table.
+/// Formats a JSON result for a table.
 type Formatter = fn(&Value) -> String;
 
-/// Frame measurements: description, options of `pelage bench` and formatter of the result.
+/// Frame measurements: description, options of `pelage bench`, and formatter of the result.
 const FRAMES: [(&str, &[&str], Formatter); 8] = [
     ("the hare, 834×424, 9 of its 15 layers, all shadows, light still", &[], |found| {
         format!("{}, of which shells {}, skin {}", frame(found), pass_time(found, "shells"), pass_time(found, "skin"))
@@ -25,7 +25,8 @@ const FRAMES: [(&str, &[&str], Formatter); 8] = [
     ("the hare's shadow maps drawn anew", &[], |found| milliseconds(&found["shadow_maps_ms"])),
 ];
 
-/// Bake measurements: description, model below assets/models, options and formatter of the result.
+/// Bake measurements: description, name of the model in assets/models, options of `pelage bake`, and formatter of the
+/// result.
 const BAKES: [(&str, &str, &[&str], Formatter); 4] = [
     ("the hare, ink and all; its package", "hare", &["--recipe", "assets/recipes/hare.toml"], format_bake),
     (
@@ -72,14 +73,14 @@ fn format_bake(found: &Value) -> String {
     format!("{:.2} s; {:.2} MiB", number("seconds"), number("bytes") / f64::from(1 << 20))
 }
 
-/// Returns the stdout of a program.
+/// Runs a program in the workspace and returns its stdout.
 fn stdout_of(program: &str, arguments: &[&str]) -> anyhow::Result<String> {
     let output = Command::new(program).args(arguments).current_dir(workspace()).output()?;
     ensure!(output.status.success(), "{program} {arguments:?} failed");
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }
 
-/// Replaces the lines between the markers of a table.
+/// Replaces the lines between the markers of `table`.
 fn replace_table(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String> {
     let (begin, end) = (format!("<!-- {table}: begin -->\n"), format!("<!-- {table}: end -->\n"));
     let (before, rest) = page.split_once(&begin).with_context(|| format!("no mark {begin:?}"))?;

@@ -2,17 +2,17 @@
 //! BEFORE AFTER [-o OUT] [--only WORD]`. Also prints a table of the cost of each pass in both builds: `… -- BEFORE
 //! AFTER --bench [--rounds N] [-o OUT]`.
 //!
-//! BEFORE and AFTER are two binaries of `pelage-lab`, because many cases draw printed forms. Both bake every model, and
-//! both draw the packages of BEFORE. OUT defaults to `target/same_pictures`. It keeps the packages of BEFORE in
-//! `packages` and generated sources in `made`. For each difference it keeps both pictures in `pictures` and the package
-//! of AFTER in `packages_after`. `--only` selects the cases whose name contains WORD.
+//! BEFORE and AFTER are two binaries of `pelage-lab`, because many cases draw the published forms of formulas. Both
+//! bake every model, and both draw the packages of BEFORE. OUT defaults to `target/same_pictures`. It keeps the
+//! packages of BEFORE in `packages` and generated sources in `made`. For each difference it keeps both pictures in
+//! `pictures` and the package of AFTER in `packages_after`. `--only` selects the cases whose name contains WORD.
 //!
 //! Some models come from the shared test data (`PELAGE_DATA`); without it their cases are skipped and listed. Exit
 //! codes: 0, all the same; 7, something differs or could not be baked or drawn; 2, nothing differs, but cases were
 //! skipped; 1, no comparison.
 //!
-//! Pictures are comparable only on the same adapter, so both binaries have to run on the same machine. No case mirrors
-//! an instance at draw time, because scenes cannot express that. The mirrored models here are mirrored by the bake.
+//! Pictures are comparable only on the same adapter, so both binaries have to run on the same machine. Scenes cannot
+//! mirror an instance at draw time, so no case tests this. The mirrored models here are mirrored by the bake.
 
 use anyhow::{Context as _, bail, ensure};
 use image::{Rgba, RgbaImage};
@@ -23,8 +23,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-/// Packages: name, model, and further options of `pelage bake`. Models that begin with `data/` are in the shared test
-/// data, those with `made/` in OUT.
+/// Packages: name, model, and options of `pelage bake`. Models that begin with `data/` are in the shared test data;
+/// those that begin with `made/` are in OUT.
 const PACKAGES: &[(&str, &str, &str)] = &[
     ("hare", "assets/models/hare.glb", "--recipe assets/recipes/hare.toml"),
     ("torus", "assets/models/torus.glb", "--recipe assets/recipes/torus.toml"),
@@ -32,7 +32,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
     ("ox", "assets/models/ox.glb", "--recipe assets/recipes/ox.toml"),
     ("crane", "assets/models/crane.glb", "--recipe assets/recipes/crane.toml"),
     ("hills", "assets/models/hills.glb", "--recipe assets/recipes/hills.toml"),
-    // Other texel formats; no fins and no levels of detail.
+    // Tests other texel formats, without fins and levels of detail.
     (
         "blocks",
         "assets/models/hare.glb",
@@ -44,7 +44,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
         "assets/models/torus.glb",
         "--recipe assets/recipes/torus.toml --set fins.enabled=false --set detail.enabled=false",
     ),
-    // Many layers of a different width, and lighting constants that select other pipelines.
+    // Tests many layers of a different size, and lighting constants that select other pipelines.
     (
         "layers",
         "assets/models/torus.glb",
@@ -56,7 +56,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
         "assets/models/knot.glb",
         "--recipe assets/recipes/knot.toml --set shading.specular=[0,0,0] --set hair.style=messy --set ink.fur=0",
     ),
-    // Wetness in the groom: uniform, per vertex, and from an image.
+    // Tests wetness in the groom: uniform, per vertex, and from an image.
     (
         "wet",
         "assets/models/hare.glb",
@@ -70,7 +70,7 @@ const PACKAGES: &[(&str, &str, &str)] = &[
     ),
     ("coat", "assets/models/torus.glb", "--recipe made/coat.toml"),
     ("lean", "assets/models/torus.glb", "--recipe assets/recipes/torus.toml --set groom.lean=0.6"),
-    // Patterns, textures, holes.
+    // Tests patterns, textures and holes.
     ("zebra", "assets/models/knot.glb", "--recipe assets/recipes/zebra.toml"),
     ("spots", "assets/models/torus.glb", "--recipe assets/recipes/spots.toml"),
     ("holes", "made/holes.glb", "--recipe assets/recipes/torus.toml"),
@@ -89,9 +89,10 @@ const PACKAGES: &[(&str, &str, &str)] = &[
     ("bunny", "data/static/bunny.obj", ""),
 ];
 
-/// Scenes: name, the packages in it, and the file.
+/// Scenes: name, names of the packages in it, and text of the scene file.
 const SCENES: &[(&str, &[&str], &str)] = &[
-    // Same as `assets/scenes/walk.toml`, but with `[view]` instead of `[look]`, which older builds cannot read.
+    // Equals `assets/scenes/walk.toml`, except that it has `[view]` instead of `[look]`, which older builds cannot
+    // read.
     (
         "walk",
         &["ox", "hare", "crane", "hills"],
@@ -191,7 +192,7 @@ scale = 0.7
     ),
 ];
 
-/// Cases of each package or scene: name, and options of `pelage render`.
+/// Cases of each package or scene: name of the case, and options of `pelage render`.
 const CASES: &[(&str, &[(&str, &str)])] = &[
     (
         "hare",
@@ -515,7 +516,7 @@ const CASES: &[(&str, &[(&str, &str)])] = &[
     ("bunny", &[("fur", ""), ("ink", "--style ink")]),
 ];
 
-/// Measurements of `--bench`: package, and options of `pelage bench`.
+/// Cases of `--bench`: package, and options of `pelage bench`.
 const MEASURED: &[(&str, &str)] = &[("hare", ""), ("bunny", ""), ("hare", "--style ink")];
 
 const DIFFERENT: u8 = 7;
@@ -540,7 +541,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
         }
     }
     let [before, after] = binaries.as_slice() else { bail!("expected {ARGUMENTS}") };
-    // The binaries run in the workspace folder, to which the recipes and models of the lists are relative.
+    // OUT is made absolute, because the binaries run in the workspace folder.
     let out = std::path::absolute(out)?;
     for folder in ["packages", "packages_after", "pictures", "made"] {
         std::fs::create_dir_all(out.join(folder)).with_context(|| format!("cannot make {}", out.display()))?;
@@ -561,7 +562,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
 
 const ARGUMENTS: &str = "BEFORE AFTER [-o OUT] [--only WORD], or BEFORE AFTER --bench [--rounds N] [-o OUT]";
 
-/// Binary under comparison.
+/// Binary to compare, and its side.
 struct Binary {
     side: &'static str,
     path: PathBuf,
@@ -578,7 +579,7 @@ impl Binary {
     fn run(&self, arguments: &[String]) -> anyhow::Result<Value> {
         let mut command = Command::new(&self.path);
         command.args(arguments).args(["--json", "--quiet"]).current_dir(workspace()).stdin(Stdio::null());
-        // Same as in `Sandbox::command`: if unset, Mesa's device selection writes its own lines to stderr.
+        // If the variable is unset, Mesa's device selection prints lines to stderr; see `Sandbox::command`.
         command.env("XDG_RUNTIME_DIR", &self.out);
         let output = command.output().with_context(|| format!("cannot run {}", self.path.display()))?;
         let stderr = String::from_utf8_lossy(&output.stderr);
@@ -611,7 +612,7 @@ impl Binary {
     }
 }
 
-/// Single picture or sequence to draw.
+/// Picture or sequence to compare.
 struct Case {
     subject: &'static str,
     case: &'static str,
@@ -633,7 +634,7 @@ impl Case {
         self.scene().map_or(vec![self.subject], |(packages, _)| packages.to_vec())
     }
 
-    /// Returns the packages and the text of the scene if the case is a scene.
+    /// Returns the packages and the text of the scene; `None` if the case is a package.
     fn scene(&self) -> Option<(&'static [&'static str], &'static str)> {
         SCENES.iter().find(|scene| scene.0 == self.subject).map(|scene| (scene.1, scene.2))
     }
@@ -644,12 +645,12 @@ impl Case {
     }
 }
 
-/// Returns whether the model of the package is in the shared test data.
+/// Returns whether the package's model is in the shared test data.
 fn needs_data(package: &str) -> bool {
     PACKAGES.iter().any(|(name, model, _)| *name == package && model.starts_with("data/"))
 }
 
-/// Both binaries and their folders.
+/// Both binaries, and the folder OUT.
 struct Pair {
     before: Binary,
     after: Binary,
@@ -658,8 +659,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// Bakes with one of the binaries into a folder of OUT, with plain texels unless the list says otherwise. Plain
-    /// texels need no encoder, and binaries from before and after decoding at load draw them alike.
+    /// Bakes a package with one of the binaries into a folder of OUT. Texels are uncompressed unless the list says
+    /// otherwise: this needs no encoder, and gives equal pictures whether or not a binary decodes at load.
     fn bake(&self, binary: &Binary, folder: &str, name: &str) -> anyhow::Result<PathBuf> {
         let (_, model, options) =
             PACKAGES.iter().find(|p| p.0 == name).with_context(|| format!("no package {name}"))?;
@@ -676,7 +677,7 @@ impl Pair {
         Ok(package)
     }
 
-    /// Compares all selected cases and prints the differences to stdout.
+    /// Compares all cases that `only` selects, and prints the differences to stdout.
     fn compare(&self, only: &str) -> anyhow::Result<ExitCode> {
         let start = Instant::now();
         let wanted: Vec<Case> = Case::all().filter(|case| case.name().contains(only)).collect();
@@ -723,7 +724,7 @@ impl Pair {
         }))
     }
 
-    /// Draws a case with both binaries; identical pictures are deleted.
+    /// Draws a case with both binaries, and returns the difference. Identical pictures are deleted.
     fn difference(&self, case: &Case) -> anyhow::Result<ByteDifference> {
         let (before, after) = (self.before.draw(case)?, self.after.draw(case)?);
         ensure!(before.len() == after.len(), "{} pictures before, {} after", before.len(), after.len());
@@ -761,7 +762,7 @@ impl Pair {
             }
             let subject = [*name, options].join(" ");
             for (pass, _) in &reports[0][0] {
-                // A pass that only one binary has, or one without a time, gets no row.
+                // A pass has no row if only one of the binaries has it, or if it has no time.
                 let of = |costs: &PassTimes| costs.iter().find(|cost| cost.0 == *pass).map(|cost| cost.1);
                 let pairs = reports.iter().map(|[before, after]| Some((of(before)?, of(after)?)));
                 let Some(pairs) = pairs.collect::<Option<Vec<_>>>() else { continue };
@@ -789,11 +790,11 @@ impl Pair {
 /// Difference of two pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct ByteDifference {
-    /// Number of channels that differ; up to four per pixel.
+    /// Number of channels that differ, of up to four per pixel.
     channels: usize,
-    /// Number of all channels.
+    /// Number of compared channels.
     of: usize,
-    /// Greatest difference of a channel, 0..=255.
+    /// Greatest difference of any channel, 0..=255.
     greatest: u8,
 }
 
@@ -809,7 +810,7 @@ impl ByteDifference {
         })
     }
 
-    /// Combines two differences.
+    /// Adds the counts of two differences.
     fn combine(self, other: Self) -> Self {
         Self {
             channels: self.channels + other.channels,
@@ -826,7 +827,7 @@ impl std::fmt::Display for ByteDifference {
     }
 }
 
-/// Prints the result of one comparison; returns its name unless all was the same.
+/// Prints the result of one comparison. Returns its name, or `None` if nothing differs.
 fn report(name: String, found: anyhow::Result<Option<String>>) -> Option<String> {
     let words = match found {
         Ok(None) => {
@@ -840,7 +841,7 @@ fn report(name: String, found: anyhow::Result<Option<String>>) -> Option<String>
     Some(name)
 }
 
-/// Describes the first difference of two files. If they are the same, removes `after` and returns `None`.
+/// Describes the first difference of two files. If they are equal, removes `after` and returns `None`.
 fn first_difference(before: &Path, after: &Path) -> anyhow::Result<Option<String>> {
     let (a, b) = (std::fs::read(before)?, std::fs::read(after)?);
     if a == b {
@@ -851,7 +852,7 @@ fn first_difference(before: &Path, after: &Path) -> anyhow::Result<Option<String
     Ok(Some(format!("DIFFERS: {} bytes before, {} after, from byte {first} on", a.len(), b.len())))
 }
 
-/// Milliseconds of each item that `pelage bench` times, by name.
+/// Times from `pelage bench`, by name, milliseconds.
 type PassTimes = Vec<(String, f64)>;
 
 fn pass_times(report: &Value) -> anyhow::Result<PassTimes> {
@@ -863,7 +864,7 @@ fn pass_times(report: &Value) -> anyhow::Result<PassTimes> {
         ("loading: upload", &report["upload_ms"]),
         ("loading: pipelines", &report["pipelines_ms"]),
     ];
-    // A pass that a style lacks costs 0.
+    // A pass that the style does not use has a time of 0.
     let whole = whole.iter().filter_map(|(name, ms)| Some(((*name).to_owned(), ms.as_f64()?)));
     Ok(named.chain(whole).filter(|cost| cost.1 > 0.0).collect())
 }
@@ -875,7 +876,8 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     if values.len() % 2 == 1 { values[middle] } else { (values[middle - 1] + values[middle]) / 2.0 }
 }
 
-/// Writes models and a recipe that exist nowhere else: holes in a texture, mirrored nodes, a groom painted on an image.
+/// Generates models and a recipe for features that no committed file has: holes in a texture, mirrored nodes, a groom
+/// painted on an image.
 fn make_sources(folder: &Path) -> anyhow::Result<()> {
     let disc = |x: u32, y: u32| (x % 32).abs_diff(16).pow(2) + (y % 32).abs_diff(16).pow(2) < 100;
     let holes = |x, y| Rgba([(x * 4) as u8, 160, (y * 4) as u8, if disc(x, y) { 0 } else { 255 }]);
@@ -899,7 +901,7 @@ fn make_sources(folder: &Path) -> anyhow::Result<()> {
         model["scenes"][0]["nodes"] = json!([0, mirror]);
     })?;
 
-    // Red: bareness. Green: wetness. Blue: lean of the hair.
+    // Channels: red is bareness, green is wetness, blue is lean of the hair.
     let coat = |x, y| Rgba([if disc(x, y) { 255 } else { 0 }, (x * 2) as u8, (y * 2) as u8, 255]);
     RgbaImage::from_fn(128, 128, coat).save(folder.join("coat.png"))?;
     let recipe = "[surface]\ntile_size_m = 0.04883\n\n[hair]\nlength_m = 0.03\n\n\
@@ -911,12 +913,12 @@ fn make_sources(folder: &Path) -> anyhow::Result<()> {
 fn edit(name: &str, to: &Path, change: impl FnOnce(&mut Value)) -> anyhow::Result<()> {
     let from = workspace().join("assets/models").join(format!("{name}.glb"));
     let glb = std::fs::read(&from).with_context(|| format!("cannot read {}", from.display()))?;
-    // Magic, version, length; then length and type of the JSON chunk.
+    // The header has magic, version and length; then come length and type of the JSON chunk.
     let length = glb.get(12..16).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes) as usize;
     let (json, rest) = glb.get(20..).and_then(|rest| rest.split_at_checked(length)).context("no binary glTF")?;
     let mut model: Value = serde_json::from_slice(json)?;
     change(&mut model);
-    // Skips the length and type of the binary chunk.
+    // The length and type of the binary chunk are skipped.
     let binary = rest.get(8..).context("no binary chunk")?;
     std::fs::write(to, container(&model, binary)?).with_context(|| format!("cannot write {}", to.display()))
 }
@@ -939,7 +941,7 @@ mod tests {
             ByteDifference { channels: 1, of: 140, greatest: 1 }
         );
         assert_eq!(ByteDifference::between(&after, &before).unwrap().channels, 1);
-        // Colour counts even if the texel is fully transparent.
+        // Checks that a difference of colour counts even if the texel is transparent.
         let clear = RgbaImage::new(7, 5);
         let mut coloured = clear.clone();
         coloured.get_pixel_mut(6, 4)[0] = 200;

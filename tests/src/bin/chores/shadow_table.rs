@@ -1,8 +1,8 @@
-//! Costs of shadows in the form of Table 1 of Yang 2006, with the paper's own figures as ratios beside them: `chores
+//! Measures the cost of shadows as in Table 1 of Yang 2006, and prints the paper's figures beside it as ratios: `chores
 //! shadow-table [MODEL [bake options] [+ MODEL [bake options]]…]`.
 //!
 //! Bakes and measures the built-in torus, knot and hare, and the given models, with `pelage bench` at its defaults.
-//! Milliseconds are medians; ratios are medians of frame by frame ratios.
+//! Times are medians in milliseconds; ratios are medians of the ratios of each frame.
 
 use anyhow::Context as _;
 use pelage_tests::binary::workspace;
@@ -10,7 +10,7 @@ use pelage_tests::chores::ChoreFolder;
 use serde_json::Value;
 use std::path::Path;
 
-/// Table 1 of the paper: model, triangles, milliseconds of the layer-wise maps and of the depth and shadow-width maps,
+/// Table 1 of the paper: model; triangles; milliseconds of the layer-wise maps, and of the depth and shadow-width maps;
 /// frames per second without and with shadows.
 const PAPER: [(&str, u32, f64, f64, f64, f64); 5] = [
     ("torus", 567, 80.0, 15.0, 65.3, 38.7),

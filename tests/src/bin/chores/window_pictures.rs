@@ -1,7 +1,7 @@
-//! Pictures of the window in the gallery: `chores window-pictures assets/gallery MODEL [RECIPE]`.
+//! Takes the pictures of the window for the gallery: `chores window-pictures assets/gallery MODEL [RECIPE]`.
 //!
 //! Opens the model in a real window on a virtual display. Saves it once with both panels, and once beside its
-//! path-traced reference of 16 samples.
+//! path-traced reference picture of 16 samples.
 
 use anyhow::{Context as _, bail, ensure};
 use pelage_tests::desktop::Desktop;
@@ -33,7 +33,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     window.skip_events();
     window.key("t");
     let mut last = window.wait_for("truth");
-    // More samples make a difference visible only to FLIP.
+    // 16 samples suffice: with more, only FLIP would show a difference.
     while last["samples"].as_u64().is_some_and(|samples| samples < 16) {
         last = window.wait_for("truth");
     }

@@ -69,7 +69,7 @@ fn read_whole(source: Source<'_>) -> Result<HairFile, BakeError> {
     let (strands, count, arrays, pieces) = (strands?, u64::from(count?), arrays?, pieces?);
     if arrays & POINTS == 0 {
         return Err(
-            source.fault("byte 12".into(), format!("arrays are {arrays:#x}, without points, expected bit 1 to be set"))
+            source.fault("byte 12".into(), format!("array flags are {arrays:#x}: no points, expected bit 1 to be set"))
         );
     }
     let mut at = HEADER_BYTES;

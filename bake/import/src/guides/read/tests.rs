@@ -80,7 +80,7 @@ fn errors_of_damaged_guide_files_name_the_position() {
         "byte 128: segment counts of the strands: expected 8589934590 bytes from here",
     );
     refused(Hair, &with(hair(), 8, &many), "byte 8: 4294967295 points, expected 5");
-    refused(Hair, &with(hair(), 12, &1u32.to_le_bytes()), "without points");
+    refused(Hair, &with(hair(), 12, &1u32.to_le_bytes()), "no points");
     refused(Hair, &with(hair(), 132, &f32::NAN.to_le_bytes()), "byte 132: points: row 0 has NaN");
     refused(Hair, &hair()[..180], "byte 132: points: expected 60 bytes from here, the file ends at byte 180");
     refused(Tfx, &with(tfx(3.0), 0, &2.0f32.to_le_bytes()), "byte 0: TressFX version is 2, expected 3 or 4");

@@ -129,7 +129,7 @@ impl BodyGroom {
             self.parts.iter().map(|(part, length)| format!("{part} {}", metres_in_words(length * length_m))).collect();
         Decision {
             what: "length of hair by part of the body",
-            chosen: format!("{} at the longest: {}", metres_in_words(length_m), parts.join(", ")),
+            chosen: format!("at most {}: {}", metres_in_words(length_m), parts.join(", ")),
             line: format!("groom.by_body = {share}"),
         }
     }

@@ -300,16 +300,16 @@ fn thin_parts_have_short_dense_hair_that_lies_flat() {
 
     let said = by_body.decision(1.0, 0.02);
     assert_eq!(said.line, "groom.by_body = 1");
-    assert!(
-        said.chosen.starts_with("20 mm at the longest: thick parts 1") && said.chosen.contains("thin parts"),
-        "{said:?}"
-    );
+    assert!(said.chosen.starts_with("at most 20 mm: thick parts 1") && said.chosen.contains("thin parts"), "{said:?}");
 }
 
 #[test]
 fn uniform_bodies_get_no_groom() {
     assert_eq!(groom(&ball(), None, 1.0), None);
-    assert_eq!(groom(&surface_of_revolution(&(0..=40).map(|i| (0.05 * i as f32, 0.2)).collect::<Vec<_>>()), None, 1.0), None);
+    assert_eq!(
+        groom(&surface_of_revolution(&(0..=40).map(|i| (0.05 * i as f32, 0.2)).collect::<Vec<_>>()), None, 1.0),
+        None
+    );
     let mut bare = barrel_with_rod();
     assert_eq!(groom(&bare, None, 0.0), None, "not asked for");
     bare.parts[0].material = 1;
