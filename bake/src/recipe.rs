@@ -72,7 +72,7 @@ pelage_params::tables! {
         slice: SliceParams,
         /// Light that reaches the hair.
         visibility: VisibilityParams,
-        /// Single strands and guide-driven hair.
+        /// Single strands and guided hair.
         strands: StrandParams,
         /// Fins.
         fins: FinParams,

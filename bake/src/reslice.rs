@@ -107,7 +107,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
             warnings: Vec::new(),
         });
     }
-    // The motion of guide-driven hair is in a section that is copied.
+    // The motion of guided hair is in a section that is copied.
     let guided = GuidedHair { groups: package.hair_groups().map_err(fault)?.to_vec(), ..GuidedHair::default() };
     let mut outputs = Outputs {
         hair: Some(hair),

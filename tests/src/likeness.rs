@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub struct Pair {
     /// Name of the animal.
     pub animal: String,
-    /// Setting whose picture is closer to the reference picture, `layers_texels_fins`.
+    /// Setting whose picture is closer to the reference image, `layers_texels_fins`.
     pub better: String,
     /// Setting whose picture is less close, in the same format.
     pub worse: String,
@@ -51,7 +51,7 @@ pub fn settings(animal: &str) -> Vec<String> {
     all
 }
 
-/// Compares the picture `drawn` with the reference picture `truth`.
+/// Compares the picture `drawn` with the reference image `truth`.
 ///
 /// * `fur_px`: height of the fur, pixels
 ///

@@ -34,7 +34,7 @@ pub fn with_strands(bytes: &[u8], strands: &StrandsData) -> Vec<u8> {
     writer_with_sections(&package, package.manifest().clone()).strands(strands).finish().expect("a valid package")
 }
 
-/// Returns a package that has no hair on guides, extended by such hair with the given fibres.
+/// Returns a package that has no guided hair, extended by such hair with the given fibres.
 pub fn with_fibres(bytes: &[u8], fibre: &FibreParams) -> Vec<u8> {
     let package = open_package(bytes);
     let mut manifest = package.manifest().clone();

@@ -7,7 +7,7 @@ use pelage_stage::TomlText;
 /// Validators of command-line arguments.
 #[derive(Clone, Copy)]
 pub struct ArgumentValidators<'a> {
-    /// Look keys without effect on a reference picture, such as `fur.layers`.
+    /// Look keys without effect on a reference image, such as `fur.layers`.
     pub only_drawn: &'a [&'a str],
     /// Returns the error message if `pelage` rejects a command line.
     pub refusal: &'a dyn Fn(&[String]) -> Option<String>,
@@ -39,7 +39,7 @@ impl ViewRule {
         words.into_iter().flatten().chain(sets).collect()
     }
 
-    /// Returns [`Self::words`] without the look keys that have no effect on a reference picture.
+    /// Returns [`Self::words`] without the look keys that have no effect on a reference image.
     pub(super) fn reference_words(&self, only_drawn: &[&str]) -> Vec<Word> {
         let drawn = |word: &Word| word.0.strip_prefix("set.").is_some_and(|key| only_drawn.contains(&key));
         self.words().into_iter().filter(|word| !drawn(word)).collect()

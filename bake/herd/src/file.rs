@@ -134,23 +134,23 @@ pub struct ViewRule {
     pub time: Option<f64>,
     /// Number of frames that `bench` times; no benchmark without it.
     pub bench: Option<u32>,
-    /// Options of the ray-traced reference picture that this view is compared with.
+    /// Options of the ray-traced reference image that this view is compared with.
     pub truth: Option<TruthOptions>,
 }
 
-/// `[view.truth]`: traces a reference picture of the view and compares the rendered picture with it.
+/// `[view.truth]`: traces a reference image of the view and compares the rendered picture with it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruthOptions {
     /// Samples per pixel.
     pub samples: Option<u32>,
-    /// Number of parts that the reference picture is divided into, each traced by its own command.
+    /// Number of parts that the reference image is divided into, each traced by its own command.
     pub parts: Option<u32>,
     /// Fibre model, as in `--fibre`.
     pub fibre: Option<String>,
     /// Maximum number of bounces, as in `--bounces`.
     pub bounces: Option<u32>,
-    /// Largest accepted mean FLIP between the picture and the reference picture.
+    /// Largest accepted mean FLIP between the picture and the reference image.
     pub max_flip: Option<f64>,
 }
 

@@ -14,13 +14,13 @@ pub enum Kind {
     Inspect,
     /// Draw a picture.
     Render,
-    /// Trace a reference picture.
+    /// Trace a reference image.
     Truth,
-    /// Trace a part of a reference picture.
+    /// Trace a part of a reference image.
     Part,
-    /// Merge parts of a reference picture.
+    /// Merge parts of a reference image.
     Merge,
-    /// Compare a picture with the reference picture.
+    /// Compare a picture with the reference image.
     Compare,
     /// Draw a share of a sequence.
     Sequence,

@@ -22,7 +22,7 @@ pub struct PlanInput<'a> {
     pub models: &'a [ModelFile],
     /// Output folder, relative to the herd file's folder.
     pub out: &'a str,
-    /// Keys of looks without effect on a reference picture, such as `fur.layers`.
+    /// Keys of looks without effect on a reference image, such as `fur.layers`.
     pub only_drawn: &'a [&'a str],
     /// Measured cost of earlier runs, by task name.
     pub history: &'a History,
@@ -375,7 +375,7 @@ impl Planner<'_, '_> {
         self.add(Draft { words: command, inputs: vec![picture, traced], outputs: vec![map], ..compared }, Some(row));
     }
 
-    /// Adds the tasks that trace the reference picture of a view, whole or in parts. Returns its file.
+    /// Adds the tasks that trace the reference image of a view, whole or in parts. Returns its file.
     fn truth(&mut self, view: &ViewRule, truth: &TruthOptions, row: usize, package: &str) -> String {
         let (input, called) = (self.input, self.called);
         let place = format!("truths/{called}.{}", view.name);

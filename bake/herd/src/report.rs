@@ -319,7 +319,7 @@ impl RowData<'_, '_> {
         names.map(of).collect()
     }
 
-    /// Returns the time to trace a reference picture, the sum over its parts, seconds.
+    /// Returns the time to trace a reference image, the sum over its parts, seconds.
     fn truth_seconds(&self, view: Option<&str>) -> f64 {
         let tasks = self.tasks.iter().filter(|i| {
             let task = &self.report.plan.tasks[**i];

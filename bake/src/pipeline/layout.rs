@@ -113,19 +113,19 @@ pub fn lay_out_model<'a>(
     size::check(file, recipe, &bounds, &lengths)?;
     let params = SurfaceParams::from_recipe(&filled.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.layout_maps(&model.mesh, &rest, params.comb.global_direction())?;
-    if lay_out_model != LayoutMaps::default() && recipe.surface.source == SurfaceSource::Model {
+    if lay != LayoutMaps::default() && recipe.surface.source == SurfaceSource::Model {
         warnings.push("groom.density and groom.comb have no effect with surface.source = \"model\"".into());
     }
-    let comb = match lay_out_model.comb.clone() {
+    let comb = match lay.comb.clone() {
         Some(wishes) => Comb::PerVertex(wishes),
         None => Comb::of_recipe(&recipe.surface, &model.combs, bounds.radius),
     };
     decisions.extend(comb_decision(&recipe.surface, &comb, &model.combs));
-    let params = SurfaceParams { comb, density: lay_out_model.density.clone(), ..params };
+    let params = SurfaceParams { comb, density: lay.density.clone(), ..params };
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Layout { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay_out_model, decisions, warnings })
+    Ok(Layout { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
 }
 
 /// Reports that lines in the model comb the hair, if the recipe leaves the source of the comb direction open.

@@ -96,7 +96,7 @@ outputs! {
     Single single: Option<StrandsData>,
     /// Groomed model: the laid-out model with the groom values that vary over it.
     Groomed groomed: Arc<Groomed>,
-    /// Guide-driven hair, with its warnings.
+    /// Guided hair, with its warnings.
     Guided guided: GuidedHair,
     /// Positions of the fins.
     Fins fins: ModelFins<'a>,

@@ -43,7 +43,7 @@ params! {
         /// `along_deg`, `tilt_deg`, `around`. In the name, `*` matches any characters and `?` one. Later tables take
         /// precedence.
         material: Vec<OtherFibre> = Vec::new();
-        /// Fibres of guide-driven hair, if they differ from those of the fur: `[[fibre.group]]` with the `name` of a
+        /// Fibres of guided hair, if they differ from those of the fur: `[[fibre.group]]` with the `name` of a
         /// group or tuft of `[strands]`, and any of `eta`, `along_deg`, `tilt_deg`, `around`. In the name, `*` matches
         /// any characters and `?` one. Later tables take precedence.
         group: Vec<OtherFibre> = Vec::new();

@@ -1,4 +1,4 @@
-//! Guide-driven hair: `[[strands.group]]` and `[[strands.tuft]]`.
+//! Guided hair: `[[strands.group]]` and `[[strands.tuft]]`.
 
 use super::maps::{FilePath, ScalarMap};
 use super::material_groom::SHARE;
@@ -146,7 +146,7 @@ named_table! {
 }
 
 named_table! {
-    /// Capsule that guide-driven hair cannot enter; replaces the capsule fitted to its joint.
+    /// Capsule that guided hair cannot enter; replaces the capsule fitted to its joint.
     HairColliderParams of "a collider" checked by check_capsule {
         /// Name of the joint that the capsule follows. Required, unless the model has no skeleton.
         joint: String, in ();

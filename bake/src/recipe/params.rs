@@ -475,13 +475,13 @@ params! {
         /// Number of points of each strand, preferably one more than a power of two. Strands that are small on screen
         /// are drawn with a half, a quarter and so on of the segments.
         points: u32 = 9, in 2..=33;
-        /// Guide-driven hair: `[[strands.group]]` with a `name`, for manes, tails, a head of hair. Independent of
+        /// Guided hair: `[[strands.group]]` with a `name`, for manes, tails, a head of hair. Independent of
         /// `enabled`.
         group: Vec<HairGroupParams> = Vec::new();
         /// Small group of thick hairs at one point: `[[strands.tuft]]` with a `name`, for whiskers, lashes and brows.
         /// Independent of `enabled`.
         tuft: Vec<TuftParams> = Vec::new();
-        /// Whether moving guide-driven hair collides with the body: a capsule is fitted to the mesh surface of each
+        /// Whether moving guided hair collides with the body: a capsule is fitted to the mesh surface of each
         /// joint.
         colliders: bool = true;
         /// User-defined capsules: `[[strands.collider]]` with a `name`. Each replaces the capsule fitted to its joint.
@@ -521,7 +521,7 @@ params! {
         /// Height of the fur down to which fins are drawn with the layers. Without fins, the outline shows fewer,
         /// blurred layers.
         fins_px: f32 = 0.0, in 0.0..=1e4;
-        /// Height of the fur down to which layers are drawn; below it, the far-fur layer replaces them. 0 draws layers
+        /// Height of the fur down to which layers are drawn; below it, the far fur layer replaces them. 0 draws layers
         /// at any size.
         coat_px: f32 = 1.2, in 0.0..=1e4;
     }

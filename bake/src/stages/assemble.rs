@@ -28,9 +28,9 @@ pub enum Content<'a> {
     Strands(StrandsData),
     /// Strands of the tile, quantized as they are stored in the section.
     StoredStrands(StoredStrands),
-    /// Guide-driven hair.
+    /// Guided hair.
     Hair(Vec<HairGroup>),
-    /// Motion of guide-driven hair.
+    /// Motion of guided hair.
     HairMotion(Arc<HairMotion>),
     /// Scattering of light by the fibres.
     Fibres(FibreInfo),

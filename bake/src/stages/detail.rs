@@ -1,4 +1,4 @@
-//! Levels of detail: selects the levels of a package and their sizes on screen. The far-fur layer is the only texture
+//! Levels of detail: selects the levels of a package and their sizes on screen. The far fur layer is the only texture
 //! that only they need.
 
 use crate::recipe::{DetailParams, Recipe};
@@ -13,13 +13,13 @@ const FEWEST: u32 = 4;
 /// Maximum number of array layers that WebGPU guarantees.
 const MOST_TEXTURE_LAYERS: u32 = 256;
 
-/// Whether a package has the far-fur layer, an additional array layer; devices are only guaranteed 256.
+/// Whether a package has the far fur layer, an additional array layer; devices are only guaranteed 256.
 pub fn has_far_layer(recipe: &Recipe) -> bool {
     recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS
 }
 
 /// Returns the chain of levels for `layers` layers, including the one on the mesh surface. If `coat` is given and
-/// `coat_px` is above 0, the chain ends with the far-fur layer. The chain is empty if levels of detail are disabled.
+/// `coat_px` is above 0, the chain ends with the far fur layer. The chain is empty if levels of detail are disabled.
 ///
 /// A level of step s is drawn in full down to the size at which s layers are [`DetailParams::gap_px`] apart on screen.
 /// At [`DetailParams::fade`] times that size, it has disappeared. With a fade of 0.5, the next level is then drawn in

@@ -238,7 +238,7 @@ pub struct PackInput<'a> {
     pub wet_shells: Option<&'a ShellTextures>,
     /// Strands of the tile, if any.
     pub strands: Option<&'a StrandsData>,
-    /// Hair on guides, with its warnings.
+    /// Guided hair, with its warnings.
     pub hair: &'a GuidedHair,
     /// Fins.
     pub fins: &'a ModelFins<'a>,
@@ -352,7 +352,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     Ok((assemble(FORMAT_VERSION, manifest, sections).map_err(fault)?, warnings))
 }
 
-/// Returns the motion of hair on guides. The result is `None` if no hair moves, or if the model part is copied from a
+/// Returns the motion of guided hair. The result is `None` if no hair moves, or if the model part is copied from a
 /// package that already contains the section.
 fn hair_motion(pieces: &PackInput<'_>) -> Option<(HairMotion, hair_motion::FittedColliders)> {
     let sections = &pieces.skin.sections;

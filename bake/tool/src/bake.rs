@@ -74,7 +74,7 @@ impl BakeArgs {
 /// ignored.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct LimitArgs {
-    /// Choose the cheapest layers, tile and fins whose error against the reference pictures is at most this. The error
+    /// Choose the cheapest layers, tile and fins whose error against the reference images is at most this. The error
     /// combines mean FLIP, lost outline and lost contrast; for a picture with all its hair it is about the mean FLIP.
     /// Useful values: 0.01 to 0.1
     #[arg(long, value_name = "E", value_parser = positive, allow_hyphen_values = true)]

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Predict the cost of a package on screen, without a GPU, and recommend recipe changes
 ///
 /// Every layer of the model at rest is rasterised and counted; `pelage bench` measures the actual time on an adapter.
-/// If there is an adapter, recommendations are tested: those that increase the difference from the reference picture
+/// If there is an adapter, recommendations are tested: those that increase the difference from the reference image
 /// are dropped.
 #[derive(Clone, Debug, clap::Args)]
 pub struct DoctorArgs {

@@ -1,5 +1,5 @@
 //! Tests the doctor's recommendations: draws the picture with and without each change, and compares both with the
-//! reference picture.
+//! reference image.
 
 use super::exit::Failure;
 use super::output::Output;
@@ -13,7 +13,7 @@ use pelage_stage::{Gpu, NamedPackage};
 use pelage_truth::doctor::{Advice, ErrorChange, is_harmless};
 use pelage_truth::likeness::Likeness;
 
-/// Maximum number of rays for all pixels of the reference picture, which takes seconds on any machine. All comparisons
+/// Maximum number of rays for all pixels of the reference image, which takes seconds on any machine. All comparisons
 /// use the same picture, so its noise is the same for all.
 const RAYS: u64 = 1 << 22;
 
@@ -42,7 +42,7 @@ pub fn try_advice(
     // The recipe's judge uses this many samples; more would not improve the comparison.
     let samples = samples.min(u64::from(recipe.judge.samples)) as u32;
     let mut show =
-        |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the reference picture");
+        |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the reference image");
     let traced = Picture::from(&truth::encode(&truth.picture(view, samples, &mut show), view.look.background()));
     let fur_px = truth.fur_px(view);
     let error = |file: &NamedPackage<'static>| -> Result<f64, Failure> {

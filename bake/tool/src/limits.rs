@@ -22,11 +22,11 @@ const EVIDENCE_BYTES: u64 = 16 << 10;
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrialFigures {
-    /// Mean FLIP against the reference pictures, 0 to 1.
+    /// Mean FLIP against the reference images, 0 to 1.
     pub flip: f64,
-    /// Mean absolute difference of coverage, within one fur height of the outline in the reference pictures, 0 to 1.
+    /// Mean absolute difference of coverage, within one fur height of the outline in the reference images, 0 to 1.
     pub outline: f64,
-    /// Local contrast divided by that of the reference pictures, above 0.
+    /// Local contrast divided by that of the reference images, above 0.
     pub contrast: f64,
     /// Lower and upper quartile of the frame time, milliseconds; equal if the frame was timed once.
     pub frame_ms_quartiles: [f64; 2],
@@ -65,7 +65,7 @@ pub fn choose(
     // only increase the size.
     let judge = ShellJudge::new(source, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
     let adapter = measured_on(&gpu.info.name);
-    // The reference pictures do not depend on individual strands, so the same judge is used for both searches.
+    // The reference images do not depend on individual strands, so the same judge is used for both searches.
     let of = |recipe: &Recipe, output: &mut Output| search(&judge, &adapter, recipe, limits, exhaustive, output);
     let found = of(recipe, output)?;
     if found.decision.meets || found.decision.binding != Some(Figure::Bytes) || !recipe.strands.enabled {
@@ -80,7 +80,7 @@ pub fn choose(
 struct SearchResult {
     recipe: Recipe,
     decision: Decision,
-    /// Comparison of each trial with the reference pictures.
+    /// Comparison of each trial with the reference images.
     likenesses: Vec<Likeness>,
     /// Evidence for the manifest, without the trials.
     evidence: Choice,

@@ -10,7 +10,7 @@ use pelage_truth::TracedPart;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Combine the parts of a reference picture traced by `pelage reference --part K/N`; gives the same bytes as in one
+/// Combine the parts of a reference image traced by `pelage reference --part K/N`; gives the same bytes as in one
 /// piece
 #[derive(Clone, Debug, clap::Args)]
 pub struct MergeArgs {

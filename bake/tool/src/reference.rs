@@ -1,4 +1,4 @@
-//! `pelage reference`: traces a reference picture of a package with individual strands.
+//! `pelage reference`: traces a reference image of a package with individual strands.
 
 use super::backdrop::lay_over_sky;
 use super::exit::{Exit, Failure};
@@ -24,7 +24,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Trace a reference picture of a package: every strand individually, without layers or adapter
+/// Trace a reference image of a package: every strand individually, without layers or adapter
 ///
 /// Takes the options of `render`, except those for drawing layers and those for sequences. One picture per run, at
 /// --time.
@@ -78,7 +78,7 @@ impl ReferenceArgs {
     }
 }
 
-/// Model of hair lighting in a reference picture.
+/// Model of hair lighting in a reference image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum FibreLighting {
     /// Lit as the package says
@@ -287,14 +287,14 @@ const FAST_PATH: [(&str, bool); 9] = [
     ("shadow-shrink", false),
 ];
 
-/// Returns the look keys that only affect how `render` draws, and have no effect on a reference picture.
+/// Returns the look keys that only affect how `render` draws, and have no effect on a reference image.
 #[cfg(feature = "herd")]
 pub fn only_drawn() -> Vec<&'static str> {
     let of = |(flag, _): &(&str, bool)| SHORT_FORMS.iter().find(|short| short.flag == *flag).map(|short| short.key);
     FAST_PATH.iter().filter_map(of).collect()
 }
 
-/// Rejects arguments that only affect how `render` draws, because a reference picture would ignore them. In a look file
+/// Rejects arguments that only affect how `render` draws, because a reference image would ignore them. In a look file
 /// they are accepted, because `render` reads the same file.
 fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     let (typed, default) = (args.look.typed(), Look::default());

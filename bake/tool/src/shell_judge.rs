@@ -1,4 +1,4 @@
-//! Compares settings of a model with its reference pictures, for `pelage chart shells` and a bake with limits.
+//! Compares settings of a model with its reference images, for `pelage chart shells` and a bake with limits.
 
 use super::exit::Failure;
 use super::stages::{pixels, stage_of};
@@ -70,7 +70,7 @@ pub enum Source<'a> {
     Package(&'a NamedPackage<'static>),
 }
 
-/// View and its reference picture.
+/// View and its reference image.
 struct ReferenceView {
     view: PictureView,
     picture: Picture,
@@ -78,7 +78,7 @@ struct ReferenceView {
     fur_px: f64,
 }
 
-/// Measures settings of one model: bakes and draws each, and compares the pictures with the reference pictures.
+/// Measures settings of one model: bakes and draws each, and compares the pictures with the reference images.
 pub struct ShellJudge<'a> {
     source: Source<'a>,
     views: Vec<ReferenceView>,
@@ -89,7 +89,7 @@ pub struct ShellJudge<'a> {
 }
 
 impl<'a> ShellJudge<'a> {
-    /// Traces the reference pictures. Their views, size and samples are those of the recipe's `[judge]`. They do not
+    /// Traces the reference images. Their views, size and samples are those of the recipe's `[judge]`. They do not
     /// depend on how strands are sliced.
     ///
     /// * `detail`: level of detail to draw
@@ -108,7 +108,7 @@ impl<'a> ShellJudge<'a> {
         Ok(Self { detail, ..Self::of_views(source, &truth, size, &views, recipe.judge.samples, gpu, doing) })
     }
 
-    /// Traces reference pictures of the given size in pixels, cameras, and number of samples per pixel.
+    /// Traces reference images of the given size in pixels, cameras, and number of samples per pixel.
     pub fn of_views(
         source: Source<'a>,
         truth: &ReferenceTracer,
@@ -122,9 +122,9 @@ impl<'a> ShellJudge<'a> {
         for (i, camera) in cameras.iter().enumerate() {
             let view = PictureView { camera: Some(*camera), ..PictureView::sized(size) };
             let picture = truth.picture(&view, samples, &mut |done, all| {
-                doing(&format!("reference picture {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
+                doing(&format!("reference image {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
-            // The reference picture is quantised to 8 bits per channel, like the pictures compared with it.
+            // The reference image is quantised to 8 bits per channel, like the pictures compared with it.
             let picture = Picture::from(&truth::encode(&picture, view.look.background()));
             let fur_px = truth.fur_px(&view);
             views.push(ReferenceView { view, picture, fur_px });
@@ -149,7 +149,7 @@ impl<'a> ShellJudge<'a> {
         self.views.iter().filter_map(|of| of.view.camera).map(|camera| format!("--camera {camera}")).collect()
     }
 
-    /// Bakes a recipe, draws and times it from all views, and compares the pictures with the reference pictures.
+    /// Bakes a recipe, draws and times it from all views, and compares the pictures with the reference images.
     pub fn measure(&self, recipe: &Recipe) -> Result<(SettingMeasurements, Likeness), Failure> {
         let begun = Instant::now();
         let file = self.source.bake(recipe)?;
@@ -159,7 +159,7 @@ impl<'a> ShellJudge<'a> {
     }
 
     /// Draws and times a package from all views at the level of detail `detail`, and compares the pictures with the
-    /// reference pictures. The bake time is not included.
+    /// reference images. The bake time is not included.
     pub fn measure_drawn(
         &self,
         file: &NamedPackage<'_>,

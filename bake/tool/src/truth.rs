@@ -1,4 +1,4 @@
-//! Reference pictures: path-traced pictures of the same package and view as `render` draws, with individual strands. No
+//! Reference images: path-traced pictures of the same package and view as `render` draws, with individual strands. No
 //! adapter is needed.
 
 use super::exit::Failure;

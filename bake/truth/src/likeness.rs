@@ -2,7 +2,7 @@
 //!
 //! Mean FLIP alone cannot detect lost hair. A bare body under a ghost of an outline has the right colours on average;
 //! FLIP ranked it above a picture with four times the layers and fins. Three quantities are therefore measured against
-//! the true picture:
+//! the reference image:
 //!
 //! * `flip`: mean FLIP over all pixels ([`super::compare`]), 0..=1
 //! * `outline`: mean absolute difference of coverage, pixel by pixel, in the ring, 0..=1. The ring contains the pixels

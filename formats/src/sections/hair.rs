@@ -21,7 +21,7 @@ pub(crate) const KIND: Kind = Kind {
     count: Count::AtMostOne,
     check: |package, _| package.hair_groups().map(drop),
     check_use: USES_NOTHING,
-    row: Row { what: "[hair on guides](#hair-hair-on-guides)", how_many: "at most one", place: "any" },
+    row: Row { what: "[guided hair](#hair-guided-hair)", how_many: "at most one", place: "any" },
 };
 
 /// Maximum number of groups in a package.

@@ -27,7 +27,7 @@ const MIN_BLENDED_WIDTH_PX: [f32; 2] = [0.36, 0.18];
 const MIN_HAIR_SHARE: f32 = 0.02;
 
 /// Minimum width of multisampled fur, used like `MIN_WIDTH_PX`, in pixels divided by the square root of the sample
-/// count. At this width or above, fur shimmers less than twice as much as the reference picture.
+/// count. At this width or above, fur shimmers less than twice as much as the reference image.
 const MIN_FUR_WIDTH_PX: f32 = 0.9;
 
 /// Minimum share of multisampled fur strands that are drawn. If fewer would be needed, layers are drawn instead.

@@ -1,19 +1,19 @@
-//! Reference picture beside the rendered one: when it is traced, and its state.
+//! Reference image beside the rendered one: when it is traced, and its state.
 
 use crate::workshop::{Progress, ReferencePicture};
 use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use std::time::{Duration, Instant};
 
-/// Time for which the view must be still before its reference picture is traced.
+/// Time for which the view must be still before its reference image is traced.
 const STILL: Duration = Duration::from_millis(300);
 
-/// State of the reference picture.
+/// State of the reference image.
 #[derive(Default)]
 pub struct ReferencePane {
     asked: bool,
     /// Time since which the view has been still.
     still_since: Option<Instant>,
-    /// Whether the reference picture of the current view is finished or in progress.
+    /// Whether the reference image of the current view is finished or in progress.
     is_traced: bool,
     latest: Option<ReferencePicture>,
     progress: Option<Progress>,
@@ -23,17 +23,17 @@ pub struct ReferencePane {
 }
 
 impl ReferencePane {
-    /// Returns whether the reference picture is shown.
+    /// Returns whether the reference image is shown.
     pub fn is_shown(&self) -> bool {
         self.asked
     }
 
-    /// Shows or hides the reference picture.
+    /// Shows or hides the reference image.
     pub fn toggle(&mut self) {
         *self = Self { asked: !self.asked, ..Self::default() };
     }
 
-    /// Marks the reference picture as outdated, because the view has changed. Returns whether it was finished or in
+    /// Marks the reference image as outdated, because the view has changed. Returns whether it was finished or in
     /// progress.
     pub fn outdated(&mut self) -> bool {
         self.still_since = Some(Instant::now());
@@ -54,7 +54,7 @@ impl ReferencePane {
         self.asked && !self.is_traced
     }
 
-    /// Stores a refined reference picture, with more samples than before.
+    /// Stores a refined reference image, with more samples than before.
     pub fn take(&mut self, ctx: &Context, truth: ReferencePicture) {
         let (width, height) = truth.picture.dimensions();
         let size = [width as usize, height as usize];
@@ -73,17 +73,17 @@ impl ReferencePane {
         self.progress = Some(progress);
     }
 
-    /// Stores the reason for a missing reference picture.
+    /// Stores the reason for a missing reference image.
     pub fn failed(&mut self, reason: String) {
         (self.failure, self.progress) = (Some(reason), None);
     }
 
-    /// Returns the texture of the reference picture, and that of its FLIP map.
+    /// Returns the texture of the reference image, and that of its FLIP map.
     pub fn textures(&self) -> Option<(TextureId, Option<TextureId>)> {
         Some((self.picture.as_ref()?.id(), self.map.as_ref().map(TextureHandle::id)))
     }
 
-    /// Returns a description of the reference picture's state.
+    /// Returns a description of the reference image's state.
     pub fn status_text(&self) -> String {
         if let Some(reason) = &self.failure {
             return format!("no truth: {reason}");

@@ -1,5 +1,5 @@
 //! Two background threads of the window. One makes the content, and again whenever its files change. The other traces
-//! the reference picture.
+//! the reference image.
 
 use crate::watch::Watch;
 use crate::workshop::{
@@ -23,11 +23,11 @@ pub enum WorkerMessage {
     Failed(String),
     /// Result of writing a recipe.
     Saved(Outcome<PathBuf>),
-    /// Progress of the reference picture.
+    /// Progress of the reference image.
     Tracing(Progress),
-    /// Reference picture with more samples than the previous one.
+    /// Reference image with more samples than the previous one.
     Truth(Box<ReferencePicture>),
-    /// The reference picture cannot be traced; includes the reason.
+    /// The reference image cannot be traced; includes the reason.
     NoTruth(String),
 }
 
@@ -81,7 +81,7 @@ impl Workers {
         self.ask(MakeRequest::Save(edits));
     }
 
-    /// Traces a reference picture, and cancels the previous one.
+    /// Traces a reference image, and cancels the previous one.
     pub fn trace(&self, asked: ReferenceRequest) {
         let number = self.wanted.fetch_add(1, Ordering::Relaxed) + 1;
         // If the thread has ended, it has already reported the reason.

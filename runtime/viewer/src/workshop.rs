@@ -62,11 +62,11 @@ pub trait Workshop: Send {
     /// The content has no recipe, or the file system reports an error.
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf>;
 
-    /// Creates a source of reference pictures, which is moved to another thread.
+    /// Creates a source of reference images, which is moved to another thread.
     fn reference_source(&self) -> Box<dyn ReferenceSource>;
 }
 
-/// Request for a reference picture: a view of a package.
+/// Request for a reference image: a view of a package.
 #[derive(Clone, Debug)]
 pub struct ReferenceRequest {
     /// Package to trace.
@@ -83,7 +83,7 @@ pub struct ReferenceRequest {
     pub drawn: RgbaImage,
 }
 
-/// Reference picture; possibly unfinished.
+/// Reference image; possibly unfinished.
 #[derive(Clone, Debug)]
 pub struct ReferencePicture {
     /// Picture: sRGB-encoded, straight alpha.
@@ -96,14 +96,14 @@ pub struct ReferencePicture {
     pub flip: Option<(f64, RgbImage)>,
 }
 
-/// Source of reference pictures.
+/// Source of reference images.
 pub trait ReferenceSource: Send {
-    /// Traces a reference picture. Calls `show` with each refinement, which has more samples than the previous one.
+    /// Traces a reference image. Calls `show` with each refinement, which has more samples than the previous one.
     /// `progress` returns whether to continue.
     ///
     /// # Errors
     ///
-    /// An error in the package, or the reason why it has no reference picture.
+    /// An error in the package, or the reason why it has no reference image.
     fn trace(
         &mut self,
         asked: &ReferenceRequest,

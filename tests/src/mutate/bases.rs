@@ -257,7 +257,7 @@ pub struct Bases {
     pub png: Vec<u8>,
     /// Contents of `b.jpg`.
     pub jpg: Vec<u8>,
-    /// Recipes. Two contain everything that a recipe can name, one for fur and one for hair on guides; the third has
+    /// Recipes. Two contain everything that a recipe can name, one for fur and one for guided hair; the third has
     /// all keys, as recorded in a package.
     pub recipes: Vec<(&'static str, String)>,
     /// Files of strands in every format that a recipe can name.

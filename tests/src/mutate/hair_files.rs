@@ -1,4 +1,4 @@
-//! Valid inputs with hair on guides: a recipe that names strands in each supported format, and the strand files.
+//! Valid inputs with guided hair: a recipe that names strands in each supported format, and the strand files.
 
 use super::case::Entry;
 use anyhow::Context as _;

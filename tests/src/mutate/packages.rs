@@ -112,7 +112,7 @@ fn change_table(base: &[u8], random: &mut Random) -> (String, Vec<u8>) {
     (how, assemble(version, &list))
 }
 
-/// Changes a field of the manifest, the animation, the morph targets or the hair on guides. The new value has the right
+/// Changes a field of the manifest, the animation, the morph targets or the guided hair. The new value has the right
 /// type, but may be meaningless.
 fn change_field(base: &[u8], turn: u64, random: &mut Random) -> (String, Vec<u8>) {
     let (version, mut list) = sections(base);

@@ -214,9 +214,10 @@ fn small_animals_use_fewer_layers_and_passes() {
     assert_eq!(reason(&large, "layer_shadow"), "one map of 2 layers, 512 x 512");
     assert_eq!(reason(&middle, "layer_shadow"), "light, poses and models are unchanged");
     assert!(
-        reason(&small, "shells").contains("too small") && reason(&small, "layer_shadow").contains("only far coats")
+        reason(&small, "shells").contains("too small")
+            && reason(&small, "layer_shadow").contains("only far fur layers")
     );
-    assert!(reason(&small, "skin").contains("1 with the far coat"));
+    assert!(reason(&small, "skin").contains("1 with the far fur layer"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Tests of swinging hair on guides: when it swings, and that it comes to rest.
+//! Tests of swinging guided hair: when it swings, and that it comes to rest.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 

@@ -298,7 +298,7 @@ fn herd_plan_is_a_graph_of_plain_commands() {
         made.extend(strings("outputs"));
         assert!(task["expected"]["seconds"].as_f64().unwrap() > 0.0 && strings("command")[0] == "pelage", "{task}");
     }
-    // Look keys for layers must not be passed to reference pictures.
+    // Look keys for layers must not be passed to reference images.
     let words = |kind: &str| tasks.iter().find(|task| task["kind"] == kind).unwrap()["command"].to_string();
     assert!(words("render").contains("--look=fur.layers=3") && !words("part").contains("fur.layers"));
     assert!(words("bake").contains("--cache\",\"../cache") || words("bake").contains("cache"), "{}", words("bake"));

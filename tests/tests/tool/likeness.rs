@@ -5,7 +5,7 @@ use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
 use pelage_tests::likeness::{FUR_PX, folder, likeness, pairs};
 
-/// Checks that the error ranks every pair as a person does, by a margin above the noise of the reference picture. Mean
+/// Checks that the error ranks every pair as a person does, by a margin above the noise of the reference image. Mean
 /// FLIP alone must fail.
 #[test]
 fn likeness_ranks_pairs_as_people_do() {

@@ -61,7 +61,7 @@ fn blend_option_interpolates_between_clips() {
     assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:0"]) == breath, "nothing of it");
     assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:1"]) == walk, "all of it");
     assert!(drawn(&["--blend", "Walk:0"]) == rest && drawn(&["--blend", "Walk:1"]) == walk, "from rest");
-    // The reference picture must have the same pose as the rendered one.
+    // The reference image must have the same pose as the rendered one.
     let traced = |more: &[&str]| {
         let run = sandbox.run(&[&["reference", "-o", "true.png", "--samples", "1"], &seen[..], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");

@@ -32,14 +32,14 @@ fn strands_are_nearer_to_the_reference_than_layers() {
         found["flip"]["mean"].as_f64().unwrap()
     };
     let [strands, layers] = [draw("strands", "strands.png"), draw("shells", "layers.png")];
-    println!("FLIP against the true picture: {strands:.4} in strands, {layers:.4} in layers");
+    println!("FLIP against the reference image: {strands:.4} in strands, {layers:.4} in layers");
     assert!(strands < 0.85 * layers && strands < 0.014, "{strands} and {layers}");
     draw("strands", "again.png");
     let [first, again] = ["strands.png", "again.png"].map(|name| std::fs::read(sandbox.path().join(name)).unwrap());
     assert!(first == again, "a picture of strands is the same every time");
 }
 
-/// Checks hair on guides that hangs from the hare, at rest and in the middle of a jump. It is so thin that each hair
+/// Checks guided hair that hangs from the hare, at rest and in the middle of a jump. It is so thin that each hair
 /// matters.
 #[test]
 fn guided_hair_is_drawn_as_in_the_reference() {
@@ -76,7 +76,7 @@ fn guided_hair_is_drawn_as_in_the_reference() {
             [&found["coverage"], &found["flip"]["mean"]].map(|n| n.as_f64().unwrap())
         };
         let [coverage, flip] = against(&drawn_png);
-        // The hare is also baked without the hair on guides, for comparison.
+        // The hare is also baked without the guided hair, for comparison.
         if name == "rest" {
             done(&[
                 "bake",

@@ -2,7 +2,7 @@
 //! a picture of the true strands.
 //!
 //! Fur that is few pixels high cannot show many layers, and small triangles add nothing there. The same view is
-//! therefore drawn in four sizes, each compared with its own reference picture. Each size is drawn with the runtime's
+//! therefore drawn in four sizes, each compared with its own reference image. Each size is drawn with the runtime's
 //! choice, in full detail, and with one of layers, triangles and texels changed at a time.
 
 use super::{Cell, Panel};
@@ -153,7 +153,7 @@ pub struct DetailSizeFacts {
     pub pixels: (u32, u32),
     /// Height of the fur at the nearest point of the model, pixels; `None` without fur or levels of detail.
     pub fur_px: Option<f32>,
-    /// Rays per pixel of the reference picture.
+    /// Rays per pixel of the reference image.
     pub samples: u32,
 }
 

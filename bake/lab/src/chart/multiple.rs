@@ -17,7 +17,7 @@ pub const LIGHTS: [(&str, [f32; 3]); 3] =
 pub const SIZE: u32 = 480;
 /// Width and height of the compared squares, pixels.
 const BLOCK: u32 = 16;
-/// Paths per pixel of the reference picture.
+/// Paths per pixel of the reference image.
 pub const SAMPLES: u32 = 32;
 /// Ambient light of the rows with constant ambient light.
 pub const AMBIENT: f32 = 0.35;

@@ -32,7 +32,7 @@ pub const PLANES: u32 = 16;
 ///   and that the mesh surface does not hide from the light. `places`: number of these points under three lights
 ///   together.
 /// * `flip`, `flip_covered`, `image_rmse`: errors of the picture with four samples per pixel, under the first light,
-///   compared with the reference picture of `samples` rays per pixel.
+///   compared with the reference image of `samples` rays per pixel.
 /// * `largest_step`: largest step of t between the ends of neighbouring slabs, along rays of light through a
 ///   homogeneous ball of hair. `largest_error`: largest error of t there; see [`Ball`].
 /// * `milliseconds`: time to render the map; `timing`: clock used. `bytes`: size of the map.
@@ -60,7 +60,7 @@ pub const COLUMNS: [&str; 18] = [
 /// Panels of the chart.
 pub const PANELS: [Panel; 4] = [
     panel("milliseconds", "drawing the map, milliseconds", "rmse", "RMSE of t on strands against rays"),
-    panel("milliseconds", "drawing the map, milliseconds", "flip", "mean FLIP against the reference picture"),
+    panel("milliseconds", "drawing the map, milliseconds", "flip", "mean FLIP against the reference image"),
     panel("bytes", "map, bytes", "rmse", "RMSE of t on strands against rays"),
     panel(
         "milliseconds",
@@ -308,7 +308,7 @@ pub struct OpacityShadowMeasures {
     pub milliseconds: f64,
     /// Bytes of the map.
     pub bytes: u64,
-    /// Rays per pixel of the reference picture.
+    /// Rays per pixel of the reference image.
     pub samples: u32,
 }
 

@@ -133,14 +133,14 @@ pub fn configurations(ways: usize) -> Vec<StrandsConfiguration> {
 ///
 /// * `size`: name of the size; `whole` is as in the recipe's `[judge]`, `close` has a third of its angle. `width`,
 ///   `height`: pixels.
-/// * `samples`: per pixel; `true_samples`: rays per pixel of the reference picture; `strand_px`: mean width of the
+/// * `samples`: per pixel; `true_samples`: rays per pixel of the reference image; `strand_px`: mean width of the
 ///   strands at the median distance of the mesh surface, pixels.
 /// * `layers`: number of drawn layers; `strands`: fraction of the strands that is drawn; `pieces`: per strand.
 ///   `strand_triangles`: triangles of all drawn strands, visible or not; `triangles`: of the mesh.
-/// * `flip`, `flip_covered`, `rmse`, `coverage_error`: errors against the reference picture; `fragments`: if the
+/// * `flip`, `flip_covered`, `rmse`, `coverage_error`: errors against the reference image; `fragments`: if the
 ///   adapter counts them.
 /// * `flicker`: mean change of grey, 0..=1, at points of the mesh surface and the hair on them, while only the camera
-///   turns by a quarter of a degree. `true_flicker`: that of the reference pictures, whose hair also moves relative to
+///   turns by a quarter of a degree. `true_flicker`: that of the reference images, whose hair also moves relative to
 ///   the surface.
 /// * `frame_milliseconds`: a frame with unchanged light and pose. `anew_milliseconds`: the passes of a frame with a new
 ///   pose and new maps.
@@ -219,9 +219,9 @@ pub struct StrandsMeasures {
 pub struct StrandsSizeFacts {
     /// Width and height of the picture, pixels.
     pub pixels: (u32, u32),
-    /// Rays per pixel of the reference picture.
+    /// Rays per pixel of the reference image.
     pub true_samples: u32,
-    /// Mean change of grey in the reference picture, 0..=1, while the camera turns by a quarter of a degree. `None` if
+    /// Mean change of grey in the reference image, 0..=1, while the camera turns by a quarter of a degree. `None` if
     /// no mesh surface is visible.
     pub true_flicker: Option<f64>,
     /// Mean width of the strands, pixels.
@@ -231,7 +231,7 @@ pub struct StrandsSizeFacts {
 }
 
 /// Largest ratio of FLIP at which two methods count as equally accurate. Smaller differences are within the noise of
-/// the reference picture.
+/// the reference image.
 pub const AS_TRUE: f64 = 1.02;
 
 /// Returns the cost of the first method divided by that of the cheapest equally accurate one. Methods with blended

@@ -1,4 +1,4 @@
-//! Topic `verlet`: error of simulated hair on guides, compared with its equations ([`TrueGuide`]), and its cost.
+//! Topic `verlet`: error of simulated guided hair, compared with its equations ([`TrueGuide`]), and its cost.
 //! Methods differ in how they enforce the lengths of the pieces.
 //!
 //! Each method moves the same guides through the same frames of a sixtieth of a second: the runtime's solver with

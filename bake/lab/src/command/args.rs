@@ -122,7 +122,7 @@ pub(super) enum Topic {
     Ink,
     /// Texel formats, encoders and mip filters: error of colour, hair direction and coverage, and cost
     Textures,
-    /// Simulated hair on guides, by method and frequency of enforcing lengths: error against its equations, and cost;
+    /// Simulated guided hair, by method and frequency of enforcing lengths: error against its equations, and cost;
     /// needs no model
     Verlet,
     /// Scattering of a fibre by tables of several sizes and axes, by the published tables and by a fit: error against

@@ -19,7 +19,7 @@ pub struct DetailTopic<'a> {
     gpu: Gpu,
     /// Strands and their viewpoint, which are the same for all sizes and recipes.
     truth: Option<(ReferenceTracer, Viewpoint)>,
-    /// Reference picture of each size, and the values shared by its rows.
+    /// Reference image of each size, and the values shared by its rows.
     sizes: [Option<(ShellJudge<'a>, detail::DetailSizeFacts)>; detail::Size::ALL.len()],
     /// Baked packages by recipe; all sizes draw the same ones.
     packages: Vec<(Recipe, NamedPackage<'static>)>,

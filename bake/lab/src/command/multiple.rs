@@ -30,11 +30,11 @@ pub struct MultipleTopic<'a> {
     coats: [Option<FurWithTruths>; COATS.len()],
 }
 
-/// Package of one fur colour with its reference pictures.
+/// Package of one fur colour with its reference images.
 struct FurWithTruths {
     package: NamedPackage<'static>,
     camera: Viewpoint,
-    /// Reference picture under each light, linear and premultiplied.
+    /// Reference image under each light, linear and premultiplied.
     truths: Vec<Vec<[f32; 4]>>,
 }
 

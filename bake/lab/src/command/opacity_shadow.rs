@@ -45,7 +45,7 @@ pub struct OpacityShadowTopic<'a> {
 struct Shared {
     scene: Stage,
     meter: Meter,
-    /// Reference picture.
+    /// Reference image.
     picture: Picture,
     /// Direction towards each light, and its truth.
     truths: Vec<(Vec3, opacity_shadow::StrandLightTruth)>,
@@ -114,7 +114,7 @@ impl Shared {
         }
         let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len() as f64;
         let traced = truth.picture(&view, recipe.judge.samples, &mut |done, all| {
-            doing(&format!("true picture, {} %", 100 * done / all.max(1)));
+            doing(&format!("reference image, {} %", 100 * done / all.max(1)));
         });
         doing("true light");
         let places = truth.scene.visible_strands(&truth.camera(&view), size, STEP_PX);

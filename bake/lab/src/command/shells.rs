@@ -13,7 +13,7 @@ pub struct ShellsTopic<'a> {
     subject: &'a Subject,
     configurations: Vec<shells::ShellsConfiguration>,
     gpu: Gpu,
-    /// Judge with the reference pictures.
+    /// Judge with the reference images.
     judge: Option<ShellJudge<'a>>,
 }
 

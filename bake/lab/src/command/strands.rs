@@ -133,7 +133,7 @@ impl Topic for StrandsTopic<'_> {
     }
 }
 
-/// Returns the methods of drawing the subject's hair: its fur, or hair on guides if it has no fur.
+/// Returns the methods of drawing the subject's hair: its fur, or guided hair if it has no fur.
 fn draw_methods(subject: &Subject) -> Vec<DrawMethod> {
     let recipe = &subject.recipe;
     let rest = RestPose::of(&subject.model.mesh, subject.model.animation.as_ref());
@@ -163,7 +163,7 @@ impl Shared {
         Ok(Self { packages, truth, sight, camera, width_m })
     }
 
-    /// Returns the reference picture of a size, the values shared by its methods, and its view.
+    /// Returns the reference image of a size, the values shared by its methods, and its view.
     fn reference(
         &self,
         size: Size,
@@ -176,7 +176,7 @@ impl Shared {
         let mut traced = |camera| {
             let view = PictureView { camera: Some(camera), ..PictureView::sized(pixels) };
             let picture = self.truth.picture(&view, samples, &mut |done, all| {
-                doing(&format!("true picture, {} %", 100 * done / all.max(1)));
+                doing(&format!("reference image, {} %", 100 * done / all.max(1)));
             });
             // The picture is encoded to bytes, like those compared with it.
             (truth::encode(&picture, view.look.background()), view)

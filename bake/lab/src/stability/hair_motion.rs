@@ -1,4 +1,4 @@
-//! Simulated hair on guides: stiff strings, springs and long steps, frames of any length, obstacles, and roots that
+//! Simulated guided hair: stiff strings, springs and long steps, frames of any length, obstacles, and roots that
 //! jump.
 //!
 //! The naive form is the published one of Nalu (GPU Gems 2, chapter 23, after Jakobsen 2001). It uses position Verlet

@@ -6,7 +6,7 @@
 //! * [`Occluder`]: a mesh that hides parts of a disc light from its points, for soft shadows.
 //! * [`TrueLines`]: contours, creases and borders of a posed mesh, with hidden parts removed by rays. The truth for ink
 //!   lines.
-//! * [`TrueGuide`]: motion of hair on guides by its equations, with steps as short as needed. Verlet integration with
+//! * [`TrueGuide`]: motion of guided hair by its equations, with steps as short as needed. Verlet integration with
 //!   length constraints converges to it.
 
 mod disc_light;

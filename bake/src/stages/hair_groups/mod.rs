@@ -1,4 +1,4 @@
-//! `groom`, hair on guides: converts `[[strands.group]]` and `[[strands.tuft]]` to the form that a package stores.
+//! `groom`, guided hair: converts `[[strands.group]]` and `[[strands.tuft]]` to the form that a package stores.
 //!
 //! The package contains a group's scalp, guides and parameters. The hairs are derived from them when the package is
 //! loaded ([`pelage_formats::meaning::hair_groups`]).
@@ -40,7 +40,7 @@ const MOST_GUIDES: usize = 1 << 16;
 /// Density below which no hair grows.
 const MIN_DENSITY: f32 = 0.01;
 
-/// Hair on guides.
+/// Guided hair.
 #[derive(Clone, Debug, Default)]
 pub struct GuidedHair {
     /// Groups of the recipe, then its tufts.

@@ -1,4 +1,4 @@
-//! Motion of hair on guides, and the parts of the body that it must not enter: the recipe's settings, and capsules
+//! Motion of guided hair, and the parts of the body that it must not enter: the recipe's settings, and capsules
 //! fitted to the mesh.
 
 mod colliders;

@@ -1,4 +1,4 @@
-//! Converts hair on guides (section `HAIR`) to one `.hair` file per group and a JSON file, and back.
+//! Converts guided hair (section `HAIR`) to one `.hair` file per group and a JSON file, and back.
 //!
 //! The `.hair` files contain the guides on the mesh at rest, metres in world space, y up; `hair.json` contains all
 //! other data of a group. An unedited guide is packed to exactly the integers it was unpacked from. Integers that

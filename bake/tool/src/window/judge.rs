@@ -1,4 +1,4 @@
-//! Progressive reference pictures for the window, and their difference from the drawn picture.
+//! Progressive reference images for the window, and their difference from the drawn picture.
 
 use crate::environment::Sky;
 use crate::truth::{ReferenceTracer as TrueView, encode};
@@ -28,7 +28,7 @@ impl ReferenceSource for Tracer {
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Outcome<()> {
         if asked.look.picture.style == LookStyle::Ink {
-            return Err("found ink, which has no reference picture; expected fur or bare skin".into());
+            return Err("found ink, which has no reference image; expected fur or bare skin".into());
         }
         let sky = Sky::of(&asked.look).map_err(|failure| failure.to_string())?;
         let view = PictureView {

@@ -1,7 +1,7 @@
 //! Search for bake settings: the number of layers, the tile size and the fins that a picture needs.
 //!
-//! The settings of a [`SettingSpace`] differ in cost and in error against the true picture. [`decide`] searches for the
-//! cheapest that is accurate enough, or for the most accurate that is cheap enough, by [`Limits`]. To measure a
+//! The settings of a [`SettingSpace`] differ in cost and in error against the reference image. [`decide`] searches for
+//! the cheapest that is accurate enough, or for the most accurate that is cheap enough, by [`Limits`]. To measure a
 //! setting, the package is baked, rendered and compared, which takes seconds. A coarse model therefore suggests which
 //! setting to measure next, and each measurement corrects the model. The model only decides which settings can be
 //! skipped; the chosen setting was always measured.
@@ -25,7 +25,7 @@ use pelage_import::BakeError;
 /// Limits on a picture's cost and error; `None` means no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Maximum error against the true pictures, as measured by the judge; above 0.
+    /// Maximum error against the reference images, as measured by the judge; above 0.
     pub max_error: Option<f64>,
     /// Maximum frame time, milliseconds.
     pub max_frame_ms: Option<f64>,
@@ -36,7 +36,7 @@ pub struct Limits {
 /// Quantities that can be limited, in the order of the fields of [`SettingFigures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
-    /// Error against the true pictures, as measured by the judge.
+    /// Error against the reference images, as measured by the judge.
     Error,
     /// Frame time, milliseconds.
     FrameMs,
@@ -200,7 +200,7 @@ impl SettingSpace {
 /// Measured figures of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SettingFigures {
-    /// Error against the true pictures, 0 for none; for `pelage bake` it is [`super::likeness`].
+    /// Error against the reference images, 0 for none; for `pelage bake` it is [`super::likeness`].
     pub error: f64,
     /// Frame time.
     pub frame: FrameTime,

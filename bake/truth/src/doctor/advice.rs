@@ -42,12 +42,12 @@ pub(super) fn advise(
     Ok(out)
 }
 
-/// Maximum relative increase of the error that counts as harmless. Two true pictures with different noise differ by as
-/// much.
+/// Maximum relative increase of the error that counts as harmless. Two reference images with different noise differ by
+/// as much.
 const HARMLESS: f64 = 0.02;
 
 /// Returns whether a picture with error `after` is as good as one with error `before`. Both are [`crate::likeness`]
-/// against the same true picture.
+/// against the same reference image.
 pub fn is_harmless(before: f64, after: f64) -> bool {
     after <= (1.0 + HARMLESS) * before
 }

@@ -6,7 +6,7 @@
 //!
 //! Advice names harmless savings, and improvements of the look for views that are too close. This module judges
 //! harmlessness only by sizes on the screen. A caller with an adapter renders the picture before and after the change,
-//! compares both with the true picture, and drops advice that fails [`is_harmless`].
+//! compares both with the reference image, and drops advice that fails [`is_harmless`].
 
 mod advice;
 mod fit;
@@ -474,7 +474,7 @@ fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
                 furry && w.drawn > 0,
                 format!("{} of {above} layers, {} strands in the tile", w.drawn, w.manifest.fur.strands),
                 if furry {
-                    "the fur is too small on screen: the skin shows the far coat"
+                    "the fur is too small on screen: the skin shows the far fur layer"
                 } else {
                     "the package has no fur"
                 },

@@ -34,8 +34,8 @@ pub(crate) const PASS: Pass = Pass {
     name: "hair_motion",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
-    does: "compute: simulates hair on guides by Verlet integration, with length constraints and colliders",
-    runs_when: "hair on guides is drawn, hair motion is on, and the hair is not at rest",
+    does: "compute: simulates guided hair by Verlet integration, with length constraints and colliders",
+    runs_when: "guided hair is drawn, hair motion is on, and the hair is not at rest",
     shaders: &[SHADER],
     targets: &[],
     run,
@@ -68,7 +68,7 @@ pub(crate) struct HairMotion {
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let nothing = Outcome::Skipped("no hair on guides moves, or all of it is at rest");
+    let nothing = Outcome::Skipped("no guided hair moves, or all of it is at rest");
     // Skip early: a device that cannot draw single hairs cannot create the layout below.
     if !frame.instances.iter().any(|seen| seen.look.strands && seen.moved.swing.is_some()) {
         return nothing;

@@ -31,14 +31,14 @@ pub(crate) const PASS: Pass = Pass {
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
     does: "compute: rotates guides with the skin at their roots, and places the points of the hairs that follow them",
-    runs_when: "hair on guides is drawn, and the pose changed",
+    runs_when: "guided hair is drawn, and the pose changed",
     shaders: &[SHADER],
     targets: &[],
     run,
 };
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
-    let nothing = Outcome::Skipped("no hair on guides is drawn, or no pose changed");
+    let nothing = Outcome::Skipped("no guided hair is drawn, or no pose changed");
     // Skip early: a device that cannot draw single hairs cannot create the layout below.
     if !frame.instances.iter().any(|seen| seen.look.strands) {
         return nothing;

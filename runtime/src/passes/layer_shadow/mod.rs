@@ -164,7 +164,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         }
         None if !frame.params.self_shadow() => Outcome::Skipped("switched off"),
         None if frame.params.light.color() == Vec3::ZERO => Outcome::Skipped("the key light is dark"),
-        None if any_reduced(frame) => Outcome::Skipped("only far coats are drawn, lit from the package"),
+        None if any_reduced(frame) => Outcome::Skipped("only far fur layers are drawn, lit from the package"),
         None => Outcome::Skipped("no fur is drawn"),
     }
 }

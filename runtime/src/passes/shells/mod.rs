@@ -107,7 +107,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         (_, Some(1)) => "the only layer is the skin",
         _ if !instances.iter().any(VisibleInstance::in_picture) => "nothing is in the picture",
         _ if instances.iter().any(|seen| seen.look.strands) => "single strands are drawn instead",
-        _ if any_reduced(frame) => "the fur is too small on screen: the skin shows the far coat",
+        _ if any_reduced(frame) => "the fur is too small on screen: the skin shows the far fur layer",
         _ => "no package has fur",
     })
 }

@@ -64,6 +64,6 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         return Outcome::Skipped(if instances.is_empty() { "no instances" } else { "nothing is in the picture" });
     }
     let coats = shown().filter(|seen| seen.look.coat).count();
-    let coats = if coats > 0 { format!(", {coats} with the far coat") } else { String::new() };
+    let coats = if coats > 0 { format!(", {coats} with the far fur layer") } else { String::new() };
     Outcome::Ran(format!("{} instances, {} parts{coats}", shown().count(), draws.len()), draws)
 }

@@ -90,7 +90,7 @@ impl App {
         self.moved();
     }
 
-    /// Shows or hides the reference picture.
+    /// Shows or hides the reference image.
     pub fn toggle_truth(&mut self) {
         self.truth.toggle();
         self.workers.stop_tracing();

@@ -35,7 +35,7 @@ pub const KEYS: &[Line] = &[
     line("F", "frames everything", Key::F, App::frame),
     line("R", "resets the camera", Key::R, App::reset_camera),
     line("Space", "plays or stops the clip", Key::Space, App::toggle_playing),
-    line("T", "the reference picture alongside, with FLIP", Key::T, App::toggle_truth),
+    line("T", "the reference image alongside, with FLIP", Key::T, App::toggle_truth),
     line("1", "fur", Key::Num1, |app| app.set_style(LookStyle::Fur)),
     line("2", "ink", Key::Num2, |app| app.set_style(LookStyle::Ink)),
     line("3", "bare skin", Key::Num3, |app| app.set_style(LookStyle::Bare)),

@@ -1,4 +1,4 @@
-//! Picture in the centre, its mouse and key input, and its overlay: messages, progress and the reference picture.
+//! Picture in the centre, its mouse and key input, and its overlay: messages, progress and the reference image.
 
 use crate::app::App;
 use egui::{
@@ -13,7 +13,7 @@ const POINTS_TO_DOUBLE: f32 = 300.0;
 /// Speed of flight while a key is held, picture heights per second.
 const FLIGHT: f32 = 0.6;
 
-/// Draws the picture, and the reference picture beside it if requested.
+/// Draws the picture, and the reference image beside it if requested.
 pub fn show(ui: &mut Ui, app: &mut App, drawn: Option<TextureId>) {
     let all = ui.available_rect_before_wrap();
     ui.painter().rect_filled(all, 0.0, BEHIND);
@@ -40,7 +40,7 @@ fn whole() -> Rect {
     Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0))
 }
 
-/// Draws the reference picture, and the FLIP map of the rendered picture against it.
+/// Draws the reference image, and the FLIP map of the rendered picture against it.
 fn truth(ui: &mut Ui, app: &mut App, [drawn, traced, flip]: [Rect; 3]) {
     let tag = |ui: &Ui, rect: Rect, text: &str| {
         let at = rect.left_top() + vec2(8.0, 6.0);

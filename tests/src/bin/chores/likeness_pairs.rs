@@ -21,7 +21,7 @@ const ANIMALS: [(&str, &str, &[&str]); 6] = [
     ("knot", "assets/models/knot.glb", &["--recipe", "assets/recipes/knot.toml"]),
 ];
 
-/// Samples per pixel of the reference pictures.
+/// Samples per pixel of the reference images.
 const SAMPLES: &str = "64";
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
@@ -67,7 +67,7 @@ fn absolute(word: &str) -> String {
     if word.starts_with("assets/") { workspace().join(word).display().to_string() } else { word.to_owned() }
 }
 
-/// Bakes and draws one setting. If `truth` is set, also traces the reference picture.
+/// Bakes and draws one setting. If `truth` is set, also traces the reference image.
 fn draw(
     workshop: &ChoreFolder,
     (model, bake): (&Path, &[String]),

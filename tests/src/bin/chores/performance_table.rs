@@ -22,7 +22,7 @@ const FRAMES: [(&str, &[&str], Formatter); 8] = [
     ("the same with four samples a pixel, as `render` draws", &["--samples", "4"], frame),
     ("a hundred hares", &["--crowd", "100"], frame),
     ("the hare in ink", &["--style", "ink"], frame),
-    ("the hare's shadow maps drawn anew", &[], |found| milliseconds(&found["shadow_maps_ms"])),
+    ("the hare's shadow maps redrawn", &[], |found| milliseconds(&found["shadow_maps_ms"])),
 ];
 
 /// Bake measurements: description, name of the model in assets/models, options of `pelage bake`, and formatter of the

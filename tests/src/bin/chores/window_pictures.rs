@@ -1,7 +1,7 @@
 //! Takes the pictures of the window for the gallery: `chores window-pictures assets/gallery MODEL [RECIPE]`.
 //!
 //! Opens the model in a real window on a virtual display. Saves it once with both panels, and once beside its
-//! path-traced reference picture of 16 samples.
+//! path-traced reference image of 16 samples.
 
 use anyhow::{Context as _, bail, ensure};
 use pelage_tests::desktop::Desktop;
