@@ -90,10 +90,10 @@ fn impossible_metric_values_are_refused_with_possible_ones() {
 #[test]
 fn subtexel_hair_is_reported_with_a_sufficient_tile_size() {
     let of = |sets: &[&str]| to_tile_units(&recipe(sets), &bounds(0.5)).unwrap().warnings;
-    let told = of(&["hair.root_radius_m=0.00005", "surface.tile_size_m=0.05"]);
-    assert_eq!(told.len(), 1);
-    for word in ["hair of 100 µm", "391 µm", "slice.tile_texels = 512", "surface.tile_size_m = 1.28e-2"] {
-        assert!(told[0].contains(word), "{word}: {told:?}");
+    let warnings = of(&["hair.root_radius_m=0.00005", "surface.tile_size_m=0.05"]);
+    assert_eq!(warnings.len(), 1);
+    for word in ["hair is 100 µm wide", "391 µm", "slice.tile_texels = 512", "surface.tile_size_m = 1.28e-2"] {
+        assert!(warnings[0].contains(word), "{word}: {warnings:?}");
     }
     assert_eq!(of(&["hair.root_radius_m=0.00005", "surface.tile_size_m=0.05", "slice.tile_texels=512"]), [""; 0]);
 }

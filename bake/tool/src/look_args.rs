@@ -275,12 +275,12 @@ mod tests {
     fn help_has_meaning_range_and_default_of_the_knob() {
         let help = Line::command().term_width(500).render_help().to_string();
         for part in [
-            "0 is a hard shadow [0..=2; default: 0.15]",
+            "0 gives hard shadows [0..=2; default: 0.15]",
             "[0.15..=1; default: 0.64]",
             "[default: 834x424]",
-            "by a shadow-width map [default: on] [possible values: on, off]",
-            "How hair shadows hair [default: auto] [possible values: auto, baked, maps, off]",
-            "How models are drawn [default: fur] [possible values: fur, ink, bare]",
+            "by means of a shadow-width map [default: on] [possible values: on, off]",
+            "Method for the self-shadow of hair [default: auto] [possible values: auto, baked, maps, off]",
+            "Rendering style [default: fur] [possible values: fur, ink, bare]",
             "Ink style:",
         ] {
             assert!(help.contains(part), "{part}\n{help}");

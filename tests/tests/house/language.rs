@@ -51,7 +51,7 @@ fn comment(line: &str) -> Option<(&str, &str)> {
 
 /// Returns true if the text contains the phrase as whole words.
 fn contains_phrase(text: &str, phrase: &str) -> bool {
-    let bounded = |end: Option<char>| !end.is_some_and(char::is_alphanumeric);
+    let bounded = |end: Option<char>| !end.is_some_and(|c| c.is_alphanumeric() || c == '_');
     text.match_indices(phrase)
         .any(|(at, _)| bounded(text[..at].chars().next_back()) && bounded(text[at + phrase.len()..].chars().next()))
 }
