@@ -35,7 +35,7 @@ enum Light {
 const LOBE_PICTURE_SIZE: (u32, u32) = (128, 64);
 
 impl TrueSky {
-    /// Returns the light of a panorama, rotated about the vertical as by [`Environment::rotate_about_vertical`], times
+    /// Returns the light of a panorama, rotated about the vertical as by [`Environment::turned`], times
     /// `strength`.
     pub fn of_panorama(panorama: Panorama, yaw_deg: f32, strength: f32) -> Self {
         Self::new(Light::Picture, panorama, yaw_deg, strength)

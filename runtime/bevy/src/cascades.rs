@@ -18,7 +18,8 @@ use bevy_render::render_resource::{RenderPassDescriptor, StoreOp, TextureFormat}
 use bevy_render::renderer::{RenderContext, RenderDevice, RenderQueue, ViewQuery};
 use bevy_render::view::ExtractedView;
 use pelage_runtime::{
-    Camera, Detail, FrameParams, FurParams, Hair, Instance, Light, Projection, SelfShadow, Style, StyleKind, wgpu,
+    Camera, Detail, FrameParams, FurParams, HairGeometry, Instance, Light, Projection, SelfShadow, Style, StyleKind,
+    wgpu,
 };
 
 /// Format of the unused colour target, one byte per texel.
@@ -124,7 +125,7 @@ fn prepare(
 fn thrown_fur() -> FurParams {
     FurParams::default().with(|fur| {
         fur.detail = Detail::Auto { bias: 0.5 };
-        fur.hair = Hair::Shells;
+        fur.hair = HairGeometry::Shells;
         fur.fins = false;
         fur.self_shadow = SelfShadow::Off;
     })

@@ -83,7 +83,7 @@ pub(crate) fn prepare(
         let reaches: Vec<Sphere> = group.instances.iter().map(reach::of_animal).collect();
         let params = FrameParams::new(camera_of_style, [viewport.z, viewport.w]).with(|params| {
             lights::light(params, &scene.suns, ambient, camera.exposure, &layers);
-            params.environment = scene.environment.as_ref().map(|lights| lights.times(camera.exposure));
+            params.environment = scene.environment.as_ref().map(|lights| lights.scaled(camera.exposure));
             params.shadows = reach::maps_of(scene.shadows, &reaches, device.limits().max_texture_dimension_2d);
             params.style = group.style.clone();
             scene.move_hair(params);

@@ -157,7 +157,7 @@ pub(crate) fn hair(mut scene: ResMut<Scene>, hair: Extract<Res<PelageHair>>, tim
 /// Extracts the environment lights, in candela per square metre.
 pub(crate) fn environment(mut scene: ResMut<Scene>, environment: Extract<Res<PelageEnvironment>>) {
     if environment.is_changed() {
-        scene.environment = environment.lights.as_ref().map(|lights| lights.times(environment.intensity));
+        scene.environment = environment.lights.as_ref().map(|lights| lights.scaled(environment.intensity));
     }
 }
 

@@ -33,14 +33,14 @@ use pelage_runtime::RendererOptions;
 pub struct PelagePlugin {
     /// Anisotropy of the base-colour sampler, 1..=16 (default 1).
     pub anisotropy: u16,
-    /// Maximum number of single strands of a model's fur (default 300 000); see [`RendererOptions::most_strands`].
-    pub most_strands: u32,
+    /// Maximum number of single strands of a model's fur (default 300 000); see [`RendererOptions::max_strands`].
+    pub max_strands: u32,
 }
 
 impl Default for PelagePlugin {
     fn default() -> Self {
-        let RendererOptions { anisotropy, most_strands, .. } = RendererOptions::default();
-        Self { anisotropy, most_strands }
+        let RendererOptions { anisotropy, max_strands, .. } = RendererOptions::default();
+        Self { anisotropy, max_strands }
     }
 }
 
@@ -55,7 +55,7 @@ impl Plugin for PelagePlugin {
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
         let options = RendererOptions {
             anisotropy: self.anisotropy,
-            most_strands: self.most_strands,
+            max_strands: self.max_strands,
             ..RendererOptions::default()
         };
         render_app

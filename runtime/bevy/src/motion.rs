@@ -7,7 +7,7 @@ use bevy_asset::{AssetId, Assets};
 use bevy_ecs::prelude::*;
 use bevy_log::warn;
 use bevy_time::Time;
-use pelage_stage::within;
+use pelage_stage::wrap_time;
 use std::collections::HashSet;
 
 /// Inserts the bounding box of each animal's model when the model is loaded or replaced.
@@ -62,7 +62,7 @@ fn moment_after(clip: &PelageClip, passed_s: f32, duration_s: f32) -> f32 {
     let moment = if clip.paused { clip.time_s } else { clip.time_s + clip.speed * passed_s };
     match clip.looped {
         _ if !moment.is_finite() => 0.0,
-        true => within(moment, duration_s),
+        true => wrap_time(moment, duration_s),
         false => moment.clamp(0.0, duration_s.max(0.0)),
     }
 }

@@ -55,7 +55,7 @@ pub fn mean_cosine_around(concentration: f32) -> f32 {
 }
 
 /// Share of all directions that are open to the hair tips of most bodies: all except those farther below the horizon
-/// than [`broad::BELOW`].
+/// than [`broad::HORIZON_SINE`].
 pub const USUALLY_OPEN: f32 = 0.725;
 
 /// Packs the openness of a vertex into two bytes. The first is the share, at least 1. The second holds the components

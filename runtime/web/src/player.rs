@@ -1,7 +1,7 @@
 //! Playback of a clip: playing, pausing and seeking.
 
 use pelage_runtime::Motion;
-use pelage_stage::within;
+use pelage_stage::wrap_time;
 
 /// Current clip and its playback state. Without a clip the model is at rest.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ impl Player {
 
     /// Moves to another time; clips loop.
     pub fn seek(&mut self, time_s: f32) {
-        self.time_s = self.clip.map_or(0.0, |(_, duration_s)| within(time_s, duration_s));
+        self.time_s = self.clip.map_or(0.0, |(_, duration_s)| wrap_time(time_s, duration_s));
     }
 
     /// Advances time by `elapsed_s` seconds. Returns whether the pose has changed.

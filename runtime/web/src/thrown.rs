@@ -16,7 +16,7 @@ pub(crate) fn thrown(kind: &str, message: &str) -> JsValue {
 pub(crate) fn fault(error: StageError) -> JsValue {
     let kind = match &error {
         StageError::Package { .. } | StageError::Input { .. } => "package",
-        StageError::Asked { .. } | StageError::Params(_) => "asked",
+        StageError::Request { .. } | StageError::Params(_) => "asked",
         StageError::NoAdapter(_) => "no-adapter",
         StageError::Device(_) => "device",
         _ => "internal",

@@ -8,8 +8,8 @@ use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
 use pelage_stage::sky::environment_from_toml;
 use pelage_stage::{
-    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, SkyOf, SkySource, Stage, Viewpoint, find_clip,
-    find_morph,
+    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, SkyKind, SkySource, Stage, Viewpoint,
+    find_clip, find_morph,
 };
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
@@ -129,7 +129,7 @@ impl Viewer {
         let Some(Shown { stage, .. }) = &mut self.shown else { return Ok(JsValue::UNDEFINED) };
         stage.look_from(self.navigator.view());
         stage.instances[0].motion = self.player.motion();
-        stage.live(self.lived_s, self.look.hair_motion());
+        stage.advance_hair(self.lived_s, self.look.hair_motion());
         let mut encoder = stage.encoder();
         let frame = stage.prepare(&mut encoder).map_err(fault)?;
         self.hair_moves = frame.report().hair_moves;
@@ -259,7 +259,7 @@ impl Viewer {
         if (self.player.time_s - before_s).abs() > LEAP_S
             && let Some(shown) = &mut self.shown
         {
-            shown.stage.cut();
+            shown.stage.reset_hair();
         }
     }
 
@@ -333,13 +333,13 @@ impl Viewer {
     /// Returns the camera's position relative to its target: azimuth from +z towards +x and elevation, in degrees, and
     /// distance in metres.
     pub fn around(&self) -> Vec<f32> {
-        let (azimuth_deg, elevation_deg, distance_m) = self.navigator.around();
+        let (azimuth_deg, elevation_deg, distance_m) = self.navigator.spherical();
         vec![azimuth_deg, elevation_deg, distance_m]
     }
 
     /// Moves the camera to a position as returned by [`Self::around`].
     pub fn go_around(&mut self, azimuth_deg: f32, elevation_deg: f32, distance_m: f32) {
-        self.navigator.go_around(azimuth_deg, elevation_deg, distance_m);
+        self.navigator.set_spherical(azimuth_deg, elevation_deg, distance_m);
     }
 
     /// Orbits the camera about the target for a drag to the right and up, measured in heights of the image. The model
@@ -394,7 +394,7 @@ impl Viewer {
                 return Err(no_ink(&shown.file.name));
             }
             if picture.samples == before.samples {
-                shown.stage.relook(&picture, params, 0.0).map_err(fault)?;
+                shown.stage.set_look(&picture, params, 0.0).map_err(fault)?;
             }
         }
         let look_before = std::mem::replace(&mut self.look, look);
@@ -422,15 +422,15 @@ fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
 pub(crate) fn under(look: &Look, text: &str) -> Result<Look, JsValue> {
     let lights = environment_from_toml("environment", text).map_err(asked)?;
     let mut look = look.clone();
-    let of = SkyOf::File("environment.toml".into());
-    look.environment.sky = Some(SkySource { of, yaw_deg: 0.0, lights: Some(Arc::new(lights)) });
+    let kind = SkyKind::File("environment.toml".into());
+    look.environment.sky = Some(SkySource { kind, yaw_deg: 0.0, lights: Some(Arc::new(lights)) });
     Ok(look)
 }
 
 /// Rejects a look that refers to an environment map file, which a page cannot read.
 pub(crate) fn without_files(look: Look) -> Result<Look, JsValue> {
     let unread =
-        look.environment.sky.as_ref().is_some_and(|sky| matches!(sky.of, SkyOf::File(_)) && sky.lights.is_none());
+        look.environment.sky.as_ref().is_some_and(|sky| matches!(sky.kind, SkyKind::File(_)) && sky.lights.is_none());
     if unread {
         return Err(asked(
             "environment.sky: found a file, expected a colour or two; setEnvironment takes lights as text",

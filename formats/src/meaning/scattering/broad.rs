@@ -244,7 +244,7 @@ impl BroadTables {
         [size.means * size.from, size.to * size.phi]
     }
 
-    /// Returns the image described at [`Self::edges`], row by row.
+    /// Returns the image described at [`Self::image_size`], row by row.
     pub fn image(&self) -> Vec<[f32; 4]> {
         let BroadSize { means, to, from, phi } = self.size;
         let at = |(row, column): (usize, usize)| {

@@ -24,7 +24,7 @@ use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::TransformPlugin;
 use bevy_transform::components::Transform;
 use bevy_window::WindowPlugin;
-use pelage_needs::{Need, gpu_is_wanted, had};
+use pelage_needs::{Need, gpu_is_wanted, log_available};
 use std::time::Duration;
 
 /// A picture's pixels, RGBA bytes, row by row.
@@ -83,7 +83,7 @@ pub fn gpu(test: &str) -> Option<Stand> {
         return None;
     }
     let stand = Stand::new();
-    had(Need::Gpu, test, &stand.render_world().resource::<RenderAdapterInfo>().name);
+    log_available(Need::Gpu, test, &stand.render_world().resource::<RenderAdapterInfo>().name);
     Some(stand)
 }
 
