@@ -75,7 +75,8 @@ fn main() -> anyhow::Result<()> {
     }
     let shading = recipe.shading;
     for (view, slant) in [(0u32, 0.0f32), (1, 1.2)] {
-        // Direction to the eye, and the shift of the tile per unit of height.
+        // Direction to the eye. `slant` is also the distance by which a layer shifts in the view, per unit of its
+        // height.
         let eye = Vec3::new(0.0, -slant, 1.0).normalize();
         let light = Vec3::new(0.6, 0.3, 0.9).normalize();
         let half = (eye + light).normalize();

@@ -81,8 +81,8 @@ impl Cache {
         Self { folder: folder.join("v1") }
     }
 
-    /// Returns the hash of the tool's executable, which identifies the build. The hash is computed once per installed
-    /// executable and stored in the cache.
+    /// Returns the hash of the tool's executable, which identifies the build. The hash is computed once for each path,
+    /// size and modification time of the executable, and stored in the cache.
     ///
     /// # Errors
     ///
@@ -174,7 +174,7 @@ impl Cache {
     fn put(&self, state: &Digest, node: &Node) -> Result<(), BakeError> {
         let bytes = serde_json::to_vec(node).map_err(|error| BakeError::Internal(error.to_string()))?;
         let place = self.entry_path("states", state);
-        // Nodes of the same state differ at most in figures such as run times, so the first one is kept.
+        // Entries for the same state differ at most in figures such as run times, so an existing entry is kept.
         if place.exists() { Ok(()) } else { write(&place, &bytes) }
     }
 

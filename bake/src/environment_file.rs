@@ -21,8 +21,8 @@ pub enum EnvironmentFile {
 }
 
 impl EnvironmentFile {
-    /// Replaces the lower hemisphere by level ground of the given albedo, linear RGB. A set of lights is then fitted
-    /// again, with at most `lobes` lobes. Returns the environment unchanged if `albedo` is `None`.
+    /// Replaces the lower hemisphere by level ground of the given albedo, linear RGB. From a set of lights, this makes
+    /// a newly fitted set with at most `lobes` lobes. Returns the environment unchanged if `albedo` is `None`.
     ///
     /// # Errors
     /// [`BakeError::Internal`] only if the lights cannot be rendered.

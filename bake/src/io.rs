@@ -312,7 +312,7 @@ pub const TEMP_FILE_AFFIXES: (&str, &str) = (".pelage-", ".tmp");
 
 /// Complete temporary file that has not been renamed yet.
 struct PendingFile {
-    // Fields drop in order, so that the file is removed before its name is unregistered.
+    // Fields are dropped in the order of declaration, so the file is removed before its name is unregistered.
     file: tempfile::NamedTempFile,
     unfinished: TempFileGuard,
     target: PathBuf,

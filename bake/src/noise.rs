@@ -57,8 +57,8 @@ pub fn noise_1d(seed: u64, x: f32) -> Vec3 {
     at(cell as i64).lerp(at(cell as i64 + 1), smooth(x - cell))
 }
 
-/// Returns smooth noise in -1..1 over the tile, with `cells` random values per tile width. The noise is periodic in u
-/// and v but not in h.
+/// Returns smooth noise in -1..1 at the point `p` = (u, v, h), with `cells` random values per tile width. The noise
+/// repeats from tile to tile in u and v, but does not repeat in the height h.
 pub fn noise_in_tile(seed: u64, p: Vec3, cells: i64) -> Vec3 {
     let q = p * cells as f32;
     let cell = q.floor();

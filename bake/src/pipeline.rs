@@ -134,7 +134,7 @@ pub const STEPS: &[Step] = &[
         stage: "pack",
         makes: Package,
         reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, InkTextures, Skin],
-        // The package records its recipe.
+        // The package records the whole recipe, so this step depends on all tables.
         tables: ALL_TABLES,
         run: run_step::pack,
     },

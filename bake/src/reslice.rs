@@ -107,7 +107,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
             warnings: Vec::new(),
         });
     }
-    // The motion of guided hair is in a section that is copied.
+    // The motion of guided hair is not needed here, because its section is copied.
     let guided = GuidedHair { groups: package.hair_groups().map_err(fault)?.to_vec(), ..GuidedHair::default() };
     let mut outputs = Outputs {
         hair: Some(hair),
@@ -152,8 +152,9 @@ impl<'a> Slicer<'a> {
         Ok(Self { input, outputs })
     }
 
-    /// Returns a package identical, byte for byte, to that of a full bake with `recipe`. `recipe` may differ from the
-    /// first one only in `[slice]` and `[fins]`; other differences need a full bake.
+    /// Returns a package identical, byte for byte, to that of a full bake with `recipe`. Outputs are reused only if
+    /// `recipe` differs from the slicer's own in nothing but `[slice]` and `[fins]`. Other differences cause a full
+    /// bake.
     ///
     /// # Errors
     ///

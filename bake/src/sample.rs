@@ -26,7 +26,7 @@ pub(crate) enum Encoding {
 /// of the image. The result is RGBA with linear colour, black for an image without texels.
 pub(crate) fn bilinear(image: &Image, uv: Vec2, wrap: Wrap, encoding: Encoding) -> Vec4 {
     let size = Vec2::new(image.width as f32, image.height as f32);
-    // A float has lost its fractional part long before the index would overflow.
+    // Finite coordinates need no check for overflow. A float loses its fractional part long before the index overflows.
     let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
     let uv = if wrap == Wrap::Repeat { uv - uv.floor() } else { uv.clamp(Vec2::ZERO, Vec2::ONE) };
     let at = uv * size - 0.5;

@@ -156,8 +156,8 @@ pub(crate) fn read_table(bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<Sect
     }
 }
 
-/// Fails unless the bytes in `from`..`to` exist and are zero. Their presence must be checked here: in a file truncated
-/// inside the padding, an empty section after it begins past the end.
+/// Fails unless the bytes in `from`..`to` exist and are zero. Existence must be checked here: in a file truncated
+/// inside the padding, an empty section that follows begins past the end.
 fn expect_zero_padding(bytes: &[u8], from: u64, to: u64) -> Result<(), FormatError> {
     require(bytes, Tag::HEAD, "padding", from, to - from)?;
     match (from..).zip(&bytes[from as usize..to as usize]).find(|(_, byte)| **byte != 0) {

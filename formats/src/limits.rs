@@ -43,7 +43,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// No limits; for data just written, whose size the writer is responsible for.
+    /// No limits: used to read back data that was just written, whose size is the writer's responsibility.
     pub(crate) const NONE: Self = Self {
         sections: u32::MAX,
         manifest_bytes: u64::MAX,

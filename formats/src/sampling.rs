@@ -102,7 +102,7 @@ struct LocalTransform {
 impl LocalTransform {
     fn blend_to(&mut self, other: Self, share: f32) {
         if share >= 1.0 {
-            // Copying is exact, whatever the value before.
+            // At share 1, copy: unlike interpolation, this is exact whatever `self` was before.
             *self = other;
             return;
         }

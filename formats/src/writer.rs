@@ -20,7 +20,7 @@ pub struct PackageWriter<'a> {
 }
 
 impl<'a> PackageWriter<'a> {
-    /// Creates a writer for a package with that manifest.
+    /// Creates a writer for a package with the manifest `manifest`.
     pub fn new(manifest: Manifest) -> Self {
         Self { version: FORMAT_VERSION, manifest, sections: Vec::new(), error: None }
     }

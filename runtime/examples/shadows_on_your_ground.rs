@@ -48,8 +48,8 @@ fn main() {
     let camera =
         Camera::framing(Vec3::Y * 0.8 * r, r * 1.6, Vec3::new(-0.5, 0.6, 1.0), 0.6, SIZE.0 as f32 / SIZE.1 as f32);
     let light = Light::Directional { towards_light, color: Vec3::ONE };
-    // Penumbras are at most 4/3 of `shrink` map texels wide. Here the maps cover a ground, so their texels are larger
-    // than those for an animal alone.
+    // The width of a penumbra is at most 4/3 times `shrink` map texels. Here the maps cover a ground, so their texels
+    // are larger than those for an animal alone.
     let params = FrameParams::new(camera, SIZE.into()).with(|p| {
         p.light = light;
         p.shadows.shrink = 8;

@@ -27,8 +27,8 @@ impl Hull {
         along.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), (x, m)| (min.min(x - m), max.max(x + m)))
     }
 
-    /// Returns the pixels per metre at the nearest point of the hull, perpendicular to the view. Infinite if the eye is
-    /// inside the hull.
+    /// Returns the number of pixels per metre perpendicular to the view direction, at the point of the hull nearest to
+    /// the eye. Infinite if the eye is inside the hull.
     pub(crate) fn px_per_m(&self, clip_from_view: Mat4, clip_from_world: Mat4, height_px: u32) -> f32 {
         let w = clip_from_world.row(3);
         // Length of the gradient of clip-space w. In a perspective view, w is the depth; in a parallel view, it is 1
@@ -47,8 +47,8 @@ impl Hull {
         (!self.0.is_empty()).then(|| Sphere { center: 0.5 * (min + max), radius: 0.5 * (max - min).length() })
     }
 
-    /// Whether any part of the hull may be in the picture. False only if the whole hull is outside one side of the
-    /// view.
+    /// Whether any part of the hull may be visible. Returns false only if the whole hull is outside one of the six
+    /// planes of the view volume.
     pub(crate) fn may_be_visible(&self, clip_from_world: Mat4) -> bool {
         let rows: [Vec4; 4] = std::array::from_fn(|k| clip_from_world.row(k));
         let [x, y, z, w] = rows;
@@ -60,7 +60,7 @@ impl Hull {
     }
 
     /// Returns the screen rectangle that may contain the hull: left, top, right and bottom, pixels. `margin_px` is
-    /// added on each side. Returns the whole viewport if any part of the hull is beside or behind the eye.
+    /// added on each side. Returns the whole viewport if any part of the hull is level with the eye or behind it.
     pub(crate) fn screen_rect(&self, clip_from_world: Mat4, viewport: [u32; 2], margin_px: f32) -> [u32; 4] {
         let size = Vec2::from(viewport.map(|n| n as f32));
         let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
@@ -98,13 +98,13 @@ mod tests {
             let clip_from_world = projection.clip_from_view(reversed) * camera.view_from_world;
             let seen = |center: Vec3, margin: f32| Hull(vec![(center, margin)]).may_be_visible(clip_from_world);
             assert!(seen(Vec3::ZERO, 0.0) && seen(Vec3::X * 1.9, 0.0), "{projection:?}");
-            // These spheres are beside the picture, above it and behind the eye; they are visible only if their margin
-            // reaches in.
+            // The spheres are to the right of the picture, above it, and behind the eye. They are visible only if their
+            // margin extends into the view.
             for (center, reach) in [(Vec3::X * 20.0, 19.0), (Vec3::Y * 20.0, 19.5), (Vec3::Z * 8.0, 3.5)] {
                 assert!(!seen(center, 0.5), "{projection:?} {center}");
                 assert!(seen(center, reach), "{projection:?} {center}");
             }
-            // The corners are outside different sides, so the hull between them may cross the picture.
+            // The two points are beyond opposite sides of the picture, so the hull between them may cross it.
             assert!(Hull(vec![(Vec3::X * -20.0, 0.0), (Vec3::X * 20.0, 0.0)]).may_be_visible(clip_from_world));
             assert!(Hull::default().may_be_visible(clip_from_world), "a hull without known points must not be culled");
             assert!(seen(Vec3::NAN, 0.0));

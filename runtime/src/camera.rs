@@ -99,7 +99,7 @@ impl Camera {
     /// * `fov_y_rad`, `aspect` - as in [`Projection::Perspective`]
     pub fn framing(center: Vec3, radius: f32, towards_eye: Vec3, fov_y_rad: f32, aspect: f32) -> Self {
         let half = 0.5 * fov_y_rad;
-        // The narrower of the two half angles limits the view.
+        // The sphere must fit into the narrower of the two fields of view, horizontal and vertical.
         let narrow = half.tan().min(half.tan() * aspect).atan();
         let distance = radius / narrow.sin();
         let eye = center + towards_eye.try_normalize().unwrap_or(Vec3::Z) * distance;

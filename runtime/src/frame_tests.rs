@@ -1,4 +1,5 @@
-//! Tests that a pass is one folder and one line. [`crate::passes::probe`] is a pass that exists only in these tests.
+//! Tests that adding a pass takes only one folder and one line of the pass list. [`crate::passes::probe`] is a pass
+//! that exists only in these tests.
 
 use crate::camera::{Camera, Projection};
 use crate::frame::PASSES;
@@ -12,7 +13,7 @@ use pelage_needs::{Need, gpu_is_wanted, log_available};
 use pelage_stage::{Canvas, CanvasOptions, Gpu};
 use std::path::{Path, PathBuf};
 
-/// Returns a device, unless GPU tests are switched off by name.
+/// Returns a GPU device for the test `name`; `None` if GPU tests are switched off.
 pub fn gpu(name: &str) -> Option<Gpu> {
     if !gpu_is_wanted(name) {
         return None;
@@ -102,6 +103,6 @@ fn gpu_resources_are_created_only_in_counted_places() {
         .map(|f| f.strip_prefix(&source).unwrap().display().to_string())
         .collect();
     rooms.sort();
-    // The renderer creates the white texel when it is created itself.
+    // The texture in `surface/mod.rs` is the white texel, which is created once, together with the renderer.
     assert_eq!(rooms, ["gpu/device.rs", "surface/mod.rs"]);
 }

@@ -17,10 +17,12 @@ const MIN_STRENGTH_CHANGE: f32 = 0.01;
 pub(crate) struct FurState {
     tips: wgpu::Buffer,
     leaned: wgpu::Buffer,
-    /// Number of the last motion update applied to the tips. The next field counts the updates since their reset.
+    /// Number of the last motion update applied to the tips. The next field counts the updates since the tips were
+    /// reset.
     life: Option<u64>,
     lives: u32,
-    /// Strength of the current lean. The next field is the largest strength that the frames of this moment requested.
+    /// Strength of the current lean. The next field is the largest strength requested by the frames with the current
+    /// time.
     strength: f32,
     wanted: f32,
 }
@@ -34,7 +36,8 @@ pub(crate) struct FurUpdate {
     pub(crate) begins: u32,
 }
 
-/// Returns the strength of the lean, `of` at full strength, in a frame in which the fur is `height_px` pixels high.
+/// Returns the strength of the lean in a frame in which the fur is `height_px` pixels high. `of`: strength for fur high
+/// enough to lean fully.
 pub(crate) fn lean_strength(of: f32, height_px: f32) -> f32 {
     let [none, all] = FADE_IN_PX;
     let way = ((height_px - none) / (all - none)).clamp(0.0, 1.0);
@@ -67,8 +70,8 @@ impl FurState {
         self.tips.size() + self.leaned.size()
     }
 
-    /// Whether the fur leans in a frame that requests strength `wanted`. The first frame of a moment decides for all
-    /// its frames; a larger strength requested by later frames applies from the next moment on.
+    /// Whether the fur leans in a frame that requests strength `wanted`. The first of several frames with the same time
+    /// decides for all of them. A larger strength requested by the others applies from the next time on.
     pub(crate) fn begin_frame(&mut self, swing: &GuideMotion, wanted: f32) -> bool {
         if self.life == Some(swing.update) {
             self.wanted = self.wanted.max(wanted);
@@ -77,7 +80,7 @@ impl FurState {
         wanted.max(self.wanted) > 0.0
     }
 
-    /// Returns the fur motion of a frame in which the fur leans; `None` if the lean does not change.
+    /// Returns the fur motion of a frame in which the fur leans; `None` if the lean stays the same.
     pub(crate) fn update(&mut self, swing: &GuideMotion, wanted: f32) -> Option<FurUpdate> {
         if self.life == Some(swing.update) {
             return None;

@@ -1,8 +1,9 @@
-//! Hair motion state that the renderer keeps per owner: the last transform of its body, and the time since it last
-//! moved.
+//! Hair motion state that the renderer keeps per owner: the last transform of the owner's body, and how long the body
+//! has not moved.
 //!
-//! The hair of an owner advances by one update per moment. Updates are numbered, and each strand set stores the last
-//! one applied to it. A moment seen by several cameras is therefore simulated only once per strand set that is visible.
+//! The hair of an owner advances by one update when the time of its frames changes. Updates are numbered, and each
+//! strand set stores the number of the last one applied to it. If several cameras show the same time, each visible
+//! strand set is therefore simulated only once.
 
 use crate::instance::Instance;
 use crate::params::{HairMotionParams, Wind};
@@ -11,8 +12,8 @@ use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::Pose;
 use pelage_formats::meaning::hair_motion::{Capsule, steps};
 
-/// Period of the wind, seconds; keeps its time precise as an f32. The jump is visible only if a gust is blowing at that
-/// moment.
+/// Period after which the wind's time restarts at 0, seconds. It keeps that time precise as an f32. The jump at the
+/// restart is visible only if a gust is blowing then.
 const WIND_REPEATS_S: f64 = 4096.0;
 
 /// State of a body in the last frame that advanced its hair.
@@ -36,7 +37,8 @@ pub(crate) struct GuideMotion {
     pub(crate) update: u64,
     pub(crate) previous_update: Option<u64>,
     pub(crate) world_from_model: Mat3,
-    /// World position of the model's origin. The next field is its displacement.
+    /// World position of the model's origin. The next field is the displacement of the origin since the previous
+    /// update.
     pub(crate) origin: Vec3,
     pub(crate) displacement: Vec3,
     /// Time at which the wind is evaluated, seconds.
@@ -50,7 +52,7 @@ pub(crate) struct GuideMotion {
     pub(crate) colliders: Vec<[Capsule; 2]>,
     /// The hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
-    /// The hair is at rest: only new sets need to be updated.
+    /// The hair is at rest: only newly drawn strand sets need to be updated.
     pub(crate) is_at_rest: bool,
 }
 

@@ -148,10 +148,11 @@ fn mixes_logic(code: &str) -> bool {
     })
 }
 
-/// Whether operators of both kinds occur between two brackets or `ends`. `kind` gets two adjacent letters; it returns 0
-/// or 1 if they end an operator of that kind.
+/// Whether operators of both kinds occur side by side: in the same pair of brackets, and without one of the characters
+/// `ends` between them. `kind` is called with each pair of adjacent characters. It returns 0 or 1 if they end an
+/// operator of that kind.
 fn side_by_side(code: &str, ends: &[char], kind: impl Fn(char, char) -> Option<usize>) -> bool {
-    // Kinds seen in each open bracket.
+    // Kinds of operators found so far in each open bracket.
     let mut open = vec![[false; 2]];
     let mut before = ' ';
     for letter in code.chars() {

@@ -134,7 +134,7 @@ fn fur_at_rest_keeps_its_groomed_shape() {
     let still = |_: f32| Mat4::from_scale_rotation_translation(Vec3::splat(1.2), Quat::from_rotation_x(0.4), Vec3::X);
     let found = leaned_on_gpu(&gpu, 10, 60.0, &still, calm).unwrap();
     assert!((0..6).all(|i| found[i].normal == TIPS[i].to_array() && found[i].lean == LEANS[i]), "{found:?}");
-    // Too far away to be visible.
+    // The model is so small on screen that the lean would be invisible.
     let far = |_: f32| Mat4::from_scale(Vec3::splat(1e-3));
     assert!(leaned_on_gpu(&gpu, 3, 60.0, &far, WIND).is_none());
 }

@@ -40,7 +40,8 @@ struct OwnerState {
 #[derive(Debug, Default)]
 pub(crate) struct OwnerStates {
     owners: HashMap<u64, OwnerState>,
-    /// State by owner and strand set. Kept only for recently drawn sets, because many owners are never near enough.
+    /// State by owner and strand set. Kept only for recently drawn sets, because many owners are never so near to the
+    /// camera that their strands are drawn.
     strands: HashMap<(u64, usize), StrandState>,
     frame: u64,
     revisions: u64,
@@ -51,7 +52,7 @@ pub(crate) struct OwnerStates {
 /// Posed instance of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PosedInstance {
-    /// First vertex stream as drawn: posed if the model has a skeleton, leaned if the fur leans.
+    /// First vertex stream that is drawn: posed if the model has a skeleton, leaned if the fur leans.
     pub(crate) geometry: wgpu::Buffer,
     /// First vertex stream without leaning.
     pub(crate) posed: wgpu::Buffer,
@@ -84,7 +85,7 @@ struct StrandState {
     /// Guide particles, if they may move. The next field is the last motion update applied to them.
     particles: Option<wgpu::Buffer>,
     life: Option<u64>,
-    /// Revision of both buffers; 0 if they are empty.
+    /// Revision of the pose for which the points and guides were computed; 0 if they are still empty.
     revision: u64,
     /// Share of the strands that are posed.
     share: f32,
@@ -101,9 +102,9 @@ pub(crate) struct PosedStrands {
     pub(crate) particles: Option<wgpu::Buffer>,
     /// The particles do not continue the previous update: hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
-    /// An earlier frame of the same moment has already applied this update to the particles.
+    /// An earlier frame with the same time has already applied this update to the particles.
     pub(crate) is_updated: bool,
-    /// The stored points have another pose, or are too few.
+    /// The stored points must be recomputed: they have another pose, or are those of too few strands.
     pub(crate) stale: bool,
     /// Share of the strands that are posed.
     pub(crate) share: f32,

@@ -66,8 +66,8 @@ impl Renderer {
     /// are still compiled on first use: for mirrored instances, for another style or other lighting constants, and for
     /// frames with models of different layer counts.
     ///
-    /// It prepares frames of one instance, for every level of detail that `params` may choose, and drops them without
-    /// drawing.
+    /// To find the pipelines, it prepares frames of one instance for every level of detail that `params` may choose.
+    /// These frames are dropped without drawing.
     pub fn prepare_pipelines(&mut self, model: &Model, params: &FrameParams) -> Result<(), RuntimeError> {
         let levels = model.manifest().detail.len();
         let mut variants = vec![params.clone()];
@@ -131,8 +131,8 @@ impl Renderer {
     /// Two cameras in one submission need two frames. An owner has one pose at a time, that of the last frame prepared.
     /// Instances are drawn in the given order; where fur overlaps in the picture, pass the farther instance first.
     ///
-    /// Instances may be owned or borrowed, from an array or directly from a query. Only the state under their owner's
-    /// number is kept.
+    /// Instances may be owned or borrowed, from an array or directly from a query. The renderer does not keep the
+    /// instances, only state under the number of their owner.
     pub fn prepare<I>(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

@@ -178,8 +178,8 @@ impl Sandbox {
     pub fn command(&self, args: &[impl AsRef<OsStr>]) -> Command {
         let mut command = Command::new((self.program)());
         command.args(args).current_dir(self.path()).stdin(Stdio::null());
-        // Mesa's device selection looks in this folder for a display. If the variable is unset, as in a container, it
-        // prints "error:" lines to stderr.
+        // Mesa's device selection looks for a display in the folder that this variable names. If the variable is unset,
+        // as in a container, it prints "error:" lines to stderr.
         command.env("XDG_RUNTIME_DIR", self.path());
         command
     }

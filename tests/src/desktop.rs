@@ -171,7 +171,8 @@ impl ViewerWindow<'_> {
         String::from_utf8_lossy(&output.stdout).trim().to_owned()
     }
 
-    /// Gives the window the keyboard focus, which nothing else does without a window manager. Returns the window's id.
+    /// Gives the window the keyboard focus, because the display has no window manager that would do so. Returns the
+    /// window's id.
     ///
     /// # Panics
     ///

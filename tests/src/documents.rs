@@ -13,14 +13,14 @@ pub struct Document {
     pub text: String,
 }
 
-/// Folders to skip, because people do not write their files.
+/// Folders to skip, because their files are not written by people.
 const SKIPPED: [&str; 5] = ["target", ".git", "out", "corpus", "node_modules"];
 
 /// Returns all text files of the repository with one of the given extensions, ordered by path.
 ///
 /// # Panics
 ///
-/// If a folder or file cannot be read, because a file that is skipped would not be checked.
+/// If a folder or file cannot be read. Skipping it would leave it unchecked.
 pub fn documents(extensions: &[&str]) -> Vec<Document> {
     let mut found = Vec::new();
     collect(workspace(), extensions, &mut found);

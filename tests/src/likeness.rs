@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 pub struct Pair {
     /// Name of the animal.
     pub animal: String,
-    /// Setting whose picture is closer to the reference image, `layers_texels_fins`.
+    /// Setting whose picture is closer to the reference image, in the form `layers_texels_fins`.
     pub better: String,
-    /// Setting whose picture is less close, in the same format.
+    /// Setting whose picture is less close to the reference image, in the form `layers_texels_fins`.
     pub worse: String,
 }
 

@@ -153,8 +153,8 @@ pub fn golden_path(name: &str) -> PathBuf {
 /// A stored picture is written only with `PELAGE_WRITE_GOLDEN=1`. Otherwise it is an error if it is missing,
 /// unreadable, or of another size.
 ///
-/// The tolerance is a mean of 0.5 of 255, and 0.5 % of texels that differ by more than 16. It allows for different
-/// rounding in another version of the rasteriser, but not for fur that moved by a pixel.
+/// The mean difference may be at most 0.5 of 255, and at most 0.5 % of the texels may differ by more than 16. This
+/// allows for different rounding in another version of the rasteriser, but not for fur that moved by a pixel.
 pub fn compare_golden(name: &str, actual: &Picture) -> Result<(), String> {
     let path = golden_path(name);
     if std::env::var("PELAGE_WRITE_GOLDEN").is_ok_and(|v| v == "1") {

@@ -13,7 +13,7 @@ use pelage_runtime::formats::{
 pub struct PlaneGroom {
     /// Lean of the hair at all vertices.
     pub lean: f32,
-    /// Outward slope of the normals at the corners of the plane.
+    /// Slope by which the normals at the corners of the plane are tilted outward.
     pub outwards: f32,
     /// Bareness and wetness of all vertices.
     pub vertex: [u8; 2],

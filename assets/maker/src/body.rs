@@ -26,8 +26,8 @@ struct BodyPart {
     /// Whether the solid is carved out instead of added.
     carved: bool,
     comb: Comb,
-    /// Bounding sphere of the solid: centre, radius in metres, and the least growth of the solid's distance per metre
-    /// outside the sphere.
+    /// Bounding sphere of the solid (centre, radius in metres), and its growth rate. Outside the sphere, the solid's
+    /// distance grows by at least this rate per metre of distance from the sphere.
     bound: (DVec3, f64, f64),
 }
 
@@ -37,7 +37,8 @@ impl BodyPart {
         Self { solid, blend, carved, comb, bound }
     }
 
-    /// Returns true if the solid's distance at `p` is certainly `limit` or more.
+    /// Returns true if the bounding sphere proves that the solid's distance at `p` is at least `limit`. May return
+    /// false although it is.
     fn is_beyond(&self, p: DVec3, limit: f64) -> bool {
         let (centre, radius, growth) = self.bound;
         let away = if limit < 0.0 { limit } else { limit / growth } + radius;
@@ -73,7 +74,7 @@ impl Body {
         // The initial distance exceeds every blend width, so the first solid is added unchanged.
         let mut d = 1e9;
         for piece in &self.pieces {
-            // Skips solids that cannot change the distance at `p`, which at most points are the majority.
+            // Skips solids that cannot change the distance at `p`. At most points, these are the majority.
             if piece.is_beyond(p, piece.blend + if piece.carved { -d } else { d }) {
                 continue;
             }

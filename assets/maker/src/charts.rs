@@ -120,7 +120,7 @@ fn faces(mesh: &TriMesh, neighbours: &[[u32; 3]], comb: &dyn Fn(DVec3) -> DVec3)
             let (area, normal) = (0.5 * double.length(), double.normalize_or_zero());
             let hats = [0, 1, 2].map(|i| normal.cross(corners[(i + 2) % 3] - corners[(i + 1) % 3]) / (2.0 * area));
             let wanted = comb((corners[0] + corners[1] + corners[2]) / 3.0).normalize_or_zero();
-            // The length measures confidence: it is short where the comb is nearly perpendicular to the surface.
+            // The length of `t` measures confidence: it is short where the comb is nearly perpendicular to the surface.
             Face { area, corners, hats, normal, t: wanted - normal * wanted.dot(normal), s: DVec3::ZERO }
         })
         .collect();
@@ -274,8 +274,8 @@ impl Charter<'_> {
         }
     }
 
-    /// Returns the borders between charts: total length, and mean difference of the coordinates between the lower and
-    /// the higher chart.
+    /// Returns, for each pair of adjacent charts, the total length of their border, and the mean jump of the texture
+    /// coordinates across it. The jump is from the chart with the lower index to the other one.
     fn borders(&self) -> BTreeMap<(u32, u32), (f64, [f64; 2])> {
         let mut borders: BTreeMap<(u32, u32), (f64, [f64; 2])> = BTreeMap::new();
         for f in 0..self.faces.len() as u32 {
@@ -336,7 +336,7 @@ impl Charter<'_> {
                     refused.insert((a, b));
                     continue;
                 };
-                // A new index, so that earlier refusals of the two charts do not apply to the merged one.
+                // Gives the merged chart a new index, so that earlier refusals of its two parts do not apply to it.
                 let id = self.members.len() as u32;
                 for &f in &both {
                     self.chart_of[f as usize] = id;

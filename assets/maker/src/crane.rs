@@ -1,6 +1,7 @@
 //! The crane: a red-crowned crane, 1.5 m to the top of its head, on the plane y = 0, facing +Z.
 //!
-//! White, with a black neck and a tuft of drooping black plumes over its tail; long legs and an S-shaped neck.
+//! The bird is white, with a black neck and a tuft of drooping black plumes over its tail. It has long legs and an
+//! S-shaped neck.
 
 use glam::{DMat3, DVec3, DVec4, dvec3 as v};
 

@@ -38,7 +38,7 @@ pub struct Material {
 /// Vertices and triangles of one material.
 #[derive(Clone, Debug)]
 pub struct Primitive {
-    /// Name, kept in `extras`.
+    /// Name, written to `extras`.
     pub name: String,
     /// Index into [`Model::materials`].
     pub material: usize,

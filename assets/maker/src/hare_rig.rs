@@ -54,7 +54,8 @@ fn bones() -> Vec<Bone> {
         bone("hips", None, v(0.0, 0.075, -0.075), v(0.0, 0.09, -0.07)),
         bone("spine", Some(HIPS), v(0.0, 0.125, -0.055), v(0.0, 0.17, -0.03)),
         bone("chest", Some(SPINE), v(0.0, 0.175, 0.0), v(0.0, 0.215, 0.02)),
-        // The joint is a leaf, so the scale that animates breathing affects neither neck nor legs.
+        // No joint is a child of the ribs. Their scale, which animates breathing, therefore affects neither neck nor
+        // legs.
         bone("ribs", Some(CHEST), v(0.0, 0.165, 0.02), v(0.0, 0.185, 0.055)),
         bone("neck", Some(CHEST), v(0.0, 0.235, 0.035), v(0.0, 0.275, 0.05)),
         bone("head", Some(NECK), v(0.0, 0.295, 0.06), v(0.0, 0.3, 0.12)),

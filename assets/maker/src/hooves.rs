@@ -50,7 +50,7 @@ pub const WALK: Touches = [[0.25, 0.75], [0.0, 0.5]];
 /// Touchdowns of a gallop: the hind legs one after the other, then the forelegs, then all four hooves are in the air.
 pub const GALLOP: Touches = [[0.34, 0.49], [0.0, 0.13]];
 
-/// Duty factor for which the keys of tilt and bend are written.
+/// Duty factor to which the keys of tilt and bend refer. Phases of gaits with another duty factor are rescaled to it.
 const KEYED_DUTY: f64 = 0.62;
 
 /// Gait of an animal.

@@ -318,7 +318,7 @@ fn fur_color(p: DVec3, n: DVec3) -> DVec4 {
     if q.y > -0.2 && p.z > 0.5 {
         let on_face = ramp(0.0, 0.14, q.y + 0.8 * (q.z + 0.05));
         shorten(0.5, on_face);
-        // The factor excludes the throat, which is behind the chin.
+        // `muzzle` excludes the throat, which is behind the chin.
         let muzzle = ramp(-0.15, -0.11, q.z);
         // Muzzle and chin are pale; the bare skin around nostrils and lips is dark.
         color = color.lerp(mealy, 0.9 * ramp(0.3, 0.36, q.y - 0.3 * q.z) * muzzle);

@@ -39,8 +39,8 @@ impl Regions {
                 }
                 continue;
             }
-            // The first corner is the one that is alone on its side of the border. If a corner is on the border, it is
-            // the corner before that one.
+            // Rotates the corners so that the first one is alone on its side of the border. If a corner is on the
+            // border, the corner before it becomes the first.
             let first = if signs.contains(&0) {
                 (signs.iter().position(|s| *s == 0).unwrap_or(0) + 2) % 3
             } else {

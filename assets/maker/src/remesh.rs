@@ -95,7 +95,7 @@ impl<'a> Remesher<'a> {
         directed.filter(|(a, b)| a < b).collect()
     }
 
-    /// Returns the two triangles at the edge `(a, b)`. In the first one, b follows a.
+    /// Returns the two triangles at the edge `(a, b)`. In the first triangle, corner b follows corner a.
     fn wings(&self, a: u32, b: u32) -> Option<(u32, u32)> {
         let holds = |t: u32, from, to| {
             let c = self.triangles[t as usize];
@@ -130,7 +130,8 @@ impl<'a> Remesher<'a> {
                 .clamp(sizing.shortest, sizing.longest)
                 .min((sizing.local)(p))
         };
-        // Most vertices of the first mesh are soon collapsed, so their target lengths are not computed.
+        // Collapsed vertices have no triangles, and their target lengths are not computed. Most vertices of the first
+        // mesh are soon collapsed.
         let length = |(&p, fan): (&DVec3, &Vec<u32>)| if fan.is_empty() { 0.0 } else { curvature_length(p) };
         let mut wanted: Vec<f64> = self.positions.iter().zip(&self.fans).map(length).collect();
         for _ in 0..3 {
@@ -182,7 +183,8 @@ impl<'a> Remesher<'a> {
             }
             let (ring_a, ring_b) = (self.ring(a), self.ring(b));
             // Link condition: the only common neighbours of `a` and `b` may be the two opposite corners, else the
-            // surface would pinch. At an opposite corner of valence three, the surface would fold onto itself.
+            // surface would pinch. An opposite corner of valence three is not allowed either, because the surface would
+            // fold onto itself there.
             let tips = [self.opposite(left, a, b), self.opposite(right, a, b)];
             if ring_a.intersection(&ring_b).count() != 2 || tips.iter().any(|&c| self.fans[c as usize].len() <= 3) {
                 continue;

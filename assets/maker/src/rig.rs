@@ -57,8 +57,8 @@ pub fn skeleton(bones: &[Bone]) -> Vec<Joint> {
     bones.iter().map(joint).collect()
 }
 
-/// Computes skin weights. A bone's weight is the inverse fourth power of its distance plus `softness`, metres. The
-/// weights are then smoothed over the mesh `rounds` times.
+/// Computes skin weights from the distance to each bone, metres. A bone's weight is 1 / (distance² + `softness`²)². The
+/// normalised weights are then smoothed over the mesh `rounds` times.
 pub fn weights(mesh: &TriMesh, bones: &[Bone], softness: f64, rounds: usize) -> Vec<Weights> {
     let own = |&p: &DVec3| {
         let near = |bone: &Bone| {

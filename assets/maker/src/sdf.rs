@@ -69,8 +69,9 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// Returns a bounding sphere (centre, radius), and the least growth of [`Solid::distance`] per metre away from the
-    /// sphere. Inside the sphere, the solid's distance is at least the sphere's.
+    /// Returns a bounding sphere (centre, radius) and a growth rate. Outside the sphere, [`Solid::distance`] grows by
+    /// at least this rate per metre away from the sphere. Inside the sphere, the solid's distance is at least the
+    /// sphere's.
     pub fn bound(&self) -> (DVec3, f64, f64) {
         match *self {
             Self::Chain { ref line } => {
@@ -129,9 +130,9 @@ fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
     (p - foot).length() - radius
 }
 
-/// Returns the centre and radius of the sphere nearest to `p` in the linear family between the two spheres. With `h`
-/// along the axis and `q` across it, the foot satisfies `(h - t l) / distance = (ra - rb) / l`. This gives `t` in
-/// closed form.
+/// Returns the centre and radius of the sphere nearest to `p`, among all spheres interpolated linearly between the two.
+/// `t` is the parameter of that sphere, and `l` the distance between the two centres. With `h` along the axis and `q`
+/// across it, `(h - t l) / distance = (ra - rb) / l`. This gives `t` in closed form.
 fn round_cone_foot(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> (DVec3, f64) {
     let length = (b - a).length();
     if length <= (ra - rb).abs() {

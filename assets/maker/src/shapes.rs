@@ -1,5 +1,6 @@
 //! The torus and the torus knot, which are tubes around a closed curve. Their texture coordinates repeat a whole number
-//! of times around the tube (u) and along it (v), so hair tiles close without a seam. Also spheres for eyes.
+//! of times around the tube (u) and along it (v), so hair tiles close without a seam. The module also makes spheres for
+//! eyes.
 
 use core::f64::consts::TAU;
 
@@ -49,7 +50,8 @@ fn tube_along(at: &dyn Fn(f64) -> DVec3, radius: f64, rings: usize, sides: usize
     let tangents: Vec<DVec3> = parameters.iter().map(|&t| (at(t + step) - at(t - step)).normalize()).collect();
 
     // Parallel transport rotates the previous normal with the tangent. For small steps, projecting it onto the new
-    // normal plane is the same to second order. The remaining twist is measured and distributed evenly.
+    // normal plane is the same to second order. The twist that remains after one turn around the curve is measured and
+    // distributed evenly.
     let mut normals = vec![tangents[0].any_orthonormal_vector()];
     for i in 1..=rings {
         let (last, tangent) = (normals[i - 1], tangents[i % rings]);

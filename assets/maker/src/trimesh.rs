@@ -51,7 +51,7 @@ impl TriMesh {
 
     /// Returns, for each triangle, the triangles across the edges (0,1), (1,2), (2,0).
     ///
-    /// Returns the first undirected edge that is not shared by exactly two oppositely directed triangles as an error.
+    /// Fails with the first undirected edge that is not shared by exactly two oppositely directed triangles.
     pub fn neighbours(&self) -> Result<Vec<[u32; 3]>, (u32, u32)> {
         let mut by_edge = BTreeMap::new();
         for (t, corners) in self.triangles.iter().enumerate() {
@@ -114,9 +114,9 @@ impl TriMesh {
     }
 }
 
-/// Removes alternating signs around a face of a cell by changing the sign of the smallest of the four samples.
-/// Alternating signs make surface nets pinch, for example where a slanting limb just touches the face. `size` is the
-/// number of samples along x, y and z.
+/// Removes alternating signs around a face of a cell by changing the sign of one of the four samples, the one nearest
+/// to zero. Alternating signs make surface nets pinch, for example where a slanting limb just touches the face. `size`
+/// is the number of samples along x, y and z.
 fn remove_alternating_signs(samples: &mut [f32], size: [usize; 3]) {
     let steps = [1, size[0], size[0] * size[1]];
     // A changed sample may cause alternating signs on a neighbouring face; a few rounds are enough.

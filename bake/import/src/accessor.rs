@@ -17,8 +17,8 @@ impl<'a> Source<'a, '_> {
 
     /// Reads the accessor that `reference` names.
     ///
-    /// Errors give the position of the accessor. If its type is not in `widths` and `components`, the error gives the
-    /// position of the reference.
+    /// Errors give the position of the accessor. Only the error about a type that `widths` or `components` does not
+    /// allow gives the position of the reference.
     pub fn accessor(
         &mut self,
         reference: &JsonNode<'a>,

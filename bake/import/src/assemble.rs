@@ -31,8 +31,8 @@ struct Instance<'a> {
 }
 
 impl Instance<'_> {
-    /// Adds the instance's morph targets to those of the model. Returns the index of the first, or `None` without a
-    /// node or targets.
+    /// Adds the instance's morph targets to those of the model. Returns the index of the first target added, or `None`
+    /// if the instance has no node or no targets.
     fn first_target(
         &self,
         tree: &Tree<'_>,
@@ -69,7 +69,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         within_limits(&primitive.at, vertices, indices)?;
     }
 
-    // Collects every node that a vertex may follow if the model moves.
+    // Collect the range of joints that the vertices of each primitive may follow if the model moves.
     let mut followed = Vec::new();
     for instance in &instances {
         for primitive in instance.primitives.iter() {
@@ -136,7 +136,7 @@ fn named_nodes(tree: &Tree<'_>, world: &[Mat4]) -> Vec<NamedPosition> {
     tree.order.iter().filter(of_document).map(place).filter(is_one).collect()
 }
 
-/// Reads the mesh of each node of the scene. If several nodes show a mesh in the same form, it is read once.
+/// Reads the mesh of each node of the scene. A mesh that several nodes use in the same way is read once.
 fn instances<'a>(
     source: &mut Source<'a, '_>,
     tree: &Tree<'a>,
@@ -198,7 +198,7 @@ fn all_meshes<'a>(source: &mut Source<'a, '_>, gathered: &mut MeshTotals) -> Res
     Ok(instances)
 }
 
-/// Returns the first joint and the number of joints that a primitive can follow.
+/// Returns the index of the first joint that a primitive can follow, and the number of these joints.
 fn joint_range<'a>(
     joints: &mut Joints,
     tree: &Tree<'a>,

@@ -15,7 +15,7 @@ use crate::BakeError;
 use crate::mesh::CombLine;
 use glam::{Mat4, Vec3};
 
-/// Prefix of the names of such nodes and meshes; upper and lower case are equal.
+/// Prefix of the names of nodes and meshes that define the comb direction. Case is ignored.
 const COMB: &str = "comb";
 
 /// Returns whether a node or mesh with this name defines the comb direction by its lines.
@@ -146,7 +146,8 @@ fn with_directions(points: &[Vec3]) -> Option<Vec<(Vec3, Vec3)>> {
     let last = points.len().checked_sub(1).filter(|last| *last > 0)?;
     let mut directions = (0..=last).map(|i| (points[(i + 1).min(last)] - points[i.saturating_sub(1)]).try_normalize());
     let first = directions.clone().flatten().next()?;
-    // Where a line doubles back on itself, the previous direction is used.
+    // If the points before and after a point coincide, the line doubles back. The direction of the previous point is
+    // used.
     let mut before = first;
     let directions: Vec<Vec3> = directions
         .by_ref()

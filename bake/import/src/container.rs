@@ -1,8 +1,8 @@
 //! Detection of the file format, and the two chunks of a GLB (glTF 2.0, chapter 4 "GLB File Format Specification").
 //!
 //! The format is detected from the contents, because files are often named wrongly. The extension `.obj` counts only if
-//! the beginning of a text does not identify it. Examples are a comment, an empty line, or a mistake in its first
-//! statement.
+//! the beginning of a text does not identify the format. Examples of such a beginning are a comment, an empty line, or
+//! a mistake in the first statement.
 
 use super::notes::Notes;
 use super::obj;

@@ -4,12 +4,12 @@ use crate::mesh::Image;
 use pelage_formats::Limits;
 use std::io::Cursor;
 
-/// Maximum number of texels of all images of a model together; 1 GiB decoded. Equals one image of 16 384² or sixteen of
-/// 4096². PNG files of a few kilobytes can claim as much.
+/// Maximum number of texels of all images of a model together: 1 GiB when decoded. This allows one image of 16 384²
+/// texels or sixteen of 4096². A limit is needed because a PNG of a few kilobytes can claim as much.
 pub const MAX_TEXELS: u64 = 1 << 28;
 
-/// Decodes a PNG or JPEG of at most `texels_left` texels. The error continues a sentence that begins with the image's
-/// name.
+/// Decodes a PNG or JPEG of at most `texels_left` texels. The error text lacks a subject: the caller puts the image's
+/// name before it.
 pub fn decode_image(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
     let png_or_jpeg = match image::guess_format(bytes) {
         Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
@@ -38,13 +38,12 @@ fn broken(error: image::ImageError) -> String {
 
 type Reader<'a> = image::ImageReader<Cursor<&'a [u8]>>;
 
-/// Returns a decoder with limited memory, and the image's width and height. Errors have the form of those of
+/// Returns a decoder with limited memory, and the image's width and height. The error text lacks a subject, as in
 /// [`decode_image`].
 pub fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reader<'_>, u32, u32), String> {
     let side = Limits::default().texture_size;
     let reader = || image::ImageReader::with_format(Cursor::new(bytes), format);
-    // This first reader reads only the header. Errors from the decoder's own limits would be less precise than those
-    // below.
+    // Read only the header, without the decoder's own limits: errors from these would be less precise than those below.
     let mut header = reader();
     header.no_limits();
     let (width, height) = header.into_dimensions().map_err(broken)?;
@@ -54,7 +53,7 @@ pub fn bounded_reader(bytes: &[u8], format: image::ImageFormat) -> Result<(Reade
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(side);
     limits.max_image_height = Some(side);
-    // Images of 16 bits per channel need twice the memory of the 8 bits kept.
+    // An image with 16 bits per channel needs twice the memory of the result, which has 8 bits per channel.
     limits.max_alloc = Some(8 * MAX_TEXELS);
     let mut pixels = reader();
     pixels.limits(limits);

@@ -122,8 +122,8 @@ impl<'a> JsonNode<'a> {
         self.value.get("name").and_then(Value::as_str).unwrap_or_default()
     }
 
-    /// Reads an index from `reference`. Returns it and the entry at that index in the array `list` of this object, the
-    /// root.
+    /// Reads an index from `reference`. Returns the index, and the entry that it selects in the array `list` of this
+    /// object. This object must be the root.
     pub fn follow(&self, list: &str, reference: &JsonNode<'a>) -> Result<(usize, JsonNode<'a>)> {
         let index = reference.unsigned()?;
         let array = self.get(list);
@@ -166,7 +166,7 @@ pub(super) fn parse(file: &str, json: &[u8], offset: usize) -> Result<Value> {
             let start = line_starts.take(error.line()).last().unwrap_or(0);
             at = (start + error.column().saturating_sub(1)).min(json.len());
         }
-        // The parser appends line and column. In a text of one line only a byte offset is useful.
+        // Remove the line and column that the parser appends. In a text of one line, only a byte offset is useful.
         let text = error.to_string();
         let text = text.split(" at line ").next().unwrap_or_default();
         let place = format!("byte {}", offset + at);

@@ -68,11 +68,11 @@ pub use notes::input_record;
 pub use options::ImportOptions;
 pub use source::{Resolve, path_as_uri};
 
-/// Reads a glTF 2.0 or OBJ model from `bytes`. The format is detected from the contents, and from the name only if they
-/// are ambiguous.
+/// Reads a glTF 2.0 or OBJ model from `bytes`. The format is detected from the contents, or from the file name if the
+/// contents are ambiguous.
 ///
 /// `file` is the name for messages. `resolve` fetches the contents of a relative URI, percent-encoded as in a glTF. Its
-/// second argument is the maximum number of bytes: of longer contents it returns the first that many.
+/// second argument is the maximum number of bytes, at which it cuts off longer contents.
 ///
 /// # Errors
 ///
@@ -101,8 +101,8 @@ pub fn import<'r>(
     Ok(model)
 }
 
-/// Reads the line segments of a glTF 2.0 scene as strands, with the records of all files that were read. Segments that
-/// share vertices form one strand; its direction is theirs.
+/// Reads the line segments of a glTF 2.0 scene as strands. Also returns the records of all files that were read.
+/// Segments that share vertices form one strand, which has the direction of most of its segments.
 ///
 /// The arguments are those of [`import`]. Positions are in world space and in the file's unit. The attributes `_RADIUS`
 /// and `COLOR_0` are read if all line primitives have them.

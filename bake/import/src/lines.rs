@@ -11,7 +11,7 @@ use crate::guides::Guides;
 use crate::guides::lines::join_lines;
 use glam::{DMat4, Mat4, Vec3};
 
-/// Topology of a primitive: separate lines (glTF 2.0, section 3.7.2.1; the other modes follow).
+/// Value of `mode` for separate lines (glTF 2.0, section 3.7.2.1). The other modes for lines follow.
 const LINES: u64 = 1;
 const LINE_LOOP: u64 = 2;
 const LINE_STRIP: u64 = 3;
@@ -24,8 +24,8 @@ pub(super) struct LineTotals {
 }
 
 impl LineTotals {
-    /// Counts a primitive before any of it is read: many primitives may share accessors, and many nodes may share a
-    /// mesh.
+    /// Adds a primitive to the totals and checks the limits, before any of the primitive is read. A small file could
+    /// otherwise expand to any amount of memory: primitives may share accessors, and nodes may share a mesh.
     pub(super) fn count_primitive<'a>(
         &mut self,
         source: &Source<'a, '_>,
@@ -67,8 +67,8 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
         let (_, mesh) = source.root.follow("meshes", &reference)?;
-        // A skin determines the positions of vertices, whatever the node's transform (glTF 2.0, section 3.7.3.3). At
-        // rest it mostly leaves them in place, so its joints are ignored.
+        // A skin determines the positions of its vertices, whatever the node's transform (glTF 2.0, section 3.7.3.3).
+        // At rest, a skin mostly leaves the vertices in place, so its joints are ignored.
         let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[node] };
         read_mesh(source, &mut found, &mesh, placed)?;
     }
@@ -176,8 +176,8 @@ pub(super) fn strands_of(
     }
     let mut lines = pairs.to_vec();
     if at.get("indices").is_none() {
-        // Without indices no two segments share a vertex. A segment then continues the previous one if it begins at
-        // exactly the same position.
+        // Without an index list, no two segments share a vertex. Then a segment that begins exactly where the previous
+        // one ends continues it.
         for k in 1..lines.len() {
             if points[lines[k - 1][1] as usize] == points[lines[k][0] as usize] {
                 lines[k][0] = lines[k - 1][1];

@@ -25,7 +25,8 @@ pub(super) struct Materials {
     pub materials: Vec<Material>,
     pub images: Vec<Image>,
     texels: u64,
-    /// Index in `materials` and texture coordinates, by document index (`None`: the default material).
+    /// Materials read so far, by document index (`None`: the default material). For each, its index in `materials` and
+    /// its texture coordinates.
     known: BTreeMap<Option<usize>, (usize, TextureCoords)>,
     known_images: BTreeMap<usize, usize>,
 }

@@ -128,8 +128,8 @@ pub struct Material {
     pub roughness: Option<f32>,
     /// Metalness, 0..=1 (glTF `metallicFactor`). `None` if the file does not give a single number.
     pub metallic: Option<f32>,
-    /// Feature that this material covers, cut out of a material of the file. `None` if it covers all of the file's
-    /// material, or its remainder.
+    /// Feature for which this material was split off from a material of the file. `None` if it covers all of that
+    /// material, or what remains after splitting.
     pub feature: Option<Feature>,
 }
 

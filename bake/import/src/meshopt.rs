@@ -4,7 +4,7 @@
 //! Every read is checked: any input gives an error or a result. The size of the input bounds that of the output: one
 //! byte yields at most 64 bytes of vertices, or one triangle.
 
-/// Reason why bytes cannot be decoded. It continues a sentence that ends in "is compressed with meshopt".
+/// Reason why bytes cannot be decoded. The caller puts a text before it that ends in "is compressed with meshopt".
 pub(super) type Fault = String;
 
 /// Cursor over bytes, read from the front.
@@ -40,7 +40,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Strips the header byte and the last `tail` bytes. Returns a reader of the rest, and the bytes of the tail.
+/// Checks that the first byte is `header`, and splits off the last `tail` bytes. Returns a reader of the bytes between
+/// them, and the bytes split off.
 fn frame<'a>(bytes: &'a [u8], header: u8, tail: usize) -> Result<(Reader<'a>, &'a [u8]), Fault> {
     let Some((found, rest)) = bytes.split_first() else { return Err("and empty".into()) };
     if *found != header {
@@ -148,14 +149,14 @@ impl<T: Copy> Recent<T> {
     }
 }
 
-/// State of the triangle decoder: sources of vertex indices.
+/// State of the triangle decoder. Vertex indices are derived from it.
 struct Triangles<'a> {
     data: Reader<'a>,
     edges: Recent<[u32; 2]>,
     vertices: Recent<u32>,
     /// Smallest index not yet used.
     next: u32,
-    /// Last index stored explicitly.
+    /// Last vertex index that the data stored explicitly. The next one is stored as the difference from it.
     last: u32,
 }
 
@@ -171,8 +172,8 @@ impl Triangles<'_> {
         Ok(self.last)
     }
 
-    /// Returns the vertex that `code` stands for: a new, an explicit or a recent one. The flag says whether to push it
-    /// to the recent ones.
+    /// Returns the vertex that `code` stands for: a new one, one stored explicitly, or a recent one. Also returns
+    /// whether to add it to the recent vertices.
     fn vertex(&mut self, code: u8) -> Result<(u32, bool), Fault> {
         Ok(match code {
             0 => (self.fresh(), true),
@@ -248,7 +249,7 @@ pub(super) fn decode_triangles(bytes: &[u8], count: usize) -> Result<Vec<u32>, F
             code => {
                 let pair = state.data.byte()?;
                 if pair == 0 {
-                    // Numbering restarts.
+                    // A pair of 0 restarts the numbering of new vertices.
                     state.next = 0;
                 }
                 state.without_edge(if code == 0xfe { 0 } else { 15 }, pair >> 4, pair & 15)?
@@ -338,8 +339,8 @@ fn octahedral([x, y, one]: [f32; 3], max: f32) -> [f32; 3] {
 
 /// Returns a quaternion of 16-bit integers, decoded from its three smallest components.
 fn quaternion([x, y, z, w]: [i16; 4]) -> [u8; 8] {
-    // The two lowest bits of `w` say which component is omitted. With both bits set, `w` is the number that represents
-    // 1 in the others.
+    // The two lowest bits of `w` say which component is omitted. `w` with both bits set is the number that represents
+    // √½ in the other components.
     let unit = f32::from(w | 3);
     let scale = std::f32::consts::FRAC_1_SQRT_2 / unit;
     let parts = [x, y, z].map(|c| f32::from(c) * scale);

@@ -37,18 +37,18 @@ impl TargetInfo {
     }
 }
 
-/// Morph targets of a primitive: deltas of its vertices.
+/// Morph targets of a primitive, as deltas of its vertices.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Morph {
     pub(super) targets: TargetInfo,
     /// Number of targets.
     pub(super) count: usize,
-    /// Deltas of each vertex; they index the targets of the mesh.
+    /// Deltas of each vertex. Their target indices refer to the targets of the mesh.
     rows: Vec<Vec<RowDelta>>,
 }
 
-/// Applies the morph targets of a primitive at their default weights. Returns the deltas relative to that state.
-/// `entries` counts the deltas of the whole model.
+/// Applies the morph targets of a primitive at their default weights. Returns the deltas relative to that state, and
+/// adds their number to `entries`, the count of the whole model.
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
     at: &JsonNode<'a>,
@@ -125,7 +125,7 @@ pub(super) struct ModelMorphs {
     /// Targets in the order of the package.
     pub(super) targets: Vec<MorphTarget>,
     rows: MorphRows,
-    /// Index of each row, by the bits of its contents.
+    /// Index of each row in `rows`, by the bits of its contents. Equal rows are thus stored once.
     known: BTreeMap<Vec<u32>, u32>,
     /// Nodes with targets: document node, index of its first target, and number of targets.
     pub(super) of_nodes: Vec<(usize, u32, u32)>,
@@ -138,8 +138,8 @@ impl ModelMorphs {
         Self { targets: Vec::new(), rows: MorphRows(vec![Vec::new()]), known, of_nodes: Vec::new() }
     }
 
-    /// Adds the targets of a node, with index `node` in the document and `number` in the package; returns the index of
-    /// the first.
+    /// Adds the morph targets of a node to the model, and returns the index of the first one. `node` is the node's
+    /// index in the document, `number` its index in the package.
     pub(super) fn add_node(
         &mut self,
         at: &JsonNode<'_>,
@@ -164,7 +164,8 @@ impl ModelMorphs {
         Ok(first as u32)
     }
 
-    /// Appends the rows of a primitive's vertices, whose targets begin at index `first`.
+    /// Adds the rows of a primitive's vertices to the model, and their indices to `mesh`. `morph` holds the primitive's
+    /// morph targets, and the index of the first of them in the model.
     pub(super) fn add_rows(&mut self, morph: Option<(&Morph, u32)>, vertices: usize, mesh: &mut Mesh) {
         let Some((morph, first)) = morph else {
             mesh.morph_rows.extend(std::iter::repeat_n(0, vertices));
@@ -186,7 +187,7 @@ impl ModelMorphs {
         }
     }
 
-    /// Returns the targets and rows; without targets, removes the rows of the mesh.
+    /// Returns the targets and rows. Without targets, clears the row indices of `mesh`.
     pub(super) fn finish(self, mesh: &mut Mesh) -> (Vec<MorphTarget>, MorphRows) {
         if self.targets.is_empty() {
             mesh.morph_rows = Vec::new();

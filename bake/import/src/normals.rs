@@ -1,10 +1,11 @@
 //! Computation of normals that are missing or unusable in the file.
 //!
 //! glTF 2.0 requires flat normals on a primitive without any. Fur shells grow along the normals, so creases would split
-//! the fur along every edge. The importer therefore computes smooth normals without any creases. A normal is the sum
-//! over all triangles that share the position, across primitives of a mesh too. Each is weighted by its angle there, so
-//! the result does not depend on the triangulation of polygons. Source: Thürmer and Wüthrich, "Computing Vertex Normals
-//! from Polygonal Facets", Journal of Graphics Tools 3(1), 1998.
+//! the fur along every edge. The importer therefore computes smooth normals without any creases. The normal at a
+//! position is the sum of the normals of all triangles that share the position, even in different primitives of a mesh.
+//! Each triangle is weighted by its angle at the position, so the result does not depend on the triangulation of
+//! polygons. Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", Journal of Graphics Tools
+//! 3(1), 1998.
 
 use super::notes::Notes;
 use crate::angle::between;
@@ -20,7 +21,7 @@ pub(super) struct NormalInput<'m> {
     pub label: &'m str,
     pub positions: &'m [Vec3],
     pub triangles: &'m [[u32; 3]],
-    /// Normals of the file, or empty. Afterwards there is one unit normal per position. Zero marks a missing one.
+    /// Input: normals of the file, possibly empty; zero marks a missing one. Output: one unit normal per position.
     pub normals: &'m mut Vec<Vec3>,
 }
 
@@ -67,8 +68,8 @@ pub(super) fn complete_normals(notes: &mut Notes, shapes: &mut [NormalInput<'_>]
     }
     for i in &wanted {
         let shape = &mut shapes[*i];
-        // The sum vanishes if both sides of a sheet meet in one position. Then the widest corner at the vertex itself
-        // is used.
+        // The sum vanishes if both sides of a sheet share a position. Then the normal of one triangle is used: the one
+        // with the widest corner at the vertex itself.
         let mut own = vec![DVec3::ZERO; shape.positions.len()];
         for triangle in shape.triangles {
             for (corner, normal) in triangle.iter().zip(corner_normals(shape.positions, triangle)) {

@@ -39,8 +39,8 @@ impl Notes {
     }
 }
 
-/// Returns the record of a file that a package stores. Removes folders from `name`: they would tie the package to a
-/// machine.
+/// Returns the record of an input file, in the form that packages store. Removes folders from `name`, because they
+/// would tie the package to one machine.
 pub fn input_record(role: &str, name: &str, bytes: &[u8]) -> InputRecord {
     let name = name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
     InputRecord { role: role.into(), name, bytes: bytes.len() as u64, sha256: Sha256::digest(bytes).into() }

@@ -44,7 +44,8 @@ pub(super) fn face_outward(
     }
 }
 
-/// Mean cosine below which a part is flipped. Two-sided sheets have a mean cosine near 0.
+/// Mean cosine between the normals of triangles and of their corners below which a part is flipped. For two-sided
+/// sheets, the mean is near 0.
 const AGAINST: f64 = -0.25;
 
 fn flip(triangles: &mut [[u32; 3]]) {

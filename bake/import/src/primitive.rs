@@ -58,8 +58,8 @@ pub(super) struct MeshTotals {
 }
 
 impl MeshTotals {
-    /// Counts a primitive before any of it is read. Primitives may share accessors, so a small file can expand to any
-    /// amount of memory.
+    /// Adds a primitive to the totals and checks the limits, before any of the primitive is read. A small file could
+    /// otherwise expand to any amount of memory, because primitives may share accessors.
     fn count_primitive<'a>(&mut self, source: &Source<'a, '_>, at: &JsonNode<'a>) -> Result<(), BakeError> {
         let position = at.get("attributes").and_then(|a| a.get("POSITION"));
         let count = |reference: Option<JsonNode<'a>>| reference.map_or(Ok(0), |r| source.accessor_count(&r));

@@ -26,7 +26,8 @@ pub(super) enum MeshVisibility {
     Mesh,
     /// Shown by the node's instances only.
     Instances,
-    /// Shown by this node, an instance. It is a child of the node with the mesh, but not a node of the document.
+    /// Shown at this node, which stands for one instance. It is a child of the node with the mesh, but not a node of
+    /// the document.
     Instance,
 }
 
@@ -214,8 +215,8 @@ fn instances<'a>(
     Ok(Some(places.collect()))
 }
 
-/// Returns a rotation normalised to length 1, and its previous length; `None` if that is 0. Computes in f64, because
-/// squares of small numbers underflow in f32.
+/// Returns a rotation normalised to length 1, and its original length; `None` if the original length is 0. Computes in
+/// f64, because squares of small numbers underflow in f32.
 fn unit(q: [f32; 4]) -> Option<(Quat, f64)> {
     let length = q.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt();
     (length > 1e-12).then(|| (Quat::from_array(q.map(|x| (f64::from(x) / length) as f32)), length))

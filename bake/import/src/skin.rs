@@ -54,7 +54,7 @@ impl Skin {
 enum Owner {
     /// A skin; owns all its joints.
     Skin(usize),
-    /// A node whose rigid mesh follows it.
+    /// A node with a rigid mesh; owns the joint that the mesh follows.
     Node(usize),
 }
 

@@ -33,7 +33,8 @@ pub(super) const MAX_BESIDE: u64 = 256 << 20;
 /// file.
 const MAX_FILES: u64 = 2 << 30;
 
-/// Fetches a file of at most [`MAX_BESIDE`] bytes. The error continues a sentence that begins with the file's name.
+/// Fetches a file of at most [`MAX_BESIDE`] bytes. The error text lacks a subject: the caller puts the file's name
+/// before it.
 pub(super) fn fetch_file(uri: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
     let bytes = resolve(uri, MAX_BESIDE + 1).map_err(why_unreadable)?;
     if bytes.len() as u64 > MAX_BESIDE {
@@ -61,8 +62,8 @@ pub(super) struct Source<'a, 'r> {
     pub notes: Notes,
 }
 
-// Encoders differ in padding and in the unused bits of the last character. Both are accepted, because the data stays
-// unambiguous.
+// Base64 encoders differ in padding and in the unused bits of the last character. All variants are accepted, because
+// they decode to the same data.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &alphabet::STANDARD,
     GeneralPurposeConfig::new()

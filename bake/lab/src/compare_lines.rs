@@ -127,7 +127,7 @@ mod tests {
         assert!((found.f1() - 2.0 / 3.0).abs() < 1e-12);
         let found = compare_lines(&upright(10, 1), &twice, NEAR_PX).unwrap();
         assert_eq!((found.precision, found.recall), (Some(1.0), Some(0.5)));
-        // A wide stroke is correct by its core, but not by all its pixels.
+        // The core of a wide stroke matches the true line, but not all pixels of the stroke do.
         let wide = upright(7, 7);
         let core = compare_lines(&wide.core(), &upright(10, 1), NEAR_PX).unwrap();
         // The core ends a pixel or two before the stroke does.

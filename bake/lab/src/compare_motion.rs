@@ -34,7 +34,8 @@ pub struct FlickerFrame<'a> {
 pub struct Flicker {
     /// Mean over all pixels whose surface point is visible in both frames.
     pub surface: MeanOf,
-    /// Mean over the pixels of `surface` that are lines in neither frame, and touch none.
+    /// Mean over the pixels of `surface` that are lines in neither frame, and whose lookup in the next frame touches no
+    /// line.
     pub wash: MeanOf,
     /// Mean over the pixels of `surface` that are lines in both frames.
     pub lines: MeanOf,
@@ -128,7 +129,7 @@ pub fn flicker(now: &FlickerFrame<'_>, next: &FlickerFrame<'_>, size: (u32, u32)
             }
             let apart = (f64::from(now.grey[i]) - bilinear(next.grey, size, at)).abs();
             out.surface.add(apart);
-            // The lookup interpolates these four pixels.
+            // The lookup interpolates between the four pixels from this corner on.
             let corner = (at - 0.5).floor();
             let around = [(0, 0), (1, 0), (0, 1), (1, 1)]
                 .map(|(dx, dy)| next.lines.contains(corner.x as i64 + dx, corner.y as i64 + dy));

@@ -40,8 +40,8 @@ fn wave(x: f64, y: f64) -> f64 {
     0.5 + 0.25 * (1.8 * x).sin() + 0.25 * (1.4 * y + 0.5).cos()
 }
 
-/// Returns a picture of the square at `place`, textured with the wave and shifted by `slip`, on a background of grey
-/// 0.2.
+/// Returns a picture of the square at `place` on a background of grey 0.2. The square is textured with the wave, which
+/// is shifted by `slip`.
 fn picture(place: DVec3, slip: DVec3) -> Vec<f32> {
     let pixel = |i: u32| {
         let (x, y) = (f64::from(i % SIZE.0) + 0.5, f64::from(i / SIZE.0) + 0.5);
@@ -66,7 +66,7 @@ fn static_scene_does_not_flicker() {
     assert!(found.surface.mean().unwrap() < 1e-6 && found.lines.mean().unwrap() < 1e-6, "{found:?}");
     assert_eq!(found.background.mean(), Some(0.0));
     assert_eq!((found.surface.count, found.background.count), (400, 2000));
-    // The columns beside the change touch both lines and wash.
+    // Lookups beside the border of the mask touch both lines and wash, so these pixels count as neither.
     assert!((180..=200).contains(&found.lines.count) && (180..=200).contains(&found.wash.count), "{found:?}");
     assert_eq!(found.wash.mean().map(|mean| mean < 1e-6), Some(true));
     assert_eq!(Flicker::default().surface.mean(), None);
@@ -81,7 +81,7 @@ fn surface_textures_do_not_flicker_and_screen_textures_do() {
     let lines = Mask::from_fn(60, 40, |x, y| (22..38).contains(&x) && (12..28).contains(&y));
     let grey = picture(here, DVec3::ZERO);
     let glued = measure((&now, &grey), (&next, &picture(there, DVec3::ZERO)), &lines);
-    // The same wave is fixed to the screen, so it slides on the square by the square's motion.
+    // Here, the wave is fixed to the screen, so it slides over the square as the square moves.
     let screen = measure((&now, &grey), (&next, &picture(there, there)), &lines);
     for (glued, screen, share) in [(glued.surface, screen.surface, 0.3), (glued.lines, screen.lines, 0.03)] {
         let (glued, screen) = (glued.mean().unwrap(), screen.mean().unwrap());
@@ -91,7 +91,8 @@ fn surface_textures_do_not_flicker_and_screen_textures_do() {
     // remains.
     assert!(glued.lines.mean().unwrap() < 0.002, "{glued:?}");
     assert_eq!(glued.surface.count, 400);
-    // The lines' pixels keep their positions in the picture while the square moves by three pixels.
+    // The mask of lines is the same in both frames, while the square moves by three pixels. Only pixels that are lines
+    // in both frames count.
     assert!((150..256).contains(&glued.lines.count), "{glued:?}");
 }
 

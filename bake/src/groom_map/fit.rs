@@ -20,13 +20,13 @@ pub(super) struct SampledImage<'a> {
     pub(super) side: u32,
     /// Index of the sample at each corner of each triangle.
     pub(super) places: &'a [[u32; 3]],
-    /// Texture coordinates of each sample; if there are several, their mean value is used.
+    /// Texture coordinates of each sample. If a sample has several, it is the mean of the image at all of them.
     pub(super) uvs: &'a [Vec<Vec2>],
 }
 
 impl SampledImage<'_> {
-    /// Returns the fitted texels and the largest remaining error. The target of a sample is the mean of its values in
-    /// `corners`.
+    /// Returns the fitted texels and the largest remaining error. `corners` holds the values at the corners of each
+    /// triangle. The target of a sample is the mean of its values there.
     pub(super) fn fitted(&self, corners: &[[Vec4; 3]]) -> (Vec<Vec4>, f32) {
         let targets = self.targets(corners);
         let mut values = targets.clone();

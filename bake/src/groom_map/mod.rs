@@ -92,8 +92,8 @@ pub struct GroomMap {
 /// * `texels`: width and height of the image
 ///
 /// # Errors
-/// The errors of [`crate::pipeline::bake`] up to the `groom` stage; [`BakeError::Input`] if the map is to use the
-/// model's own texture coordinates and it has none.
+/// The errors of [`crate::pipeline::bake`] up to the `groom` stage. [`BakeError::Input`] if the map is to use the
+/// model's own texture coordinates, but the model has none.
 pub fn groom_map(
     input: &BakeInput<'_>,
     model: &Model,
@@ -172,7 +172,7 @@ struct MapLayout {
     mesh: Mesh,
     rest: RestPose,
     pieces: Vec<CanvasTriangle>,
-    /// Width of the gutter around pieces, texels.
+    /// Width of the gutter around the painted triangles, texels.
     gutter: u32,
     /// Index of the sample at each corner of each triangle.
     places: Vec<[u32; 3]>,
@@ -272,8 +272,8 @@ impl<'a> GroomedModel<'a> {
         })
     }
 
-    /// Maps values per vertex of the imported mesh to the vertices of the groomed surface. Vertices without a value get
-    /// `without`.
+    /// Returns values at the vertices of the groomed surface, given values at the vertices of the imported mesh. Each
+    /// is encoded by `write`. Vertices without a value get `without`.
     fn pack_input_vertices<T: Copy>(&self, values: Option<&[T]>, without: T, write: impl Fn(T) -> Vec4) -> Vec<Vec4> {
         let value = |v: &u32| values.and_then(|all| all.get(*v as usize)).copied().unwrap_or(without);
         self.groomed.surface.input_vertex.iter().map(|v| write(value(v))).collect()
@@ -312,7 +312,7 @@ impl<'a> GroomedModel<'a> {
     /// Returns the base colours: product of factor, texture, vertex colour and pattern.
     fn colors(&self) -> Values<'a> {
         let Groomed { surface, colors, .. } = self.groomed;
-        // Divide by the gain, because reading the map back applies it again.
+        // Divide by the gain of the hair's colour, because a bake that reads the map multiplies by it again.
         let laid = self.laid;
         let gain = |material| if is_furred(laid, material) { laid.hair_colors.gain } else { 1.0 };
         let factors: Vec<Vec4> = self.model.materials.iter().map(|m| Vec4::from(m.base_color)).collect();

@@ -15,7 +15,7 @@ pub struct Mask {
     pub pixels: Vec<bool>,
 }
 
-/// Widest place of a drawing.
+/// Widest stroke of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stroke {
     /// Diameter of the largest disc that fits into ink, pixels; 0 without any ink.
@@ -106,8 +106,8 @@ impl Mask {
     /// If several strokes are equally wide, the first from the top is returned.
     pub fn widest_stroke(&self) -> Stroke {
         // Sample at points half a pixel apart (centres, corners and edge midpoints of pixels), surrounded by a border
-        // without ink. The centre of the largest disc is less than half a pixel from one of these points. The point of
-        // an ink-free pixel that is nearest to a sample is always a sample too.
+        // without ink. The centre of the largest disc is less than half a pixel from one of these points. For each
+        // sample, the nearest point without ink is also a sample.
         let (w, h) = (self.width as usize, self.height as usize);
         let (columns, rows) = (2 * w + 1, 2 * h + 1);
         let mut paper = vec![false; columns * rows];
@@ -134,7 +134,7 @@ impl Mask {
         if square <= 0.0 {
             return Stroke::default();
         }
-        // Diameter: twice a radius in units of half a pixel.
+        // `square` is the square of the radius in half pixels. Its root is therefore the diameter in pixels.
         Stroke { width_px: square.sqrt(), at_px: [(i % columns) as f64 / 2.0, (i / columns) as f64 / 2.0] }
     }
 }

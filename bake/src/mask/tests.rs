@@ -40,15 +40,15 @@ fn widest_stroke_has_the_drawn_width() {
         assert_eq!((upright.width_px, lying.width_px), (f64::from(n), f64::from(n)));
         assert_eq!((upright.at_px[0], lying.at_px[1]), (7.0 + f64::from(n) / 2.0, 7.0 + f64::from(n) / 2.0));
     }
-    // A slanted line is 6 pixels wide, to which its steps add less than a pixel.
+    // A slanted line, 6 pixels wide. The steps of its edges add less than a pixel to the measured width.
     let slanted = Mask::from_fn(80, 80, |x, y| ((f64::from(x) - f64::from(y)) / 2f64.sqrt()).abs() <= 3.0);
     assert!((slanted.widest_stroke().width_px - 6.0).abs() < 1.0, "{:?}", slanted.widest_stroke());
     // The set is a thin line with a blot on it.
     let mut blot = disc(64, 40.0, 20.0, 7.0);
     (0..64).for_each(|i| blot.insert(i, 20));
     let found = blot.widest_stroke();
-    // A pixel belongs to the disc if its centre does, so the largest disc that fits is smaller by up to half a
-    // diagonal.
+    // A pixel belongs to the disc if its centre does. So the radius of the largest disc that fits is smaller by up to
+    // half the diagonal of a pixel.
     assert!((12.0..=14.0).contains(&found.width_px), "{found:?}");
     assert!((found.at_px[0] - 40.0).abs() <= 1.0 && (found.at_px[1] - 20.0).abs() <= 1.0, "{found:?}");
 }
@@ -83,7 +83,7 @@ fn core_of_a_line_runs_along_its_middle() {
     let worst = off.iter().fold(0.0f64, |most, d| most.max(d.abs()));
     let mean = off.iter().map(|d| d.abs()).sum::<f64>() / off.len() as f64;
     assert!(worst < 2.0 && mean < 0.7, "{mean} pixels beside the middle, {worst} at most");
-    // A circle of radius 22 has between 124 pixels (connected by edges or corners) and 184 pixels (by edges only).
+    // A circle of radius 22 has at least 124 pixels (connected by edges or corners) and at most 184 (by edges only).
     assert!((124..=184).contains(&off.len()), "{} pixels", off.len());
     let mut reached = vec![(31i64, 31i64)];
     let mut seen = Mask::empty(64, 64);

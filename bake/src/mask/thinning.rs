@@ -53,7 +53,8 @@ fn is_removable(n: &[bool; 8]) -> bool {
     (2..=6).contains(&count) && begins == 1
 }
 
-/// Whether a pixel can be removed and is on the side that this pass removes.
+/// Whether a pixel can be removed, and is on the side from which this pass removes pixels: the lower right if `turn` is
+/// 0, otherwise the upper left.
 fn is_removable_in_pass(mask: &Mask, i: usize, turn: u32) -> bool {
     let n = neighbours(mask, i);
     let [above, _, right, _, below, _, left, _] = n;

@@ -28,15 +28,15 @@ pub struct Layout<'a> {
     pub furred: Vec<bool>,
     /// Effective value of `model.bare`: the recipe's or the chosen one.
     pub bare: Vec<String>,
-    /// Lengths with values for those that the recipe leaves open.
+    /// Lengths from the recipe. Those that it leaves open have the chosen values.
     pub lengths: Lengths,
     /// Recipe with hair density and radii converted to tile units.
     pub filled: Recipe,
-    /// Hair colours with values for those that the recipe leaves open.
+    /// Hair colours from the recipe. Those that it leaves open have the chosen values.
     pub hair_colors: HairColors,
     /// Groom maps of the recipe.
     pub maps: Maps<'a>,
-    /// Density and comb of the maps at the model's vertices.
+    /// Density and comb direction from the groom maps, at the model's vertices.
     pub lay: LayoutMaps,
     /// Values that the recipe left open and the bake chose.
     pub decisions: Vec<Decision>,

@@ -1,4 +1,4 @@
-//! Assembly of packages: from a bake, from slicing again, and from a folder written by `pelage unpack`.
+//! Assembly of packages: from a bake, from a package sliced again, or from a folder written by `pelage unpack`.
 
 use super::slice::ShellTextures;
 use pelage_formats::meaning::openness::Openness;

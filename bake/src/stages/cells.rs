@@ -120,7 +120,8 @@ mod tests {
         let cells = TriangleGrid::new(&triangles, &place, 1e-3);
         let met: usize = cells.of_cell.values().map(Vec::len).sum();
         assert!(met <= 64 * 1001 && cells.size > 0.1, "{met} cells of {} m", cells.size);
-        // The queries are nearby and far away, where iterating over all occupied cells is faster.
+        // Some queries are near the triangles. Others are far away, with a reach for which iterating over all occupied
+        // cells is faster.
         for (p, reach, expected) in [(Vec3::X * 0.5, 0.1, 166), (Vec3::NEG_X * 1e6, 1.1e6, 7), (Vec3::Y * 1e30, 1.0, 0)]
         {
             let found: std::collections::BTreeSet<u32> = cells.within(p, reach).collect();

@@ -1,19 +1,20 @@
 //! Levels of detail: selects the levels of a package and their sizes on screen. The far fur layer is the only texture
-//! that only they need.
+//! that is used only by levels of detail.
 
 use crate::recipe::{DetailParams, Recipe};
 use crate::stages::slice::FarFurStats;
 use pelage_formats::DetailLevel;
 use pelage_formats::meaning::represented_layers;
 
-/// Minimum number of layers of a level, without the one on the mesh surface. Drawn with four such layers, a hundred
-/// distant hares take two thirds of the time that they take with six or more.
+/// Minimum number of layers of a level, not counting the layer on the mesh surface. Drawn with four such layers, a
+/// hundred distant hares take two thirds of the time that they take with six or more.
 const FEWEST: u32 = 4;
 
 /// Maximum number of array layers that WebGPU guarantees.
 const MOST_TEXTURE_LAYERS: u32 = 256;
 
-/// Whether a package has the far fur layer, an additional array layer; devices are only guaranteed 256.
+/// Whether a package has the far fur layer. This needs an additional array layer, and devices are only guaranteed to
+/// support 256.
 pub fn has_far_layer(recipe: &Recipe) -> bool {
     recipe.detail.enabled && recipe.slice.layers < MOST_TEXTURE_LAYERS
 }
@@ -21,9 +22,9 @@ pub fn has_far_layer(recipe: &Recipe) -> bool {
 /// Returns the chain of levels for `layers` layers, including the one on the mesh surface. If `coat` is given and
 /// `coat_px` is above 0, the chain ends with the far fur layer. The chain is empty if levels of detail are disabled.
 ///
-/// A level of step s is drawn in full down to the size at which s layers are [`DetailParams::gap_px`] apart on screen.
-/// At [`DetailParams::fade`] times that size, it has disappeared. With a fade of 0.5, the next level is then drawn in
-/// full.
+/// A level of step s draws every s-th layer. It is drawn in full down to the size at which these layers are
+/// [`DetailParams::gap_px`] apart on screen. At [`DetailParams::fade`] times that size, it has disappeared. With a fade
+/// of 0.5, the next level is then drawn in full.
 pub fn levels(params: &DetailParams, layers: u32, coat: Option<&FarFurStats>) -> Vec<DetailLevel> {
     if !params.enabled || layers < 2 {
         return Vec::new();
@@ -64,6 +65,7 @@ fn share_of_fins(params: &DetailParams, full_px: f32) -> f32 {
 /// for hair without optical depth, and limited to 0.25..=4.
 ///
 /// * `opacities`: opacity of each layer, from layer 1 outwards
+/// * `step`: the level draws every `step`-th layer
 fn density(opacities: &[f32], step: u32) -> f32 {
     let layers = opacities.len() as u32 + 1;
     let depth = |opacity: f32| -f64::from(libm::log1pf(-opacity.min(0.999)));

@@ -18,8 +18,8 @@ pub struct EdgeFins {
     pub fins: Vec<Fin>,
     /// Triangle of each fin, in ascending order. It determines the material of the fin.
     pub triangles: Vec<u32>,
-    /// Depth of the hair that the densest fins show, measured across the fin, widths of the tile. It is in the range of
-    /// the recipe's `fins.depth`. The densest fins have opacity 1, the others less.
+    /// Depth of the hair that the densest fins show, measured across the fin, in widths of the tile. The depth is in
+    /// the range of the recipe's `fins.depth`. The densest fins have opacity 1, the others less.
     pub depth: f32,
 }
 
@@ -34,9 +34,10 @@ pub struct EdgeFins {
 /// colours come from the first triangle in mesh order. Boundary edges are treated like all others.
 ///
 /// The length of a fin in the texture is the edge's length at rest. Its start in the texture is random but
-/// deterministic for the mesh, so that neighbouring fins do not repeat (ibid.). The amount of hair on a fin depends on
-/// how many fins a view ray along the outline crosses. This number is computed from the edge's share of the surface and
-/// from the curvature.
+/// deterministic for the mesh, so that neighbouring fins do not repeat (Lengyel et al. 2001).
+///
+/// A view ray along the outline crosses several fins. The more it crosses, the less hair each of them shows. Their
+/// number is computed from the edge's share of the surface and from the curvature.
 pub fn fins(surface: &Surface, furred: &[bool], coat: &VertexGroom, height_m: f32, tile_size_m: f32) -> EdgeFins {
     let place = |vertex: u32| surface.rest.positions[vertex as usize];
     let height_at = |vertex: u32| {

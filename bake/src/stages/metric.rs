@@ -10,8 +10,8 @@ use crate::recipe::{Recipe, SurfaceSource};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 
-/// Minimum width of a hair at its root, texels. A thinner hair fades in every mip level, which makes the fur too
-/// transparent.
+/// Minimum width of a hair at its root, texels. A hair thinner than this fades in every mip level, which makes the fur
+/// too transparent.
 pub const LEAST_HAIR_TEXELS: f64 = 1.0;
 /// Maximum number of strands in a tile whose width is derived. With more strands, the tile would repeat less often, but
 /// baking would take longer.

@@ -57,7 +57,7 @@ fn chosen_tile_fits_the_strands_and_resolves_each_hair() {
         fine.decisions[0].chosen.ends_with("at which each of 256 texels is as wide as a hair of 60 µm"),
         "{fine:?}"
     );
-    // Underfur given per tile uses up part of the permitted strands.
+    // Underfur with a density per tile uses up part of the permitted strands.
     let shared = of(&["hair.density_mm2=20", "underfur.density=5000"]).recipe;
     assert!((f64::from(shared.hair.density) / (MOST_STRANDS - 5000.0) - 1.0).abs() < 1e-3);
 }

@@ -8,12 +8,13 @@ use std::collections::{BTreeMap, HashMap};
 /// Smallest change of a normal or a direction that is stored. Smaller changes are invisible.
 const LEAST: f32 = 1e-6;
 
-/// Effect of one target around one position.
+/// Effect of one morph target on all vertices at one position.
 #[derive(Clone, Copy, Debug)]
 struct VertexMorph {
     /// Change of the normals of adjacent triangles, each with a length of twice the triangle's area.
     normals: DVec3,
-    /// Change of a direction on the mesh surface, weighted by twice the triangle's area.
+    /// Matrix that maps a direction on the mesh surface to its change. It is summed over adjacent triangles, weighted
+    /// by twice the triangle's area.
     gradient: DMat3,
     /// Sum of the normal changes given by the file; `authored_count` is their number.
     authored: DVec3,

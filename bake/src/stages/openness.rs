@@ -99,7 +99,7 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
 /// Vertex in the rest pose, and its hair.
 struct AtRest {
     tip: Vec3,
-    /// Position on the occluder.
+    /// Position of the vertex on the occluder.
     hides: Vec3,
     normal: Vec3,
     tangent: [f32; 4],

@@ -36,7 +36,7 @@ pub struct ModelPart<'a> {
     pub sections: Vec<Content<'a>>,
     /// Textures of the materials.
     pub images: Vec<NamedTexture<'a>>,
-    /// Lengths derived for settings that the recipe may leave open; `None` if the recipe gives all of them.
+    /// Lengths derived for settings that the recipe leaves open; `None` if the recipe gives all of them.
     pub lengths: Option<Lengths>,
     /// Colours of the hair; `None` if the recipe gives them.
     pub hair_colors: Option<HairColors>,
@@ -108,7 +108,8 @@ pub struct ModelResults<'a> {
     pub warnings: &'a [String],
 }
 
-/// Input of the simplified triangle lists, besides the model's skeleton. If it is unchanged, the lists are reused.
+/// Input from which the simplified triangle lists are made, besides the model's skeleton. If the input is unchanged,
+/// the lists are reused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimplifyInput {
     mesh: Arc<MeshData>,
@@ -119,7 +120,8 @@ pub struct SimplifyInput {
 /// Simplified triangle lists, by decreasing size.
 pub type SimplifiedLists = Arc<[SimplifiedLevel]>;
 
-/// Input of the openness, besides the model's skeleton. If it is unchanged, the openness is reused.
+/// Input from which the openness is computed, besides the model's skeleton. If the input is unchanged, the openness is
+/// reused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpennessInput {
     mesh: Arc<MeshData>,

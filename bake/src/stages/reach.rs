@@ -27,7 +27,7 @@ pub(crate) fn influence(way: f32, reach: f32) -> f32 {
 pub(crate) struct MarkBlend<T> {
     sum: T,
     weight: f32,
-    /// Share that remains for the value that applies elsewhere, 0..=1.
+    /// Share that remains for the value without marks, 0..=1.
     left: f32,
 }
 
@@ -38,7 +38,8 @@ impl<T: Default> Default for MarkBlend<T> {
 }
 
 impl<T: Copy + Add<Output = T> + Mul<f32, Output = T>> MarkBlend<T> {
-    /// Adds a mark with `value` and influence `share`, 0..=1. A mark with full influence outweighs all marks with less.
+    /// Adds a mark with `value` and influence `share`, 0..=1. A mark with full influence outweighs all marks with less
+    /// influence.
     pub(crate) fn add(&mut self, share: f32, value: T) {
         if share <= 0.0 {
             return;

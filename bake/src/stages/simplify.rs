@@ -16,13 +16,13 @@ const ATTRIBUTES: usize = 17;
 /// Weight of a shift of the tile along the mesh surface, relative to a displacement of the surface. It is low because a
 /// small shift of the strands is hardly visible.
 const TILE_SHARE: f32 = 0.3;
-/// Weight of a change from black to white or from full fur to none, as a share of the model's size. [`NORMAL_SHARE`] is
-/// that of a normal turned by one radian.
+/// Weight of a change from black to white or from full fur to none. It is the equivalent displacement, as a share of
+/// the model's size. [`NORMAL_SHARE`] is the weight of a normal turned by one radian.
 const COLOR_SHARE: f32 = 0.03;
 const NORMAL_SHARE: f32 = 0.01;
 /// Minimum number of triangles in the smallest list. Rendering fewer saves next to nothing.
 const FEWEST: usize = 64;
-/// Maximum size of a list relative to the previous one.
+/// Maximum number of triangles in a list, as a share of the previous list's.
 const SHARE: f32 = 0.7;
 
 /// Returns lists of half, a quarter, an eighth … of the triangles, as far as patches, borders and materials permit.
@@ -59,7 +59,8 @@ pub fn levels(
     let halves: Vec<usize> =
         std::iter::successors(Some(mesh.indices.len() / 6), |n| Some(n / 2)).take_while(|n| *n >= FEWEST).collect();
     let (mut found, mut before, mut deviation_m) = (Vec::new(), mesh.indices.len(), 0.0f32);
-    // Each list is made from the whole mesh, so several lists are made in parallel, although some may prove useless.
+    // Each list is made from the whole mesh, so several lists can be made in parallel. Some may then turn out not to be
+    // needed.
     for some in halves.chunks(rayon::current_num_threads()) {
         let some: Vec<(Vec<u32>, f32)> = some
             .par_iter()
@@ -74,7 +75,7 @@ pub fn levels(
                 return found;
             }
             before = list.len();
-            // The deviation of a flat sheet is 0, but each list needs a larger value than the previous one.
+            // The deviation of a flat sheet is 0, but each list must have a larger deviation than the previous one.
             deviation_m = (size_m * measured).max(deviation_m * 1.01).max(1e-6 * size_m);
             let mut lists = vec![Vec::new(); parts.len()];
             for triangle in list.chunks_exact(3) {
@@ -113,8 +114,8 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
     let step = gone.len().div_ceil(MEASURED);
     let of = |v: &u32| {
         let numbers = |v: u32| &attributes[ATTRIBUTES * v as usize..][..ATTRIBUTES];
-        // Squared distance of a triangle from the vertex, attributes included. It is `best` if the position alone is
-        // farther away.
+        // Squared distance between the vertex and the nearest point of a triangle, attributes included. If the squared
+        // distance of the positions alone is at least `best`, the result is `best`.
         let nearer = |best: f32, t: u32| {
             let t = &triangles[t as usize];
             let [a, b, c] = t.map(place);

@@ -116,7 +116,7 @@ mod tests {
         let made = strands(&grid(8), [None; 2], 2);
         assert_eq!(made.roots.len(), 64);
         for quarter in [4, 16] {
-            // Each cell contains the same number of roots.
+            // The first 4 or 16 strands are spread evenly: one root in each cell of a grid with as many cells.
             let side = f64::from(quarter).sqrt() as f32;
             let mut cells = vec![0; quarter as usize];
             for [u, v] in &made.roots[..quarter as usize] {

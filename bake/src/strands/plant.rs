@@ -27,8 +27,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Tolerance for removing points near the line between their neighbours, in radii of the strand. A tenth of the radius
-/// moves no outline by more than that, which is far less than a pixel.
+/// Tolerance for removing points near the line between their neighbours, in radii of the strand. So simplification
+/// moves an outline by at most a tenth of the radius, which is far less than a pixel.
 pub(super) const SIMPLIFICATION: f64 = 0.1;
 /// Maximum number of strands in a scene, about 12 GiB of memory.
 const MAX_STRANDS: f64 = 2e7;

@@ -59,7 +59,7 @@ fn strands_continue_across_patch_borders() {
     let hair = leaning(40);
     let (whole, report) = grow_on(&sheet(6, 99, DVec2::ZERO), &hair, 1.0).unwrap();
     assert!(report.strands > 100 && report.crossed_patch_border == 0, "{report:?}");
-    // A shift by whole tiles gives the same roots, but an edge where coordinates jump.
+    // A shift by whole tiles gives the same roots, but coordinates jump at an edge.
     let (parted, report) = grow_on(&sheet(6, 3, DVec2::new(2.0, 5.0)), &hair, 1.0).unwrap();
     assert!(report.crossed_patch_border > 10 && report.slid_along_border == 0 && report.lost == 0, "{report:?}");
     assert_eq!(whole.len(), parted.len());
@@ -92,7 +92,7 @@ fn strands_continue_past_the_mesh_border() {
 
 #[test]
 fn every_root_lies_in_exactly_one_triangle() {
-    // Roots are on the grid lines, where four triangles meet and where two do.
+    // Roots are on the grid lines: at points where four triangles meet, and at points where two triangles meet.
     let side = 8u32;
     let lattice = |shift: f32| {
         let mut strands = Strands { offsets: vec![0], height: 0.1, ..Strands::default() };

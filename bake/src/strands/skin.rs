@@ -39,7 +39,7 @@ pub struct PosedVertex {
     pub bitangent_ws: DVec3,
     /// Height of the outermost layer, metres; 0 where the mesh surface is bare.
     pub fur_height_m: f64,
-    /// Additional lean of the hair, 0..=1.
+    /// Lean of the hair in addition to that of the tile, 0..=1.
     pub lean: f64,
     /// Coordinates in the hair tile; 1 is one tile.
     pub tile_uv: DVec2,

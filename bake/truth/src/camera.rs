@@ -60,8 +60,8 @@ impl ViewDirections {
 pub struct RayCaster {
     origin: DVec3,
     forward: DVec3,
-    /// Vectors from the centre of the picture to the middle of its right edge and of its upper edge. A perspective has
-    /// them at distance 1, a parallel projection in metres.
+    /// Vectors from the centre of the picture to the middle of its right edge and of its upper edge. In a perspective
+    /// projection, the picture is at distance 1 from the eye. In a parallel projection, the vectors are in metres.
     right: DVec3,
     up: DVec3,
     size: DVec2,

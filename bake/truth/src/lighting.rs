@@ -114,7 +114,7 @@ impl TrueLighting {
     }
 }
 
-/// Constants and root directions of a tile.
+/// Shading constants and root directions of a tile, for dry and for wet hair.
 pub(super) struct TileShading {
     pub(super) dry: Shading,
     pub(super) wet: Shading,
@@ -302,8 +302,8 @@ impl Sample<'_> {
         f64::from(self.tracer.is_lit(place_ws, way, reach, start, past))
     }
 
-    /// Returns the direction to a point of the key light's disc, whose centre is along `axis`. `even` selects the
-    /// point.
+    /// Returns the direction to a point of the key light's disc, whose centre is along `axis`. `even`: two uniform
+    /// numbers in 0..1 that select the point.
     pub(super) fn on_disc(&self, axis: DVec3, even: DVec2) -> DVec3 {
         let (side, up) = axis.any_orthonormal_pair();
         let on_disc = disc(even) * (0.5 * self.lighting.penumbra);

@@ -1,16 +1,16 @@
 //! Error of a fur picture against the true one, as a single figure that rises when hair is lost.
 //!
-//! Mean FLIP alone cannot detect lost hair. A bare body under a ghost of an outline has the right colours on average;
-//! FLIP ranked it above a picture with four times the layers and fins. Three quantities are therefore measured against
-//! the reference image:
+//! Mean FLIP alone cannot detect lost hair. A bare body under a detached outline (a ghost) has the right colours on
+//! average; FLIP ranked such a picture above a picture with four times the layers and fins. Three quantities are
+//! therefore measured against the reference image:
 //!
 //! * `flip`: mean FLIP over all pixels ([`super::compare`]), 0..=1
 //! * `outline`: mean absolute difference of coverage, pixel by pixel, in the ring, 0..=1. The ring contains the pixels
-//!   within the fur's projected height of the true outline, on either side. Pixel by pixel, because a line detached
-//!   from the body covers as much on average as hair does
-//! * `contrast`: local contrast of the picture divided by that of the truth; 1 is equal, less is blurred or bare. Local
-//!   contrast is the standard deviation of luminance in the 9 by 9 pixels around a pixel, restricted to pixels that
-//!   both pictures cover by half. It is averaged over all such pixels
+//!   on either side of the true outline, up to a distance of the fur's projected height. Coverage is compared pixel by
+//!   pixel, because a line detached from the body covers as much on average as hair does
+//! * `contrast`: local contrast of the picture divided by that of the truth; 1 means equal, less means blurred or bare.
+//!   Local contrast is the standard deviation of luminance in the 9 by 9 pixels around a pixel. Only pixels that both
+//!   pictures cover by half are included. It is averaged over all such pixels
 //!
 //! The error is the mean over all pixels of the sum:
 //!
@@ -19,15 +19,15 @@
 //! ```
 //!
 //! `ring` is the fraction of the picture in the ring, 0..=1. `covered` is the fraction that both pictures cover by
-//! half, 0..=1. The error has no unit and is in 0..=2.2; faithful pictures of a whole animal have 0.01 to 0.06. Like
-//! mean FLIP it is proportional to the fraction of the picture that the animal covers.
+//! half, 0..=1. The error has no unit and is in 0..=2.2; for faithful pictures of a whole animal it is 0.01 to 0.06.
+//! Like mean FLIP, it is proportional to the fraction of the picture that the animal covers.
 //!
 //! The weights are calibrated on pairs of pictures that a person ranks at a glance (`tests/golden/likeness/pairs.txt`).
-//! A missing pixel of outline weighs as much as four times the largest FLIP. Strands that are complete but cover other
-//! pixels leave 0.02 to 0.1 in the ring; a ghost leaves only a third more, while its FLIP can be a sixth smaller.
-//! Contrast distinguishes blurred fur from crisp fur with the same outline. It may not compensate for a lost outline:
-//! few layers of a fine tile are crisp. The weights are scaled so that the built-in hare with its recipe has the same
-//! error as mean FLIP, 0.018. A limit found with mean FLIP thus means much the same if no hair is lost.
+//! A missing pixel of outline weighs as much as four times the largest FLIP. If all strands are present but cover other
+//! pixels, `outline` is 0.02 to 0.1. For a ghost it is only a third larger, while its FLIP can be a sixth smaller.
+//! Contrast distinguishes blurred fur from crisp fur with the same outline. It must not compensate for a lost outline,
+//! because few layers of a fine tile are crisp. The weights are scaled so that the built-in hare with its recipe has
+//! the same error as mean FLIP, 0.018. A limit found with mean FLIP thus means much the same if no hair is lost.
 
 use super::compare::{CompareParams, Comparison, compare_pictures};
 use pelage_bake::mask::Mask;

@@ -1,8 +1,8 @@
 //! File format for a part of a ray-traced picture, so that several machines can trace one picture.
 //!
-//! A file has a line with the format's name, a line of JSON that identifies the picture, the pixels of its squares, and
-//! a SHA-256 of all that. A pixel has two values: the traced value, four floats, and its value in a PNG, four bytes.
-//! Parts can thus be joined without knowing the background.
+//! A file has a line with the format's name, a line of JSON that identifies the picture, and the pixels of the part's
+//! squares. It ends with a SHA-256 of everything before. Each pixel has two values: the traced value (four floats), and
+//! its value in a PNG (four bytes). Parts can thus be joined without knowing the background.
 
 use super::picture::{Part, Rays, Square, TracedPicture};
 use image::RgbaImage;
@@ -74,7 +74,7 @@ impl TracedPart {
     ///
     /// # Errors
     ///
-    /// The position in the file, and the reason.
+    /// The position of the fault in the file, and the reason.
     pub fn decode(bytes: &[u8]) -> Result<Self, (String, String)> {
         let wrong = |place: &str, reason: String| (place.to_owned(), reason);
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {

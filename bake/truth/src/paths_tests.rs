@@ -46,8 +46,8 @@ fn mean(curves: Curves, ambient: f32, lighting: &TrueLighting, size: u32, spp: u
 /// Checks that non-absorbing hair is indistinguishable from the uniform sky around it.
 #[test]
 fn white_hair_vanishes_in_a_uniform_sky() {
-    // The sky has the key light's colour, and the key light is hidden. With practically unlimited bounces no light is
-    // lost.
+    // The uniform sky has the key light's colour. The light of the key light is traced separately and subtracted, which
+    // leaves the light of the sky. With practically unlimited bounces, no light is lost.
     let found = mean(tangle(Vec3::ONE, 300), 1.0, &lighting(1.0, 1_000), 48, 64);
     let alone = mean(tangle(Vec3::ONE, 300), 0.0, &lighting(1.0, 1_000), 48, 64);
     let sky = found - alone;

@@ -53,8 +53,8 @@ impl TracedPicture {
         self.pixels.iter().filter(|p| p[3] > 0.0).count()
     }
 
-    /// Blends with another picture of the same size, made of other samples. `[own, new]` are the fractions of all
-    /// samples that the two have.
+    /// Blends with another picture of the same size, made of other samples. `[own, new]`: fractions of all samples that
+    /// this picture and the other one contribute.
     pub fn mix(&mut self, other: &Self, [own, new]: [f32; 2]) {
         for (pixel, more) in self.pixels.iter_mut().zip(&other.pixels) {
             *pixel = std::array::from_fn(|i| own * pixel[i] + new * more[i]);

@@ -17,7 +17,7 @@ struct Source {
     light: Light,
     /// Picture that determines how often directions are sampled: the panorama itself, or one painted from the lobes.
     picture: Panorama,
-    /// Cumulative sums over the rows; `columns` has those within each row.
+    /// Cumulative sums of the sampling weights over the rows; `columns` has the sums within each row.
     rows: Vec<f64>,
     columns: Vec<f64>,
     /// Rotation about the vertical, radians.
@@ -81,8 +81,8 @@ impl TrueSky {
         light * of.strength
     }
 
-    /// Samples a direction from two uniform numbers in 0..1. Returns it and its probability density, per steradian.
-    /// `None` if all is black.
+    /// Samples a direction from two uniform numbers in 0..1. Returns the direction and its probability density, per
+    /// steradian. `None` if the whole environment map is black.
     pub fn sample(&self, even: [f64; 2]) -> Option<(DVec3, f64)> {
         let of = &*self.of;
         let (width, _) = of.picture.size();

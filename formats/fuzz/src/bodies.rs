@@ -41,7 +41,7 @@ pub fn limits() -> Limits {
     }
 }
 
-/// Opens and validates the input and uses everything in it. Returns whether it is a valid package.
+/// Opens and validates the input, and reads all of its contents. Returns whether it is a valid package.
 pub fn open(bytes: &[u8]) -> bool {
     let faults = Package::validate(bytes, &limits());
     for fault in &faults {

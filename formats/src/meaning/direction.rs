@@ -59,8 +59,8 @@ mod tests {
                 if format.components() == 2 && d.z < 0.0 {
                     d = -d;
                 }
-                // Near the horizon, z is computed from a small difference: half a step in x or y changes it by up to
-                // 0.11.
+                // For directions nearly tangential to the surface, z is computed from a small difference. An error of
+                // half a step in x or y then changes the direction by up to 0.11.
                 let tolerance = if format.components() == 2 { 0.12 } else { 0.007 };
                 assert!(d.distance(back) < tolerance, "{format:?}: {d} came back as {back}");
             }

@@ -184,8 +184,8 @@ impl Environment {
         Self { even: core::array::from_fn(|i| here.even[i] + there.even[i]), lobes, sun }
     }
 
-    /// Returns the environment with at most `most` lobes (1 or more) besides the constant light. The most similar lobes
-    /// are merged.
+    /// Returns the environment with at most `most` lobes (1 or more). Until few enough are left, the two most similar
+    /// lobes are merged. Constant light and sun are unchanged.
     pub fn with_fewer(&self, most: usize) -> Self {
         let mut out = self.clone();
         while out.lobes.len() > most.max(1) {
@@ -257,7 +257,7 @@ pub fn sharpness_of(mean: f64) -> f64 {
 /// and spread.
 fn merge_nearest(lobes: &mut Vec<LightLobe>) {
     let pairs = (0..lobes.len()).flat_map(|i| (i + 1..lobes.len()).map(move |j| (i, j)));
-    // Cost of merging a pair: how far its light would move.
+    // Cost of merging a pair of lobes: it grows with their light and with the distance between their mean directions.
     let cost = |(i, j): (usize, usize)| {
         let [a, b] = [i, j].map(|i| (brightness(lobes[i].integral()), lobes[i].light()));
         let moved = [a.1, b.1].map(|light| light.towards * mean_cosine(light.sharpness));

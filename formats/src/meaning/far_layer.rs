@@ -2,8 +2,10 @@
 
 use crate::sections::manifest::detail::FarLayerInfo;
 
-/// Returns the share of the key light that reaches the hair visible in the far layer. `path` is the path length through
-/// a layer divided by the layer's thickness.
+/// Returns the share of the key light that reaches the hair visible in the far layer.
+///
+/// * `path`: path length of the light through a layer, divided by the layer's thickness
+/// * `base`, `slope`: results of `far_layer_light_coefficients`
 pub fn far_layer_light(path: f32, base: f32, slope: f32) -> f32 {
     1.0 / (base + slope * path)
 }

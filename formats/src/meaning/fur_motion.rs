@@ -69,7 +69,7 @@ pub fn initial_tip(length_m: f32, root: Vec3, wind: &Wind, time_s: f32) -> Tip {
 /// Moves a tip by one frame.
 ///
 /// * `length_m`: length of the hair, [`SHORTEST_M`] or more
-/// * `root`: current position of the surface
+/// * `root`: position of the surface at the end of the frame
 /// * `went`: displacement of the surface during the frame
 pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_>) -> Tip {
     let h = frame.seconds;
@@ -78,7 +78,7 @@ pub fn advance(tip: Tip, length_m: f32, root: Vec3, went: Vec3, frame: &Frame<'_
     }
     let square = stiffness(length_m) / length_m;
     let of_skin = went / h;
-    // Acceleration of the surface from the middle of the previous frame to the middle of this one.
+    // Acceleration of the surface between the middle of the previous frame and the middle of this one.
     let faster = (of_skin - tip.surface_velocity.unwrap_or(of_skin)) / (0.5 * (h + frame.before_s));
     let pulled = (frame.wind.at(root, frame.time_s) - of_skin) * DRAG_PER_S - faster;
     let goal = within(pulled / square, MAX_OFFSET * length_m);
@@ -120,10 +120,12 @@ pub fn freedom(lean: f32, wetness: f32) -> f32 {
     (1.0 - 0.5 * lean.clamp(0.0, 1.0)) * (1.0 - 0.6 * wetness.clamp(0.0, 1.0))
 }
 
-/// Returns the lean angle of the hair on a vertex, radians, 0 to [`MOST_LEAN_RAD`], and its direction, a unit vector
-/// along the surface. `None` if the hair is as groomed.
+/// Returns the lean of the hair on a vertex: its angle, radians, 0 to [`MOST_LEAN_RAD`], and its direction, a unit
+/// vector along the surface. `None` if the hair is as groomed.
 ///
+/// * `aside`: offset of the tip from its groomed position, metres
 /// * `normal`: surface normal, unit length
+/// * `length_m`: length of the hair
 /// * `strength`: product of [`freedom`] and the application's own factor
 pub fn lean(aside: Vec3, normal: Vec3, length_m: f32, strength: f32) -> Option<(f32, Vec3)> {
     let along = aside - normal * normal.dot(aside);
@@ -133,8 +135,8 @@ pub fn lean(aside: Vec3, normal: Vec3, length_m: f32, strength: f32) -> Option<(
     (angle > 1e-4).then(|| (angle / (1.0 + (angle / MOST_LEAN_RAD) * (angle / MOST_LEAN_RAD)).sqrt(), along / far))
 }
 
-/// Returns the growth direction of leaning hair, unit length. Tangents follow as on a bent surface: their component
-/// along this direction is removed.
+/// Returns the growth direction of hair that leans by `angle_rad` in the direction `along`, unit length. Tangents
+/// follow as on a bent surface: their component along the returned direction is removed.
 pub fn leaning_direction(normal: Vec3, angle_rad: f32, along: Vec3) -> Vec3 {
     normal * libm::cosf(angle_rad) + along * libm::sinf(angle_rad)
 }

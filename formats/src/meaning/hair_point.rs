@@ -73,7 +73,8 @@ mod tests {
 
     #[test]
     fn shorter_hair_lies_flatter() {
-        // Two points of a strand, in tile heights, on a vertex whose hair leans and has a quarter of the height.
+        // Two points of a strand, in units of the tile's height. They are placed on a vertex whose hair leans and is a
+        // quarter as high as the tile's.
         let (low, high) = (Vec3::new(0.1, -0.05, 0.5), Vec3::new(0.103, -0.046, 0.504));
         let (lean, quarter) = (0.3, 0.25);
         let point = |p: Vec3| Vec3::new(p.x, p.y, 0.0) + hair_offset(Vec3::Z, Vec3::Y, lean, p.z, quarter);

@@ -35,25 +35,28 @@ fn lowest(baked: u32, step: u32) -> u32 {
     (baked - 2) % step + 1
 }
 
-/// Returns how far the change from a level with step `step` to the next has progressed for a layer in 1..`baked`,
-/// 0..=1. `gone` is the number of [`detail_pairs`] that have changed.
+/// Returns the progress of a layer in 1..`baked`, 0..=1, during the transition from a level with step `step` to the
+/// next. `gone` is the number of the [`detail_pairs`] layers that have been removed; a fraction means that the next one
+/// is fading.
 ///
 /// Layers are removed one after another, from the surface outwards. Each gives its opacity to the next drawn layer
 /// above; all others stay as they are. So the transition passes through every layer count between the two levels.
 pub fn detail_fade(layer: u32, baked: u32, step: u32, gone: f32) -> f32 {
     let kept = lowest(baked, 2 * step);
-    // The lowest layer that is kept may have no layer below it to represent.
+    // The lowest layer that the next level keeps may have no drawn layer below it.
     let first = u32::from(kept <= step);
     let pair = (layer + step).saturating_sub(kept) / (2 * step);
     (gone - pair.saturating_sub(first) as f32).clamp(0.0, 1.0)
 }
 
-/// Returns the `index`-th drawn layer, from the surface outwards. Every `step`-th of `baked` layers, 2 or more, is
-/// drawn, and `gone` of [`detail_pairs`] have changed to the next level.
+/// Returns the `index`-th drawn layer, from the surface outwards, during the transition to the next level. Before the
+/// transition, every `step`-th of `baked` layers, 2 or more, is drawn. `gone` is the number of the [`detail_pairs`]
+/// layers that have been removed.
 pub fn detail_layer(index: u32, baked: u32, step: u32, gone: f32) -> u32 {
     let kept = lowest(baked, 2 * step);
     let first = u32::from(kept <= step);
-    // Number of pairs of which only one layer is left.
+    // Number of pairs of layers of which only the upper one is left. If the lowest kept layer has no partner, it counts
+    // as such a pair.
     let thinned = gone as u32 + first;
     if gone >= 1.0 && index < thinned {
         kept + 2 * step * index
@@ -147,7 +150,7 @@ mod tests {
                 for gone in 0..=pairs {
                     let layers = drawn(gone);
                     assert!(layers.is_sorted_by(|a, b| a < b), "{layers:?}: {baked} layers, step {step}, {gone} gone");
-                    // `detail_fade` must agree, and a half-faded layer is still drawn.
+                    // `detail_fade` must give the same layers. A half-faded layer is still drawn.
                     let whole: Vec<u32> = drawn(0)
                         .into_iter()
                         .filter(|l| {

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Lateral offset of hair at one height from its root, tile widths.
+/// Lateral offset of hair from its root, at one height above the surface, tile widths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RootOffset {
     /// Offset of hair that points straight away from the surface, along u and v.

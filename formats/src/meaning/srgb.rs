@@ -7,7 +7,8 @@ use std::sync::LazyLock;
 
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte| decode(byte as f64 / 255.0) as f32));
 
-/// Byte at which the search starts, for each interval of 0..=1. It saves time because slicing encodes some 10⁸ values.
+/// Byte at which the search for the byte of a linear value starts, for each interval of 0..=1. The table saves time,
+/// because slicing encodes some 10⁸ values.
 static START: LazyLock<[u8; INTERVALS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let x = i as f32 / INTERVALS as f32;

@@ -3,8 +3,8 @@
 
 use glam::{Vec3, Vec4};
 
-/// Component z of the mean direction towards lights. At ω = (0, 0, z), c₀ + c · ω is a texel's alpha, whatever the
-/// slopes c.
+/// Component z of the mean direction towards lights. For ω = (0, 0, `VISIBILITY_MEAN_Z`), c₀ + c · ω equals a texel's
+/// alpha, whatever the slopes c.
 pub const VISIBILITY_MEAN_Z: f32 = 0.585;
 
 /// Steps of a byte per unit of a slope, which is (byte − 128) / 64.

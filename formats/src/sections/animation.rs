@@ -24,7 +24,7 @@ pub(crate) const KIND: Kind = Kind {
 };
 
 impl Package<'_> {
-    /// Returns the contents of the section itself.
+    /// Returns the contents of the section `ANIM`, without the animation of morph targets.
     pub(super) fn skeleton(&self) -> Result<Option<Arc<Animation>>, FormatError> {
         let Some((index, section)) = self.find(Tag::ANIMATION, 0) else { return Ok(None) };
         let kept = self.cached(index, || {

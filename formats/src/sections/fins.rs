@@ -31,8 +31,8 @@ pub(crate) const KIND: Kind = Kind {
 impl<'a> Package<'a> {
     /// Returns the fins; `None` if the package has none. Every fin is checked once; the result is cached.
     ///
-    /// Fails in these cases: only one of fins and the manifest's fin textures is present; the number of parts is not
-    /// that of the manifest; a vertex or slab of a fin does not exist.
+    /// Fails in these cases: the package has only one of fins and fin textures; the number of parts is not that of the
+    /// manifest; a fin refers to a missing vertex or to a missing array layer (slab) of the fin textures.
     pub fn fins(&self) -> Result<Option<FinsView<'a>>, FormatError> {
         let (info, (index, section)) = match (&self.manifest().fur.fins, self.find(Tag::FINS, 0)) {
             (None, None) => return Ok(None),
@@ -101,7 +101,8 @@ pub struct Fin {
     pub b: u32,
     /// Coordinate u of the fin textures at `a`, 0..=1.
     pub start: f32,
-    /// Increase of the coordinate u from `a` to `b`; negative if the edge runs against the direction of the slab.
+    /// Increase of the coordinate u from `a` to `b`. Negative if the edge runs against the direction of u in the fin's
+    /// array layer.
     pub length: f32,
     /// Array layer of the fin textures, less than [`crate::FinInfo::slabs`]. Each layer is a slab: a slice through the
     /// tile.

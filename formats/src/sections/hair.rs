@@ -76,7 +76,8 @@ pub struct HairGroup {
     pub tip_color: [u8; 3],
     /// Variation of the brightness of single hairs about these colours, 0..=1.
     pub color_variation: f32,
-    /// Difference between the guides' length and the shortest hair, as a share of the guides' length, 0..=0.95.
+    /// Variation of the hairs' length, 0..=0.95: the shortest hair is shorter than its guides by this share of their
+    /// length.
     pub length_variation: f32,
     /// Strength with which the tips of a lock's hairs are drawn together, 0..=1.
     pub clump: f32,

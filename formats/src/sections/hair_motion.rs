@@ -113,7 +113,7 @@ impl HairMotion {
     /// Maximum number of colliders.
     pub const MOST_COLLIDERS: usize = 64;
 
-    /// Returns the freedom of a guide, 0..=1, without the factor [`GroupMotion::freedom`].
+    /// Returns the freedom of a guide, 0..=1. Multiply it by the freedom of a point ([`GroupMotion::freedom`]).
     pub fn guide_freedom(&self, group: usize, guide: usize) -> f32 {
         let found = self.freedom.get(group).and_then(|guides| guides.get(guide));
         found.map_or(1.0, |byte| f32::from(*byte) / 255.0)

@@ -131,13 +131,14 @@ pub struct InkShading {
     pub wash_speed: f32,
     /// Parameter b of Fang 2006, §3, finite (default 0.66): grey value at the centre, 0 for black to 1 for white.
     pub wash_range: f32,
-    /// Whether the wash depends on the angle alone instead of the published product (default false).
+    /// Whether the wash depends only on the angle between normal and direction from the centre, instead of on the
+    /// published product (default false). `InkVertex::wash` defines both.
     pub normalised: bool,
     /// Weight of the wash texture in the wash, 0..=1 (default 0.5).
     pub grain: f32,
     /// Share of the base colour's darkness that is added to the wash, 0..=1 (default 0.6).
     pub tone: f32,
-    /// Strength of strokes of fur, 0..=1 (default 1).
+    /// Strength of the fur's strokes, 0..=1 (default 1).
     pub fur: f32,
     /// Factor on the width of lines, 0..=4 (default 1).
     pub line: f32,
@@ -150,7 +151,7 @@ impl Default for InkShading {
 }
 
 impl InkShading {
-    /// Range of `line`.
+    /// Range of the factor `line`.
     pub const LINE: RangeInclusive<f32> = 0.0..=4.0;
 
     /// Checks every number; returns the field, what was found and what was expected.

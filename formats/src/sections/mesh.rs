@@ -202,8 +202,8 @@ struct Counts {
     skinned: bool,
 }
 
-/// Returns the offsets of the four streams, and the end, relative to the section. They follow from the counts, so a
-/// file cannot contradict them.
+/// Returns the offsets of the four streams and the end of the last one, relative to the section. The file does not
+/// store them, because the counts determine them.
 fn layout(vertices: u64, indices: u64, skinned: bool) -> [u64; 5] {
     let align = |offset: u64| offset.next_multiple_of(16);
     let geometry = HEADER_BYTES;
@@ -259,7 +259,7 @@ impl MeshData {
 }
 
 impl<'a> MeshView<'a> {
-    /// Reads the section at `offset` of a package of that version and checks every index and number in it.
+    /// Reads the section at `offset` of a package of format version `version`. Checks every index and number in it.
     fn parse(bytes: &'a [u8], offset: u64, version: u32, limits: &Limits) -> Result<Self, FormatError> {
         #[cfg(test)]
         CHECKED.with(|checked| checked.set(checked.get() + 1));

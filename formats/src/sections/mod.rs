@@ -46,7 +46,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &probe::KIND,
 ];
 
-/// Returns the sections that packages of that version may have.
+/// Returns the sections that packages of format version `version` may have.
 pub(crate) fn of_version(version: u32) -> impl Iterator<Item = &'static Kind> {
     SECTIONS.iter().copied().filter(move |kind| kind.since <= version)
 }

@@ -79,8 +79,8 @@ impl PackageWriter<'_> {
 pub struct Morphs {
     /// Targets, and their animation in clips.
     pub motion: MorphMotion,
-    /// For each vertex, the index of its first entry in `deltas`; its entries end where the next vertex's begin. The
-    /// last element is the number of entries. Ascending from 0.
+    /// For each vertex, the index of its first entry in `deltas`. The entries of a vertex end where those of the next
+    /// begin, so one element follows the last vertex: the number of entries. Ascending from 0.
     pub first: Vec<u32>,
     /// Displacements by targets, in the order of the vertices.
     pub deltas: Vec<MorphDelta>,

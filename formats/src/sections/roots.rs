@@ -32,8 +32,8 @@ pub const ROOT_HEIGHTS: usize = 8;
 pub struct RootsInfo {
     /// Offset at each height, for dry hair.
     pub asides: [RootOffset; ROOT_HEIGHTS],
-    /// For each material, the change of its texture coordinates over the width of a tile: of u along the tile's u, and
-    /// equally of v along its v. 0 if hair has the base colour of the surface below it.
+    /// For each material, the change of the texture coordinates over one tile width. It applies to u along the tile's u
+    /// axis and, equally, to v along its v axis. 0 if hair has the base colour of the surface below it.
     pub uv_per_tile: Vec<f32>,
 }
 

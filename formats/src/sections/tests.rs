@@ -55,7 +55,7 @@ fn a_mesh_is_checked_once_for_each_opened_package() {
 fn section_errors_are_cached() {
     let mut bytes = WITH_INK.to_vec();
     let mesh = *open(&bytes).sections().iter().find(|s| s.tag == Tag::MESH).unwrap();
-    // Five vertices exceed the limit.
+    // The mesh has five vertices, which exceeds the limit.
     let few = Limits { vertices: 4, ..Limits::default() };
     let package = Package::open(&bytes, &few).unwrap();
     let first = package.mesh().unwrap_err();
@@ -144,7 +144,8 @@ fn adding_a_section_takes_one_file_and_one_line() {
     assert_eq!(probe::CHECKED.get() - before, 1);
     let plain = PackageWriter::new(Manifest::default()).finish().unwrap();
     assert_eq!(open(&plain).probe().unwrap(), None);
-    // Faults found by the section's own check, with their position; a second section; a missing section.
+    // Three errors must be reported: a fault that the section's own check finds, with its position; a second section;
+    // and a missing section.
     let zero = refused(PackageWriter::new(Manifest::default()).probe(&[1, 0]));
     assert!(
         zero.starts_with("section PROB at byte") && zero.ends_with("byte 1 is 0, expected any other value"),

@@ -230,7 +230,7 @@ fn a_newer_version_is_named_whatever_follows() {
     put(&mut bytes, 8, &4u32.to_le_bytes());
     let newer = |found| FormatError::Version { found, supported: 3 };
     assert_eq!(Package::open(&bytes, &LIMITS()).unwrap_err(), newer(4));
-    // The rest of a later version may be anything, or be missing almost completely.
+    // A package of a later version may contain anything after its version number, or may even end there.
     let mut garbage = b"\x89PELAGE\n\xff\xff\xff\xff".to_vec();
     assert_eq!(Package::open(&garbage, &LIMITS()).unwrap_err(), newer(u32::MAX));
     garbage.extend_from_slice(&[0xee; 999]);

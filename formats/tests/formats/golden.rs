@@ -51,7 +51,7 @@ fn golden_packages_read_as_expected() {
         let fur = package.fur_textures().unwrap().unwrap();
         let color = fur.color;
         assert_eq!((color.format, color.width, color.height), (TextureFormat::Rgba8Srgb, 4, 4));
-        // The shell textures have two shells and, since version 3, the far layer.
+        // The shell textures have two array layers for shells. Since version 3, a third one holds the far layer.
         let layers = if version < 3 { 2 } else { 3 };
         assert_eq!((color.layers, color.levels), (layers, 3));
         assert_eq!(color.gpu_bytes(), u64::from(layers) * (64 + 16 + 4));

@@ -106,7 +106,7 @@ fn zero_quaternions_are_the_identity() {
     let values = [key(1.0), key(-1.0)].concat();
     let animation = one_channel(Property::Rotation, Interpolation::Cubic, &[0.0, 1.0], &values);
     assert_eq!(joint(&animation, Some(0), 0.5), glam::Mat4::IDENTITY);
-    // Check the rest pose, and sizes at which the squares of the components leave the range of f32.
+    // Check the rest pose with quaternions of length 0, and of lengths whose squares are out of range for f32.
     for size in [0.0, 1e-30, 1e-25, 1e20, 3e38] {
         let mut animation = animation.clone();
         animation.nodes[0].rotation = [0.0, 0.0, size, 0.0];
@@ -209,7 +209,7 @@ fn blended_clips_rotate_nodes_about_their_parents() {
     near(hand(&[turned, layer(None, 0.0, 0.5)]), [half, half, 0.0]);
     near(hand(&[layer(Some(1), 1.0, 0.25)]), [2.0, 0.0, 0.0]);
     near(hand(&[turned, ClipLayer { share: 0.5, ..gone }]), [2.0 + half, half, 0.0]);
-    // A third layer begins before the second is fully reached.
+    // A third layer is blended in while the second still has share 0.5.
     near(hand(&[turned, ClipLayer { share: 0.5, ..gone }, layer(None, 0.0, 0.5)]), {
         let (eighth, y) = (std::f32::consts::FRAC_PI_8.cos(), std::f32::consts::FRAC_PI_8.sin());
         [1.0 + eighth, y, 0.0]

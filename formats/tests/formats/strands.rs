@@ -128,7 +128,7 @@ fn stored_strand_integers_survive_a_round_trip() {
     let bytes = package(&strands()).unwrap();
     let stored = Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();
     let mut changed = stored.clone();
-    // Encoding decoded strands would not give these integers and this scale.
+    // Change the integers to values that encoding the decoded strands would not give.
     changed.scale = StrandScale { reach: 7.0, radius: 0.25 };
     (changed.points[1].aside, changed.points[4].height, changed.roots[0]) = ([i16::MIN, 3], 1, [5, 65535]);
     let sample = sample_package();

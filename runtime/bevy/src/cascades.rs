@@ -121,7 +121,8 @@ fn prepare(
     prepared
 }
 
-/// Returns fur parameters for shadow maps: shells only, with as many layers as the map's texels resolve.
+/// Returns fur parameters for drawing into shadow maps. Fur is drawn as shells only, with as many layers as the map's
+/// texels can resolve.
 fn thrown_fur() -> FurParams {
     FurParams::default().with(|fur| {
         fur.detail = Detail::Auto { bias: 0.5 };

@@ -88,7 +88,8 @@ impl CasterDraws<'_> {
     ) -> Result<Frame, RuntimeError> {
         let Self { meshes, allocator, pipelines } = self;
         let (casters, bounds) = shading(&scene.casters, reaches, params);
-        // Meshes that are not on the GPU yet are drawn in a later frame. `revision` says which meshes the maps contain.
+        // Skip meshes that are not on the GPU yet; they are drawn in a later frame. `revision` changes when the set of
+        // drawn meshes does.
         let placed: Vec<Placed> =
             casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
         if placed.is_empty() {
@@ -122,9 +123,9 @@ impl CasterDraws<'_> {
     }
 }
 
-/// Returns the casters that can shade anything in `reaches`. Also returns what the maps must cover in addition: a point
-/// as far towards the light as the casters extend. The maps are as wide as the animals; parts of a caster beyond that
-/// width are ignored.
+/// Returns the casters that can shade anything in `reaches`. Also returns a sphere of radius 0 that the maps must cover
+/// in addition. It marks how far the casters extend towards the light. The maps are as wide as the animals; parts of a
+/// caster beyond that width are ignored.
 fn shading<'a>(casters: &'a [Caster], reaches: &[Sphere], params: &FrameParams) -> (Vec<&'a Caster>, Option<Sphere>) {
     let (Light::Directional { towards_light, .. }, true) = (params.light, params.soft_shadow) else {
         return (Vec::new(), None);

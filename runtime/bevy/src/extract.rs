@@ -69,7 +69,7 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// Sets the parameters of hair motion, and the current time of the scene.
+    /// Copies the parameters of hair motion and the current time from the scene to `params`.
     pub(crate) fn move_hair(&self, params: &mut FrameParams) {
         (params.time_s, params.hair_motion) = (self.time_s, self.hair_motion);
     }

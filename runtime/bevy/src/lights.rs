@@ -51,8 +51,8 @@ pub(crate) fn light(params: &mut FrameParams, suns: &[Sun], ambient: Ambient, ex
         seen.first().map_or(Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO }, |key| directional(key));
     params.soft_shadow = seen.first().is_some_and(|key| key.shadows);
     params.fill_lights = seen.iter().skip(1).take(MAX_FILL_LIGHTS).map(|sun| directional(sun)).collect();
-    // Packages multiply ambient light by a constant. Dividing by its default value lights an animal of a default
-    // package like the Bevy meshes beside it.
+    // The runtime multiplies ambient light by a constant of the package. Dividing by the constant's default compensates
+    // for it. A package with the default then looks as bright as the Bevy meshes beside it.
     params.ambient = ambient.0 * exposure / Vec3::from(Shading::default().ambient);
 }
 

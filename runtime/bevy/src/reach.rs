@@ -45,8 +45,8 @@ pub(crate) fn above(lit: Sphere, towards_light: Vec3, caster: Sphere) -> Option<
     shades.then_some(along + caster.radius)
 }
 
-/// Enlarges the shadow maps if the animals of a frame are spread out, because all share the same maps. Texels thus keep
-/// their size.
+/// Increases the size of the shadow maps if the animals of a frame are spread out. All animals share the same maps;
+/// larger maps keep the size of a texel.
 pub(crate) fn maps_of(shadows: ShadowParams, animals: &[Sphere], most_texels: u32) -> ShadowParams {
     let Some(all) = animals.iter().copied().reduce(around) else { return shadows };
     let least = animals.iter().map(|animal| animal.radius).fold(all.radius, f32::min);

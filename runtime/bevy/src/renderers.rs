@@ -30,7 +30,7 @@ struct Loaded {
     model: Option<Model>,
 }
 
-/// Options of all renderers; the pass determines the remaining ones.
+/// Options of all renderers. Formats and sample count are determined by the pass instead.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct Options(pub(crate) RendererOptions);
 
@@ -176,7 +176,7 @@ impl Drawing<'_> {
             Loaded { package: package.clone(), model }
         });
         let model = loaded.model.as_ref()?;
-        // An animal scaled to zero is skipped: as part of a frame it would be an error, and no animal would be drawn.
+        // Skip an animal scaled to zero: it would be an error, and then no animal of the frame would be drawn.
         let there = animal.transform.is_finite() && Mat3::from_mat4(animal.transform).determinant() != 0.0;
         if let (Motion::Joints(joints), Some(skeleton)) = (&animal.motion, model.skeleton())
             && joints.len() != skeleton.joints.len()
@@ -201,7 +201,7 @@ impl Drawing<'_> {
         there.then_some(instance)
     }
 
-    /// Returns the frame, or logs the error.
+    /// Returns the frame; if preparing it failed, logs the error and returns `None`.
     pub(crate) fn or_say(&mut self, frame: Result<Frame, RuntimeError>) -> Option<Frame> {
         frame.map_err(|fault| self.said.error(format!("pelage cannot draw a frame: {fault}"))).ok()
     }

@@ -32,8 +32,8 @@ impl View {
 
     /// Returns the camera and the viewport for a frame in this style; the frame has the viewport's size.
     ///
-    /// Ink uses textures of the picture's size whose origin is the target's corner. An ink frame therefore begins at
-    /// that corner and ends at the view's far corner, and the view is widened accordingly.
+    /// Ink uses textures that begin at the corner of the target, not of the view. An ink frame therefore extends from
+    /// the target's corner to the far corner of the view. The camera is widened to the same area.
     pub(crate) fn of_style(&self, style: StyleKind) -> (Camera, UVec4) {
         let corner = self.rect.xy() + self.rect.zw();
         if style != StyleKind::Ink || self.rect.xy() == UVec2::ZERO {

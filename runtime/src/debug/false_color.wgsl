@@ -6,7 +6,7 @@ override SHOW_AS: u32 = 0u;
 
 // Luminance weights of linear sRGB (ITU-R BT.709).
 const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
-// Brightness of a false colour in the dark, and its gain in full light.
+// Brightness of a false colour without light. The next constant is the brightness that full light adds.
 const DARK_SHADE: f32 = 0.35;
 const SHADE_GAIN: f32 = 0.65;
 // Colour that each fragment adds when overlap is counted.
@@ -23,9 +23,11 @@ fn geometry_color(geometry: u32) -> vec3<f32> {
     }
 }
 
-// Returns the false colour of a fragment; `color` is its premultiplied colour. By geometry type, `tint` is shaded by
-// the light, so that shapes stay visible. When overlap is counted, blended fragments add up; an opaque fragment is one
-// step above the background.
+// Returns the false colour of a fragment. `color`: premultiplied colour of the lit fragment; `tint`: colour of its
+// geometry type.
+//
+// When geometry types are shown, `tint` is shaded by the brightness of `color`, so that shapes stay visible. When
+// overlap is counted, blended fragments add up; an opaque fragment is one step above the background.
 fn false_color_with(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<f32> {
     if SHOW_AS == 1u {
         let light = dot(color.rgb, LUMINANCE) / max(color.a, 1e-3);

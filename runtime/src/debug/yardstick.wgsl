@@ -1,5 +1,6 @@
 //! uses hair/hair, shared/opacity, surface/place
-// Baseline for measuring shells: the same layers and fragments, but one texture read and no lighting.
+// Baseline for measuring the cost of shells: draws the same layers and fragments, but with one texture read and no
+// lighting.
 
 struct YardstickVarying {
     @invariant @builtin(position) position: vec4<f32>,

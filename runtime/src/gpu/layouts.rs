@@ -10,7 +10,7 @@ pub(crate) struct SamplerSettings {
     pub(crate) label: &'static str,
     pub(crate) u: wgpu::AddressMode,
     pub(crate) v: wgpu::AddressMode,
-    /// Also filters between two mip levels.
+    /// Whether to interpolate between adjacent mip levels.
     pub(crate) mipmaps: bool,
     pub(crate) anisotropy: u16,
 }

@@ -34,8 +34,8 @@ impl Hash for Shader {
     }
 }
 
-/// Values of a shader's override constants by name. A constant that is not listed keeps its declared default, which is
-/// off.
+/// Values of a shader's override constants by name. A constant that is not listed keeps its declared default, which
+/// switches its feature off.
 pub(crate) type Constants = Vec<(&'static str, u32)>;
 
 /// Returns a boolean override constant.
@@ -66,7 +66,8 @@ pub(crate) const fn attribute(
     wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
 }
 
-/// Returns the primitive state, with the sides of a surface that are culled. `mirrored`: the instance is mirrored.
+/// Returns the primitive state. `mirrored`: the instance is mirrored, so its front faces wind clockwise.
+/// `double_sided`: back faces are drawn instead of culled.
 pub(crate) fn primitive_state(mirrored: bool, double_sided: bool) -> wgpu::PrimitiveState {
     wgpu::PrimitiveState {
         front_face: if mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },

@@ -1,4 +1,4 @@
-//! Textures of the picture's size with which passes hand results to later passes.
+//! Textures of the picture's size, in which passes store results for later passes.
 
 use super::device::Gpu;
 use super::pool::Pool;
@@ -11,7 +11,7 @@ pub(crate) struct Target {
     pub(crate) format: wgpu::TextureFormat,
 }
 
-/// Textures of a frame. A frame holds references to those that it draws from.
+/// Textures of a frame. A frame holds references to those textures that it draws from.
 #[derive(Debug, Default)]
 pub(crate) struct TargetSet {
     size: [u32; 2],
@@ -52,7 +52,7 @@ impl TargetSet {
     }
 }
 
-/// Returns a set with the `wanted` textures that no living frame draws from.
+/// Returns a set that has the `wanted` textures and that no existing frame draws from.
 pub(crate) fn take_targets(
     shelf: &mut Pool<TargetSet>,
     gpu: &Gpu,

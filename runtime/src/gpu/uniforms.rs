@@ -34,7 +34,7 @@ struct Chunk {
 #[derive(Debug)]
 pub(crate) struct UniformSlot {
     chunks: Vec<Chunk>,
-    /// Shared with the frame, which holds a reference as long as it uses the slot.
+    /// Reference count of the slot. The frame holds a reference as long as it uses the slot.
     in_use: Arc<()>,
     alignment: u64,
     /// Number of bytes that this frame uploaded.
@@ -113,7 +113,7 @@ impl UniformSlot {
 #[derive(Debug, Default)]
 pub(crate) struct UniformRing {
     slots: Vec<UniformSlot>,
-    /// Set when an encoder that a frame was prepared into is dropped instead of submitted.
+    /// Set when an encoder is dropped instead of submitted, although a frame was prepared into it.
     lost: Arc<AtomicBool>,
 }
 

@@ -22,7 +22,8 @@ struct FarFur {
     // Direction towards the key light in the tile frame; the next field is the half vector H.
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
-    // Hair length relative to the tile's. The next field is the slope added by the vertex.
+    // Hair length relative to that of the hair tile. The next field is the slope that the lean of the vertex adds to
+    // the hair.
     length: f32,
     slope: f32,
     // Share of the hair that grows, times the weight with which the far fur layer has replaced the layers.
@@ -38,8 +39,8 @@ fn with_coat(far: FarFur) -> vec3<f32> {
     if texel.a < LEAST_ALPHA {
         return far.undercoat;
     }
-    // Same as for the layers that the far layer replaces: where half of the hair grows, half of the optical depth
-    // remains.
+    // As in the layers that the far layer replaces, the optical depth is proportional to the share of the hair that
+    // grows.
     let alpha = resampled_opacity(texel.a, far.share);
     // The far layer needs no shadow map: the package stores how light enters it.
     let height = instance.coat_ambient_height;

@@ -8,7 +8,7 @@ struct StrandConstants {
     count: u32,
     // Number of points of all dry strands of the tile; the wet ones follow them.
     dry_points: u32,
-    // Radius of the largest stored value, metres.
+    // Radius that the largest stored value represents, metres.
     radius: f32,
     // First strand of the part; the next field is the end of the range.
     first: u32,

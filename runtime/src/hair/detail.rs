@@ -26,7 +26,7 @@ pub(crate) struct InstanceDrawing {
     pub(crate) layers: u32,
     /// Stride between the layers that are drawn.
     pub(crate) step: u32,
-    /// Number of layers that have already changed to the next level,
+    /// Number of layers that have already changed to the next level, as in
     /// [`detail_fade`](crate::shared::detail::detail_fade).
     pub(crate) gone: f32,
     /// Density of the current and of the next level. If the next level is the far fur layer: remaining density of the
@@ -45,7 +45,8 @@ pub(crate) struct InstanceDrawing {
     most_pieces: Option<u32>,
     /// Pixels per metre of the instance on screen, times the application's bias.
     px_per_m: f32,
-    /// Layer count that suits the shadow maps, skin included; 1 if no layers are drawn.
+    /// Layer count for the shadow maps, skin included. It is constant within a level of detail; 1 if no layers are
+    /// drawn.
     pub(crate) map_layers: u32,
 }
 
@@ -70,8 +71,8 @@ impl StrandSetDrawing {
 }
 
 impl InstanceDrawing {
-    /// Returns the state with which an instance is drawn, for `params` and that many samples per pixel. `hull`: bounds
-    /// of the posed instance in world space.
+    /// Returns the state in which an instance is drawn. `hull`: bounds of the posed instance in world space; `samples`:
+    /// number of samples per pixel.
     pub(crate) fn for_instance(
         instance: &Instance,
         hull: &Hull,
@@ -104,7 +105,8 @@ impl InstanceDrawing {
         }
     }
 
-    /// Applies the [transition](strand_transition) from layers to single strands. The far fur layer is drawn with both.
+    /// Applies the [transition](strand_transition) from layers to single strands, whose progress is `way`, 0..=1. The
+    /// far fur layer is drawn in addition to both.
     fn with_strands(mut self, way: f32) -> Self {
         let [strands, layers] = transition_shares(way);
         self.detail.strands = strands * (1.0 - self.detail.coat);
@@ -122,10 +124,11 @@ impl InstanceDrawing {
         Self { point_step, detail, ..self }
     }
 
-    /// Returns the strand sets of the model that are drawn, within the device limits. `samples`: number per pixel.
+    /// Returns the strand sets of the model that are drawn, within the device limits. `samples`: number of samples per
+    /// pixel.
     ///
-    /// Hair groups are drawn as strands at any size. If strands are too thin for the samples, fewer and wider ones are
-    /// drawn.
+    /// Hair groups are drawn as strands at any size. If strands are too thin for that number of samples, fewer and
+    /// wider ones are drawn.
     pub(crate) fn sets(
         &self,
         model: &Model,
@@ -261,7 +264,8 @@ impl InstanceDrawing {
             point_step: 1,
             most_pieces: None,
             px_per_m: f32::INFINITY,
-            // A map layer count per level keeps the maps from being redrawn for every number of layers.
+            // The shadow maps use one layer count per level of detail. Otherwise, they would be redrawn whenever the
+            // number of drawn layers changes.
             map_layers: of_level + 1,
         }
     }
@@ -297,7 +301,7 @@ impl InstanceDrawing {
     }
 }
 
-/// Returns the factor that `detail` puts on the size on screen.
+/// Returns the factor by which `detail` multiplies the size of fur on screen.
 fn detail_bias(detail: Detail) -> f32 {
     if let Detail::Auto { bias } = detail { bias } else { 1.0 }
 }

@@ -51,7 +51,7 @@ struct FinCorner {
     tile: TileFrame,
     // Height: 0 on the skin, 1 at the outermost layer.
     height: f32,
-    // Texture coordinate along the fin's slab of hair.
+    // Horizontal texture coordinate in the array layer `slab` of the fin texture.
     along: f32,
     // Position along the edge: 0 at its first end, 1 at its second.
     across: f32,
@@ -67,7 +67,7 @@ fn fin_corner(index: u32) -> FinCorner {
     let quad = index / CORNERS;
     let corner = index % CORNERS;
     let fin = fins[quad / rows];
-    // Order of the corners: a, b, b above, a, b above, a above.
+    // Order of the corners, with the ends a and b of the edge: a, b, above b, a, above b, above a.
     let at_b = corner == 1u || corner == 2u || corner == 4u;
     let above = corner == 2u || corner > 3u;
 

@@ -36,7 +36,7 @@ fn height_of(layer: u32) -> f32 {
     return f32(layer) / f32(instance.drawn_layers - 1u);
 }
 
-// Returns the layer that an instance of the draw represents.
+// Returns the layer that the instance `index` of the draw call shows.
 fn drawn_layer(index: u32) -> u32 {
     if !DETAIL {
         return index;
@@ -137,7 +137,7 @@ struct Hair {
     direction: vec3<f32>,
 }
 
-// Returns the dry hair of a layer or of a fin slab.
+// Returns the dry hair of a layer. For fins, `layer` is the array layer of the fin texture.
 fn dry_hair_at(uv: vec2<f32>, layer: u32) -> Hair {
     let color = textureSample(shell_colors, shell_sampler, uv, layer);
     let direction = decode_direction(textureSample(shell_directions, shell_sampler, uv, layer), PLANAR_DIRECTIONS);
@@ -172,8 +172,8 @@ fn length_share(v: Vertex) -> f32 {
     return v.fur_height * material.share_per_m;
 }
 
-// Returns the direction of hair, adjusted to the length and lean of the vertices (formulas 2.5). `slope`: slope added
-// by the vertices.
+// Returns the direction of hair, adjusted to the length and lean of the vertices (formulas 2.5). `share`: length
+// relative to the tile's hair; `slope`: slope that the lean adds.
 fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
     if SHORT || LEAN {
         return hair_direction(direction, select(1.0, share, SHORT), slope);
@@ -182,7 +182,7 @@ fn grown(direction: vec3<f32>, share: f32, slope: f32) -> vec3<f32> {
 }
 
 // Returns the path length through layers, relative to their thickness, for hair of relative length `share` (formulas
-// 4.2).
+// 4.2). `path`: the same for hair of full length.
 fn path_through(path: f32, share: f32) -> f32 {
     if SHORT {
         return shortened_path(path, share);

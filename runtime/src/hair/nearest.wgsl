@@ -13,7 +13,7 @@ struct NearestHair {
     size: vec2<f32>,
     // Number of segments per strand.
     pieces: u32,
-    // Pass of the gathering. 0: sorts keys; 1: stores light.
+    // Current round. 0: sorts the keys of the segments; 1: stores their light.
     round: u32,
 }
 
@@ -23,8 +23,8 @@ const TILE: u32 = 8u;
 // Depth is 1 at the near plane and 0 at the far plane.
 override REVERSED_DEPTH: bool = false;
 
-// Returns the sort key of a segment, which is larger for nearer segments. The low 8 bits hold the coverage of the
-// pixel; 0 means no segment.
+// Returns the sort key of a segment, which is larger for nearer segments. The low 8 bits of the key hold the segment's
+// coverage of the pixel. A key of 0 marks an empty entry.
 fn nearest_key(depth: f32, covered: f32) -> u32 {
     let nearness = select(1.0 - depth, depth, REVERSED_DEPTH);
     return ((bitcast<u32>(nearness) >> 6u) << 8u) | u32(covered * 255.0 + 0.5);

@@ -17,7 +17,7 @@ fn power_of_two(exponent: i32) -> f32 {
 fn packed_light(light: vec3<f32>) -> u32 {
     let c = clamp(light, vec3(0.0), vec3(MOST_PACKED));
     let most = max(max(c.r, c.g), max(c.b, 6e-8));
-    // Exponent at which the largest of the three channels uses its top bit.
+    // Choose the exponent so that the largest of the three channels uses its top bit.
     var exponent = max(i32(bitcast<u32>(most) >> 23u) - FLOAT_OFFSET, 0);
     // A value that rounds up to ten bits needs the next exponent.
     if most * power_of_two(PACKED_OFFSET - exponent) >= TEN_BITS {

@@ -11,7 +11,8 @@ struct Strand {
     groom: u32,
     // Index of the strand in the tile.
     of_tile: u32,
-    // Random number in 0..1; a strand is drawn if it is below the drawn share. 1 for strands that do not grow.
+    // Random number in 0..1. The strand is drawn if this number is below the share of strands that are drawn. 1 for
+    // strands that do not grow.
     selection: f32,
     lean: f32,
     fur_height: f32,

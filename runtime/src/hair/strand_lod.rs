@@ -15,19 +15,19 @@ pub(super) fn effective_samples(fur: &FurParams, samples: u32) -> u32 {
     }
 }
 
-/// Minimum hair width on screen, in pixels divided by the sample count. For thinner hair, fewer and wider hairs are
-/// drawn.
+/// Minimum width of hairs on screen, pixels; to be divided by the number of samples per pixel. Instead of thinner
+/// hairs, fewer and wider ones are drawn.
 const MIN_WIDTH_PX: f32 = 0.36;
 
-/// Minimum hair widths with blended edges, pixels: for guided hair, and for fur. Used like `MIN_WIDTH_PX`. Blended
-/// edges need a limit because a pixel stores only its eight nearest segments.
+/// Minimum widths of hairs with blended edges, pixels: of guided hair, and of fur. Instead of thinner hairs, fewer and
+/// wider ones are drawn. Blended edges need a limit because a pixel stores only its eight nearest segments.
 const MIN_BLENDED_WIDTH_PX: [f32; 2] = [0.36, 0.18];
 
 /// Minimum share of hairs that are drawn.
 const MIN_HAIR_SHARE: f32 = 0.02;
 
-/// Minimum width of multisampled fur, used like `MIN_WIDTH_PX`, in pixels divided by the square root of the sample
-/// count. At this width or above, fur shimmers less than twice as much as the reference image.
+/// Minimum width of multisampled fur strands on screen, pixels; to be divided by the square root of the number of
+/// samples per pixel. At this width or above, fur shimmers less than twice as much as the reference image.
 const MIN_FUR_WIDTH_PX: f32 = 0.9;
 
 /// Minimum share of multisampled fur strands that are drawn. If fewer would be needed, layers are drawn instead.
@@ -55,8 +55,8 @@ pub(super) fn drawn_share(fur: &FurParams, guided: bool, width_px: f32, samples:
     (width_px / thinnest_px).clamp(fewest, 1.0)
 }
 
-/// Strand width at which strands begin to replace layers, relative to the width at which they have replaced them. Both
-/// are drawn in between, so the range is narrow.
+/// Strand width at which strands begin to replace layers, relative to the width at which only strands are left. Between
+/// these widths, both are drawn, so the range is narrow.
 const MIXED_FROM: f32 = 0.8;
 
 /// Strand width in pixels from which strands with blended edges replace layers. They have no transition: strands are as
@@ -76,7 +76,8 @@ pub(super) fn transition_shares(way: f32) -> [f32; 2] {
     [(way / STRANDS_COMPLETE_AT).min(1.0), left * left]
 }
 
-/// Returns the progress of the transition to single strands, for strands `width_px` wide in a pass with `samples`.
+/// Returns the progress of the transition from layers, 0, to single strands, 1. `width_px`: width of the strands;
+/// `samples`: number of samples per pixel of the pass.
 pub(super) fn strand_transition(fur: &FurParams, width_px: f32, samples: u32) -> f32 {
     match fur.strand_edges {
         StrandEdges::Samples => {
@@ -88,12 +89,12 @@ pub(super) fn strand_transition(fur: &FurParams, width_px: f32, samples: u32) ->
     }
 }
 
-/// Maximum deviation of the mean strand from its simplified shape, in pixels divided by the square root of the sample
-/// count.
+/// Maximum deviation of the mean strand from its simplified shape, pixels; to be divided by the square root of the
+/// number of samples per pixel.
 const MAX_DEVIATION_PX: f32 = 0.28;
 
 /// Strand width in pixels below which the allowed deviation grows in inverse proportion to the width. At such widths,
-/// the choice of strands that the samples hit causes the largest error.
+/// it depends on chance which strands the samples hit, and this causes the largest error.
 const UNDERSAMPLED_WIDTH_PX: f32 = 0.5;
 
 /// Number of samples above which the allowed deviation no longer decreases.
@@ -130,7 +131,7 @@ mod tests {
         let widths = [1.0, 0.9, 0.45, 0.225, 0.1];
         assert_eq!(widths.map(|px| drawn_share(&fur, false, px, 1)), [1.0; 5]);
         assert_eq!(widths.map(|px| drawn_share(&fur, false, px / 2.0, 4)), [1.0, 1.0, 0.5, 0.25, 0.25]);
-        // At the width where layers have disappeared, no hair is thinner than the limit.
+        // At the width at which the last layers disappear, no strand is thinner than the limit.
         assert_eq!([0.11, 0.1125].map(|px| strand_transition(&fur, px, 4) == 1.0), [false, true]);
         let full = FurParams::default().with(|fur| fur.detail = Detail::Full);
         assert_eq!([0.9, 0.45, 0.1].map(|px| drawn_share(&full, false, px, 4)), [1.0; 3]);

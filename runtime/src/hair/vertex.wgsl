@@ -1,6 +1,6 @@
 //! uses light/point, light/visibility, shared/frame, shared/tile_frame, surface/place
-// Vertex computations shared by all hair geometries. Values that are linear over a triangle belong here, such as the
-// directions to the light and of H, in the tile frame of the direction texture.
+// Vertex computations shared by all hair geometries. Only values that are linear over a triangle are computed here.
+// Examples are the direction to the light and the half vector H, both in the tile frame of the direction texture.
 
 struct HairVertex {
     position: vec4<f32>,

@@ -17,13 +17,13 @@ fn wave(turns: f32) -> f32 {
     return 8.0 * part * (1.0 - 2.0 * abs(part));
 }
 
-// Amplitudes of the two waves of a gust. The next constants are the second wave's frequency relative to the first,
-// incommensurable, and its phase in turns.
+// Amplitudes of the two waves of a gust. The next constants belong to the second wave: its frequency relative to the
+// first, incommensurable with it, and its phase in turns.
 const GUST_WAVES: vec2<f32> = vec2(0.6, 0.4);
 const GUST_RATIO: f32 = 2.618;
 const GUST_PHASE: f32 = 0.3;
 
-// Two waves per component of an eddy: wave vector in turns per eddy size, phase in turns.
+// The two waves of each component of an eddy. xyz: wave vector, turns per eddy size; w: phase, turns.
 const EDDY_X1: vec4<f32> = vec4(0.31, 0.83, 0.47, 0.1);
 const EDDY_X2: vec4<f32> = vec4(-1.1, 0.4, 1.6, 0.7);
 const EDDY_Y1: vec4<f32> = vec4(0.79, -0.29, 0.53, 0.4);

@@ -122,7 +122,7 @@ fn px_per_unit(clip_from_view: Mat4, viewport: [u32; 2]) -> f32 {
 }
 
 /// Returns the rectangle of the target that lines can reach: left, top, width and height, pixels. Screen passes skip
-/// the rest.
+/// all other pixels.
 pub(crate) fn painted_rect(hull: &Hull, clip_from_world: Mat4, params: &InkParams, viewport: [u32; 2]) -> [u32; 4] {
     // Lines extend beyond their features, and features can lie beside the drawn geometry.
     let margin = (params.reach_px(viewport[1]) + params.step_px + 1) as f32;

@@ -12,15 +12,16 @@ fn form_of_features(strength: f32, dots: vec4<f32>) -> f32 {
     return strength;
 }
 
-// Returns the reach of a feature's line (formulas 5.2): a weak feature leaves pixels beside it to stronger neighbours.
-// `w`: half the width of the line. A plain square root, as used for bands, would merge two outlines and a fold that
-// meet in a corner.
+// Returns the reach of a feature's line (formulas 5.2). `w`: half the width of the line. The line of a weak feature is
+// narrower, which leaves the pixels beside it to stronger neighbours.
+//
+// A plain square root, as used for bands, would merge two outlines and a fold that meet in a corner.
 fn form_of_reach(w: f32, strength: f32) -> f32 {
     return w * sqrt(sqrt(strength));
 }
 
-// Returns the cost of a feature at offset `d` whose line has reach `w`. The line that extends farthest has the lowest
-// cost. The cost is at most 0 if the line covers the pixel.
+// Returns the cost of a feature at offset `d` from the pixel, whose line has reach `w`. The line that extends farthest
+// beyond the pixel has the lowest cost. The cost is at most 0 if the line covers the pixel.
 fn line_cost(d: vec2<f32>, w: f32) -> f32 {
     return dot(d, d) - w * w;
 }

@@ -9,7 +9,7 @@ struct InkModel {
     wash_range: f32,
     // Number of wash tile periods per unit of the stored mesh.
     periods: f32,
-    // 1 if the wash depends only on the angle.
+    // 1 if the wash depends only on the angle between the normal and the direction to the eye; otherwise 0.
     normalised: f32,
     // Weight of the wash tile. The next fields are the weights of the base colour's darkness and of fur strokes.
     grain: f32,
@@ -43,9 +43,9 @@ struct InkModel {
 // Width of a stroke in the texture, as a fraction of the tile.
 const STROKE_TILES: f32 = 0.022;
 
-// Samples fur strokes so that they never get thinner on screen than a brush (formulas 5.5). As the fur gets small, the
-// texture is enlarged by powers of 2. Adjacent scales are blended, so that strokes neither blur into grey nor jump.
-// `along`: axes that are scaled.
+// Samples fur strokes so that they never get thinner on screen than a brush (formulas 5.5). As the fur gets small on
+// screen, the texture is enlarged by powers of 2. Adjacent scales are blended, so that strokes neither blur into grey
+// nor jump. `along`: 1 for the texture axes that are scaled, 0 for the others.
 fn fur_strokes_at(uv: vec2<f32>, along: vec2<f32>, layer: u32) -> vec4<f32> {
     let dx = dpdx(uv) * along;
     let dy = dpdy(uv) * along;

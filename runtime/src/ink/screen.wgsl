@@ -31,7 +31,7 @@ struct InkFrame {
     // Clip-space w at which mist begins. The next field is the w beyond which only mist is visible.
     mist_from: f32,
     mist_to: f32,
-    // Minimum relative difference of 1 / clip w between neighbours that makes a feature; 0 for none.
+    // Minimum relative difference of 1 / clip w between neighbouring pixels that makes a feature; 0 switches this off.
     depth_step: f32,
     // Depth of the background.
     far_depth: f32,
@@ -41,7 +41,8 @@ struct InkFrame {
 
 // Largest half width of a line that the feature texture can hold, pixels.
 const WIDEST_HALF: f32 = 16.0;
-// Strength of lines with the body on both sides, unless a depth discontinuity raises it (formulas 5.2).
+// Strength of folds, which are lines with the body on both sides, unless a depth discontinuity raises it (formulas
+// 5.2).
 const FOLD: f32 = 0.5;
 
 @vertex

@@ -7,10 +7,10 @@ override BAKED_SHADOW: bool = false;
 override DEEP_SHADOW: bool = false;
 
 struct Baked {
-    // Texel, as visibility_towards expects it.
+    // Texel of the baked visibility, in the form that visibility_towards expects.
     texel: vec4<f32>,
-    // Share of the hair that grows at the point. The next fields: hair length relative to the tile's; slope added by
-    // the lean of the vertex.
+    // Share of the hair that grows at the point. The next fields: hair length relative to that of the hair tile; slope
+    // that the lean of the vertex adds to the hair.
     kept: f32,
     length: f32,
     slope: f32,

@@ -17,9 +17,9 @@ use crate::bounds::Sphere;
 /// * one sample, no colour target
 /// * positions transformed by [`LightView::clip_from_world`]
 ///
-/// It is called while the frame is prepared: once for each map that is redrawn, and not at all if the maps are kept.
-/// Store the matrix in a buffer created there. A buffer written for several frames of one submission would hold the
-/// last matrix for all of them.
+/// `draw` is called while the frame is prepared: once for each map that is redrawn, and not at all if the maps are
+/// reused. Store the matrix in a new buffer that `draw` creates. A buffer written for several frames of one submission
+/// would hold the last matrix for all of them.
 ///
 /// ```no_run
 /// # use pelage_runtime::{wgpu, *};
@@ -40,7 +40,7 @@ pub struct Casters<'a> {
     /// Objects outside cast no shadow and are fully lit. `None` adds nothing.
     ///
     /// Keep the bounds close to the fur, because larger bounds give larger texels. An object casts no shadow on a
-    /// surface nearer than a thousandth of the bounds.
+    /// surface that is very near to it: nearer than a thousandth of the bounds' size.
     pub bounds: Option<Sphere>,
     /// Revision; change it whenever the geometry changes. While it stays the same, the maps are reused.
     pub revision: u64,

@@ -16,17 +16,18 @@ pub(crate) struct DeepMapSettings {
     pub(crate) slabs: u32,
     /// Total depth of the slabs of a texel, metres.
     pub(crate) reach_m: f32,
-    /// Some of the hair is guided; its opacity in front of each texel is stored separately.
+    /// Some of the hair is guided. If so, the map also stores the optical depth of all guided hair at each texel.
     pub(crate) guided: bool,
-    /// Depth at which the slabs begin, if not at the first hair of each texel.
+    /// Map depth, 0..=1, at which the slabs begin if they span the depth of all hair. Unused (0) if they begin at the
+    /// first hair of each texel.
     pub(crate) whole_from: f32,
 }
 
 /// Depth range of the slabs behind the first hair, relative to the height of the highest fur.
 const REACH: f32 = 2.0;
 
-/// Minimum width of a texel relative to a strand's. In a finer map, a strand covers some texels completely and others
-/// not at all, and too much light passes.
+/// Minimum width of a texel relative to that of a strand. In a finer map, a strand covers some texels completely and
+/// others not at all, and too much light passes.
 const TEXEL_WIDTHS: f32 = 1.25;
 
 /// Minimum size of a map, texels along each edge.
@@ -41,7 +42,8 @@ pub(crate) struct DeepMapHair {
 }
 
 impl DeepMapHair {
-    /// Returns properties that suit both kinds of hair: the maxima, and guided if either is.
+    /// Returns properties of a map that contains both kinds of hair: the maxima of height and width. It is guided if
+    /// either is guided.
     pub(crate) fn union(self, other: Self) -> Self {
         Self {
             fur_m: self.fur_m.max(other.fur_m),
@@ -64,7 +66,8 @@ impl DeepMapSettings {
         let wanted = params.shadows.slabs;
         let (slabs, reach_m, whole_from) = if study::opacity_spans_all(params) {
             let (from, to) = depths(hull, view);
-            // N planes enclose one slab fewer. In the published form, the planes are that much closer together.
+            // N planes enclose N − 1 slabs. In the published form, the depth is divided by N instead, so the planes are
+            // closer together.
             let slabs = wanted.saturating_sub(1).max(1);
             let share = if study::spacing_is_printed(params) { slabs as f32 / (slabs + 1) as f32 } else { 1.0 };
             (slabs, (to - from) * view.range_m * share, from)
@@ -147,8 +150,8 @@ mod tests {
         assert_eq!(both, DeepMapHair { fur_m: 2.0, width_m: 0.1, guided: true });
     }
 
-    /// Checks 16 planes over a sphere of 1 m diameter. They reach from its near end to its far end; in the published
-    /// form, to a sixteenth before the far end.
+    /// Checks 16 planes over a sphere of 1 m diameter. They reach from the near end of the sphere to its far end. In
+    /// the published form, the last plane is a sixteenth of the diameter before the far end.
     #[cfg(feature = "study")]
     #[test]
     fn planes_span_the_hair() {

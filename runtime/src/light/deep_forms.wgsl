@@ -1,19 +1,19 @@
 // Default placement of the slabs for strand shadows, and offset of the light lookup (formulas 4.10). A study of the
 // published forms replaces this file.
 
-// Returns the depth at which the slabs of a texel begin: its first hair. `first`: depth of that hair; `whole`: depth at
-// which all hair begins.
+// Returns the depth at which the slabs of a texel begin, which is `first`. `first`: depth of the texel's first hair;
+// `whole`: least depth of all hair.
 fn slabs_begin(first: f32, whole: f32) -> f32 {
     return first;
 }
 
-// Whether hair at a distance of `behind` slabs after the first hair is stored.
+// Whether the map stores hair that is `behind` slabs deeper than the first hair of its texel.
 fn is_kept(behind: f32, slabs: u32) -> bool {
     return true;
 }
 
-// Returns the share of the hair in front of a point that shadows it. `behind`: distance of the point after the first
-// hair, in slabs.
+// Returns the share of the hair in front of a point that casts a shadow on it. `behind`: how much deeper the point is
+// than the first hair of the texel, in slabs.
 fn shadowing(behind: f32, slabs: u32) -> f32 {
     return 1.0;
 }

@@ -1,5 +1,5 @@
-//! Environment light on surfaces and hair, by the direction that they face: a small map over all directions, rebuilt
-//! when the environment map changes. Also tables of how fibres scatter light that is spread about a direction.
+//! Environment light on surfaces and hair. It is stored in a small map by the direction that they face, which is
+//! rebuilt when the environment map changes. Also tables of how fibres scatter light that is spread about a direction.
 
 use crate::error::RuntimeError;
 use crate::gpu::Gpu;
@@ -109,8 +109,9 @@ impl EnvironmentCache {
     }
 }
 
-/// Returns three layers over the facing direction, and the maximum of the irradiance divided by π. Layers: total light
-/// from above the horizon and slightly below it; mean direction of that light; irradiance divided by π.
+/// Returns the three layers of the map over the direction that a surface faces, and the maximum of the irradiance
+/// divided by π. Layers: total light from above the horizon and slightly below it; mean direction of that light;
+/// irradiance divided by π.
 fn build_map(environment: &Environment) -> (Vec<Vec4>, f32) {
     let lights: Vec<(Vec3, Vec3, f32)> = (0..DIRECTIONS)
         .map(|i| {

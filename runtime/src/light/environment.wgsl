@@ -47,7 +47,7 @@ fn around_at(spot: Spot, color: vec3<f32>) -> Around {
     let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
     let place = environment_place(facing);
     var towards = to_tile(tile, environment_texel(place, 1u));
-    // The smaller the open share, the narrower the spread of the light.
+    // The smaller the open share of the body, the narrower the spread of the light.
     let long = max(length(towards), 1e-6);
     towards *= max(1.0 - share * (1.0 - long), LEAST_LONG) / long;
     // The mean direction must not point below the surface.
@@ -68,8 +68,10 @@ fn environment_place(facing: vec3<f32>) -> vec2<f32> {
 }
 
 // Returns the effective height (sine) of light above the surface, z' of formulas 4.15. `open`: share of ambient light
-// that reaches the hair. The surface curves away below the light's path. The returned height gives the same path
-// through hair over a plane: R (sqrt(z^2 + 2 d / R) - z), with hair depth d and body radius R.
+// that reaches the hair.
+//
+// The surface curves away below the light's path. With hair depth d and body radius R, the path through hair is R
+// (sqrt(z^2 + 2 d / R) - z). Over a plane, light of the returned height has the same path.
 fn over_curve(height: f32, open: f32) -> f32 {
     let dip = material.rim * open;
     return 0.5 * (height + sqrt(height * height + dip * dip));
@@ -93,8 +95,11 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
 }
 
 // Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame: d_p of formulas
-// 4.15. `variance`: variance of the lobe along the fibre. `about_eye`: concentration of a von Mises distribution around
-// the fibre. It is centred on the eye, or on the opposite side if the value is negative.
+// 4.15.
+//
+// `variance`: variance of the lobe along the fibre. `about_eye`: concentration of the lobe around the fibre, a von
+// Mises distribution. The distribution is centred on the eye if the value is positive, and on the opposite side if it
+// is negative.
 fn lit_from(
     tip: vec3<f32>,
     light: vec3<f32>,
@@ -111,7 +116,8 @@ fn lit_from(
     let cosine = cos(theta);
     let cos_j = sqrt(1.0 - sin_j * sin_j);
     let across = max(cosine * cos_j, 1e-4);
-    // No light comes from far below its horizon.
+    // Light arrives only from the hemisphere about its mean direction, and from slightly below that hemisphere's
+    // horizon.
     let end = max(acos(clamp(-(sine * sin_j + BELOW) / across, -1.0, 1.0)), 1e-2);
     let ahead = max(sin(end) / end, mean_cosine_around(concentration * across));
     let narrow = ahead * (2.0 - ahead * ahead) / max(1.0 - ahead * ahead, 1e-3);
@@ -141,17 +147,18 @@ fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     return mix(mix(a, b, share.x), mix(c, d, share.x), share.y);
 }
 
-// Concentration kappa_p around the fibre (formulas 4.15): R and TRT about the eye. The next constant is that of TT,
-// about the opposite side.
+// Concentration kappa_p around the fibre for the paths R and TRT, which are centred on the eye (formulas 4.15). The
+// next constant is that of TT, which is centred on the opposite side.
 const REFLECTED_ABOUT: f32 = 0.7;
 const THROUGH_ABOUT: f32 = -3.0;
 
 // Mean cosines A_p towards the eye around the fibre (formulas 4.15), for R, TT, TRT and the rest.
 const LEANS_TO_EYE: vec4<f32> = vec4(0.33, -0.85, 0.33, 0.0);
 
-// Returns the light that a fibre sends to the eye, for uniform light from the half-space above the surface and from the
-// one below (formulas 4.15). Light that leaves along a fibre has entered along it from the other end, which is below
-// for upright hair. Directions are in the tile frame.
+// Returns the light that a fibre sends to the eye, for uniform light from two half-spaces: above the surface, then
+// below it (formulas 4.15). Directions are in the tile frame.
+//
+// Light that leaves along a fibre has entered along it from the other end. For upright hair, that end is below.
 fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left: vec3<f32>) -> array<vec3<f32>, 2> {
     // Share of light from above, for a directional density linear in z: 1/2 plus 3/4 of the mean z.
     let risen = -sin_o * tip.z + LEANS_TO_EYE * (eye.z - sin_o * tip.z);
@@ -201,7 +208,7 @@ fn scatter_around(
     let first_back = fibres[number].back[0];
     let often = (first_on.w + first_back.w) / max(first_on.z + first_back.z + first_on.w + first_back.w, 1e-6);
     let within = left * left * texel.z * (1.0 - often + often * left);
-    // Visibility per lobe, for the directions from which the lobe collects light.
+    // Visibility for each lobe of the fibre, in the directions from which the lobe collects light.
     var visible = vec3(direct);
     if BAKED_SHADOW && !HANGS {
         let concentration = 1.0 / max(broad_variance(mean), 1e-2);
@@ -224,13 +231,13 @@ fn scatter_around(
             met = hanging_sheet_shares(sides);
         }
         let d = diffused_light(met[0], met[1], direct);
-        // Light from directions that the lobes do not collect is scattered by other strands, with the reflectance of
-        // deep fur.
+        // Light from directions that the fibre's lobes do not collect is scattered by other strands, with the
+        // reflectance of deep fur.
         let sent_on = d.sent_on + max(direct - reaches, 0.0) * d.from_below;
         let halves = sent_of_halves(fibres[number], tip, eye, sin_o, left);
         let to_here = halves[0];
         let to_there = halves[1];
-        // multiple_scattering_by_height divided by the sine, which the irradiance already includes.
+        // Same as multiple_scattering_by_height, but divided by the sine, which the irradiance already includes.
         let root = 2.0 * d.root_lost;
         let falls = (1.0 + root) / (1.0 + around.towards.z * root);
         let spread = d.from_light * to_here + d.from_below * to_there;
@@ -280,7 +287,7 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
         direct = pow(p.arriving.visible, 1.0 + DIFFUSE_PATH * spread);
         if HANGS {
             direct *= p.arriving.past;
-            // From other directions, the depth is about that of visible hair.
+            // For light from other directions, assume the depth of visible hair.
             let facing = clamp(dot(p.spot.open, p.arriving.light_ts), 0.0, 1.0);
             direct = mix(direct, SEEN_HANGING, spread * (1.0 - facing));
         }

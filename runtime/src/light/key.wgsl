@@ -9,8 +9,8 @@ struct Arriving {
     // kd times the key light; the next field is ks times the key light.
     diffuse: vec3<f32>,
     specular: vec3<f32>,
-    // Direction towards the key light in the tile frame; the next field is the half vector H. Lengths are near 1. With
-    // lighting at vertices, the values of half_or_factors.
+    // Direction towards the key light in the tile frame; the next field is the half vector H. Both have a length near
+    // 1. With lighting at vertices, the next field holds the factors from half_or_factors instead.
     light_ts: vec3<f32>,
     half_ts: vec3<f32>,
     // Back attenuation Attenu_Back.

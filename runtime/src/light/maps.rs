@@ -95,7 +95,7 @@ impl ShadowMaps {
     /// Returns the shadow-width map, [`Self::WIDTH_FORMAT`], for linear filtering; `None` without soft shadow.
     /// Channels:
     ///
-    /// * x - blurred occlusion: 0 if nothing nearby is in shadow, 1 deep in shadow, 1/2 at the edge
+    /// * x - blurred occlusion: 0 if nothing within the blur is in shadow; 1 if everything is; 1/2 at the edge
     /// * y - blurred depth of the shadow caster, times x
     /// * z - depth of the first surface
     /// * w - transmittance of the hair above that surface, blurred except beside deeper surfaces; 1 if hair casts no
@@ -153,8 +153,9 @@ impl ShadowMaps {
     }
 }
 
-/// Returns half the width of the blur, texels: the factor from 2·occlusion − 1 to the distance from the edge. It is the
-/// slope at a straight edge of a box of `shrink` texels, widened by a tent of twice that width.
+/// Returns half the width of the blur, texels. Multiplied by 2·occlusion − 1, it gives the distance from the edge of
+/// the shadow. It follows from the slope of the blurred occlusion at a straight edge. The blur is a box of `shrink`
+/// texels, convolved with a tent of twice that width.
 fn blur_texels(shrink: u32) -> f32 {
     2.0 / 3.0 * shrink as f32
 }
@@ -292,7 +293,7 @@ impl ShadowMaps {
         let small = size.div_ceil(key.params.shrink);
         let layers = (key.hair != HairMapKind::None).then(|| {
             let count = match key.hair {
-                // Guided hair has a map of its own.
+                // Guided hair has its own array layer.
                 HairMapKind::Total => 1 + u32::from(key.guided()),
                 _ => key.map_layers,
             };

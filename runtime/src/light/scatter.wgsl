@@ -8,7 +8,7 @@ override SCATTERING: bool = false;
 override MULTIPLE: bool = false;
 // The hair hangs far from the surface at its root, as guided hair does.
 override HANGS: bool = false;
-// Index of the package's fibre, for guided hair; for fur, the material has it.
+// Index of the package's fibre for guided hair. For fur, the index is in the material.
 override FIBRE: u32 = 0u;
 
 @group(1) @binding(4) var fibre_tables: texture_2d_array<f32>;
@@ -47,8 +47,9 @@ const SENT_ON_TURN: vec2<f32> = vec2(0.15, 0.85);
 // Exponent of F for forward-scattered light: gamma plus the first value, at most the second (formulas 4.13).
 const SENT_ON_FALLS: vec2<f32> = vec2(0.15, 0.5);
 
-// Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13), from a light of colour 1, which
-// gives an irradiance of pi. All directions are in one frame; the fibre's points towards its tip.
+// Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13). The light has the colour 1,
+// which gives an irradiance of pi. All directions are in the same frame; `direction` is that of the fibre, towards its
+// tip.
 //
 // `deeper`: colour of the hair below; `direct`: share of the light that other fibres let through; `past`: share that
 // all other objects let through; `above`: sine of the light's height above the surface, as returned by above_rim.
@@ -82,15 +83,16 @@ fn scatter(
             cones = hanging_cones(fibres[number], angles.cos_i, grey, direct, dot(tip, light), dot(tip, eye));
         }
         let d = diffused_light(met[0], met[1], direct);
-        // Light from half of all azimuths: the light's side and the opposite side.
+        // Diffuse light arrives from two halves of all azimuths: the light's side and the opposite side.
         let turned = angles.around.x;
         let to_here = mix(sides[1], sides[0], turned);
         let to_there = mix(sides[0], sides[1], turned);
         let spread = d.from_light * to_here + d.from_below * to_there;
         // Forward-scattered light stays within about a quarter turn of its direction.
         let straight = mix(sides[1], sides[0], smoothstep(SENT_ON_TURN.x, SENT_ON_TURN.y, turned));
-        // Fur receives no more grazing light than its surface does. Forward-scattered light is at the tips, which
-        // grazing light meets from the side; the farther it travels, the less is lost.
+        // Fur receives no more grazing light than its surface does. Forward-scattered light decreases less with the
+        // elevation, because it is at the tips, which grazing light meets from the side. The farther it travels, the
+        // less it decreases.
         let falls = multiple_scattering_by_height(d.root_lost, above);
         let reached = pow(falls, min(SENT_ON_FALLS.x + d.root_lost, vec3(SENT_ON_FALLS.y)));
         sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;

@@ -17,8 +17,9 @@ fn round_up_coarsely(length: f32) -> f32 {
 /// Maximum field of view of a point light's maps, radians. With a wider one, most texels would be near the border.
 const MAX_FOV_RAD: f32 = 2.4;
 
-/// Distance in radii of the scene from which a point light is treated as a distant one. There, its rays differ by less
-/// than a texel, and distances from it would leave too few digits for the scene.
+/// Distance of a point light, in radii of the scene, from which it is treated as a distant light. There, its rays
+/// differ from parallel rays by less than a texel, and distances from the light would leave too few digits for the
+/// scene.
 const DISTANT_RADII: f32 = 500.0;
 
 /// Projection of a light's shadow maps. They cover the instances of the frame with their fur, and
@@ -84,7 +85,7 @@ impl LightView {
     }
 
     fn near(position: Vec3, hull: &Hull, sphere: Sphere) -> Self {
-        // A light exactly in the centre may face any direction.
+        // A light exactly in the centre of the scene may face any direction.
         let apart = position.distance(sphere.center) > 1e-6 * sphere.radius;
         let target = if apart { sphere.center } else { position - Vec3::Y };
         let looking = Camera::look_at(position, target, Projection::Custom(Mat4::IDENTITY));
@@ -171,7 +172,7 @@ mod tests {
             }
         }
         assert!(widest > 0.3, "{light:?}: the outermost is {widest} from the middle");
-        // The side towards the light is nearer by this vector's length.
+        // The point offset towards the light is nearer to the light by the length of the offset.
         let towards = direction.normalize() * 0.1;
         let center = hull.sphere().unwrap().center;
         let (front, back) = (project(view, center + towards), project(view, center - towards));

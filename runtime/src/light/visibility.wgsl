@@ -1,6 +1,7 @@
 //! uses light/baked, light/forms, light/scatter, shared/layer_shadow, shared/soft_shadow, surface/place
-// Share of the key light that reaches a point: past the hair above it, by the layer-wise maps, and past other objects,
-// by the shadow-width map. A function computes each factor for a receiver; the result is their product.
+// Share of the key light that reaches a point, as the product of two factors. One is the share that the hair above lets
+// through, from the layer-wise maps. The other is the share that other objects let through, from the shadow-width map.
+// A function computes each factor for a receiver.
 
 @group(0) @binding(3) var layer_maps: texture_2d_array<f32>;
 @group(0) @binding(4) var width_map: texture_2d<f32>;
@@ -62,16 +63,16 @@ fn width_texel(place: vec4<f32>) -> vec4<f32> {
 
 // Resolution of the shadow-width map's half floats, relative to their range.
 const WIDTH_MAP_STEP: f32 = 1.0 / 2048.0;
-// Slope of the ramp over occlusion, from 0.4 to 0.5, above which the map's own soft shadow is used. The next constant
-// is its offset.
+// Slope of a ramp that rises from 0 to 1 between the occlusions 0.4 and 0.5. Above it, the map's own soft shadow is
+// used. The next constant is the ramp's offset.
 const OCCLUDED_SLOPE: f32 = 10.0;
 const OCCLUDED_OFFSET: f32 = 4.0;
 // Slope of the ramp over -n_dot_l along which fur behind the terminator loses light to the first surface.
 const AWAY_SLOPE: f32 = 10.0;
 
-// Returns the share of the key light that the first surface on its path lets through (formulas 4.13). The map stores no
-// occlusion behind a body whose shadow falls on nothing else. Deep in a stored shadow, the map's own soft shadow is
-// used.
+// Returns the share of the key light that the first surface on its path lets through (formulas 4.13). It is needed
+// because the map stores no occlusion behind a body whose shadow falls on nothing else. Deep in a stored shadow, the
+// map's own soft shadow is used.
 fn visible_past_first(place: vec4<f32>, path: f32, occlusion: f32) -> f32 {
     let uv = place.xy / place.w;
     if any(abs(uv - 0.5) > vec2(0.5)) {
@@ -109,8 +110,9 @@ fn visible_past_things(r: Receiver) -> f32 {
     return past;
 }
 
-// Returns the product of both shares for a surface without hair of its own. The hair maps store only the first surface;
-// if that is a different surface, its hair is not above this one.
+// Returns the share of the key light that reaches a surface without hair of its own: the product of both factors. The
+// hair maps store only the hair above the first surface. If that is a different surface, its hair does not shadow this
+// one.
 fn visible_on_bare(r: Receiver) -> f32 {
     var through = visible_through_hair(r);
     if !SOFT_SHADOW {

@@ -17,10 +17,10 @@ pub(crate) enum ModelBounds {
 /// Bounds of the vertices that follow a joint, in mesh space.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct JointBounds {
-    /// Box of these vertices with morph targets at rest; empty if there are none.
+    /// Box of these vertices with morph targets at rest; empty if no vertex follows the joint.
     vertices: Aabb,
-    /// Morph targets in ascending order, each with the bounds of its vertices' offsets at weight 1. The box contains
-    /// the origin, because other vertices do not move.
+    /// Morph targets in ascending order, each with the bounds of its vertices' offsets at weight 1. These bounds
+    /// contain the origin, because other vertices do not move.
     moves: Vec<(u32, Aabb)>,
 }
 

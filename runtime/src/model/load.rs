@@ -38,7 +38,7 @@ pub(crate) fn load(
     use wgpu::BufferUsages as Usage;
     let fins = package.fins()?.filter(|fins| fins.count > 0 && surfaces.fins.is_some());
     let single = surfaces.strands && (package.strands()?.is_some() || !package.hair_groups()?.is_empty());
-    // Compute shaders also read both streams, to pose the surface, lean fur and root hair.
+    // Compute shaders also read both vertex streams: they pose the surface, lean fur and place the roots of hair.
     let geometry = uploader.buffer("geometry", mesh.geometry, Usage::VERTEX | Usage::STORAGE)?;
     let opened = package.openness()?.map(|openness| with_openness(mesh.attributes, openness));
     let stream = opened.as_deref().unwrap_or(mesh.attributes);
@@ -233,8 +233,8 @@ fn root_offsets(roots: Option<&RootsInfo>, material: usize) -> [[f32; 4]; ROOT_H
     roots.map_or([[0.0; 4]; ROOT_HEIGHTS], |roots| roots.asides.map(scaled))
 }
 
-/// Returns the index ranges of each part: in the mesh, then in each simplified list. The lists follow the mesh in the
-/// buffer.
+/// Returns the index ranges of each part: in the index list of the mesh, then in each simplified list. In the buffer,
+/// the simplified lists follow the list of the mesh.
 fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&SimplifiedView<'_>>) -> Vec<Vec<Range<u32>>> {
     let own = |part: &PackagePart| part.first_index..part.first_index + part.index_count;
     let mut ranges: Vec<_> = manifest.parts.iter().map(|part| vec![own(part)]).collect();

@@ -68,7 +68,7 @@ pub(crate) struct Fins {
 pub(crate) struct VaryingAttributes {
     /// At least one vertex leans more than the tile's strands.
     pub(crate) lean: bool,
-    /// At least one vertex has fur of another length than the manifest's height, which is that of the tile.
+    /// At least one vertex has fur whose length differs from the manifest's height, which is the height of the tile.
     pub(crate) length: bool,
     /// At least one vertex is bare or wet.
     pub(crate) groom: bool,
@@ -266,7 +266,7 @@ impl Model {
         &self.resources.parts
     }
 
-    /// Returns the deviations of the simplified lists from the mesh, metres at rest, ascending.
+    /// Returns the deviations of the simplified index lists from the mesh, metres at rest, ascending.
     pub(crate) fn deviations_m(&self) -> &[f32] {
         &self.resources.deviations_m
     }

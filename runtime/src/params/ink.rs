@@ -9,12 +9,12 @@ use pelage_formats::InkShading;
 #[non_exhaustive]
 pub struct InkParams {
     /// Threshold T1 of Fang 2006, §2, 0.15..=1 (default 0.64, the cosine of 50°). A line is drawn where the dot product
-    /// of neighbouring normals is lower. Higher values draw more lines.
+    /// of neighbouring normals is below T1. Higher values draw more lines.
     pub threshold: f32,
     /// Difference T1 − T2, 0..=1 (default 0.15). Lines between the two thresholds are weak: thinner and paler.
     pub weak_difference: f32,
-    /// Relative depth step between neighbours that also makes a line, at least 0 (default 0.01). Lines are weak for
-    /// steps up to four times that value. 0 uses only normals, as published.
+    /// Relative depth step between neighbouring pixels that also makes a line, at least 0 (default 0.01). Lines are
+    /// weak for steps up to four times that value. With 0, only normals make lines, as published.
     pub depth_step: f32,
     /// Distance between the pixels whose normals are compared, pixels, 1..=8 (default 1).
     pub step_px: u32,
@@ -108,8 +108,8 @@ impl InkParams {
         self
     }
 
-    /// Returns the default line width, pixels: 9 in a picture of 424 rows, in proportion for other heights. That is the
-    /// size of the pictures in Fang 2006, whose three dilations give 7 or 8.
+    /// Returns the default line width, pixels: 9 in a picture of 424 rows, and in proportion for other heights.
+    /// Pictures in Fang 2006 have 424 rows, and their three dilations give lines 7 or 8 pixels wide.
     pub fn default_width_px(height: u32) -> f32 {
         (9.0 * height as f32 / PRINTED_HEIGHT).clamp(1.5, WIDEST_PX)
     }

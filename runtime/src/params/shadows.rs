@@ -29,7 +29,7 @@ pub struct ShadowParams {
     /// the distance.
     pub penumbra: f32,
     /// Factor by which the shadow-width map is downsampled before it is upsampled again, 2..=32 (default 4, as in Yang
-    /// 2006, §4). The widest penumbra is 4/3 of that number of texels. Objects much thinner than that cast no shadow.
+    /// 2006, §4). With factor s, the widest penumbra is 4/3 s texels. Objects much thinner than that cast no shadow.
     pub shrink: u32,
 }
 

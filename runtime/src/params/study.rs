@@ -21,7 +21,7 @@ pub enum PenumbraForm {
     Inner,
 }
 
-/// Depth slabs that store the hair for shadows of single strands.
+/// Division of the hair's depth in the map by which single strands shadow each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum OpacityForm {
     /// Deep opacity map, Yuksel and Keyser 2008: [`crate::ShadowParams::slabs`] slabs behind the first hair of each
@@ -29,8 +29,8 @@ pub enum OpacityForm {
     #[default]
     Deep,
     /// Opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering in the Nalu Demo"), with corrected
-    /// spacing. The same number of equidistant planes spans the whole depth of the hair, with linear interpolation. The
-    /// first is at its start and the last at its end.
+    /// spacing. Instead of slabs, as many equidistant planes span the whole depth of the hair, with linear
+    /// interpolation. The first plane is at the start of the hair and the last at its end.
     WholeDepth,
     /// Opacity shadow map with the published spacing, (z_15 − z_0) / 16 for 16 planes. The last plane is before the end
     /// of the hair, and everything behind it is lit.
@@ -51,11 +51,11 @@ pub enum LightingStage {
 /// Neighbours of a pixel whose normals must differ for a line to run through it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FeatureRule {
-    /// At least one of the four neighbours is below the threshold.
+    /// The dot product with the normal of at least one of the four neighbours is below the threshold.
     #[default]
     AnyBelow,
-    /// All four neighbours are below the threshold, as published in Fang 2006. A straight edge always has two
-    /// neighbours on its own side, so hardly any line is found.
+    /// The dot products with the normals of all four neighbours are below the threshold, as published in Fang 2006. A
+    /// straight edge always has two neighbours on its own side, so hardly any line is found.
     AllBelow,
 }
 
@@ -93,7 +93,7 @@ pub struct Study {
     pub light_slant: SlantForm,
     /// Position of the penumbra.
     pub penumbra: PenumbraForm,
-    /// Depth slabs that store the hair for shadows of single strands.
+    /// Division of the hair's depth in the map by which single strands shadow each other.
     pub opacity: OpacityForm,
     /// Whether the light of a single strand is looked up on its axis rather than on the side facing the eye (default
     /// false).
@@ -101,8 +101,8 @@ pub struct Study {
     /// Whether deep opacity maps may have texels narrower than a strand (default false: the map size is halved until
     /// they are wider).
     pub thin_texels: bool,
-    /// Maximum number of segments per strand; the number used is the greatest divisor of a strand's segments up to
-    /// this. `None` (default): by size on screen.
+    /// Maximum number of segments per strand. The number used is the greatest divisor of a strand's segment count that
+    /// does not exceed it. `None` (default): depends on the size on screen.
     pub strand_pieces: Option<u32>,
     /// Whether ambient light decreases towards the surface, γ of Yang 2006, eq. (2) (default true).
     pub ambient_attenuation: bool,
@@ -110,8 +110,8 @@ pub struct Study {
     pub back_attenuation: bool,
     /// Neighbours of a pixel whose normals must differ for an ink line.
     pub features: FeatureRule,
-    /// Whether ink lines keep their width (default true). Otherwise, the sphere map alone determines the width, which
-    /// blackens surfaces seen edge-on.
+    /// Whether the width of ink lines is limited by a template (default true). Otherwise, the sphere map alone
+    /// determines the width, which blackens surfaces seen edge-on.
     pub template: bool,
     /// Lookup of the sphere map.
     pub sphere_map: SphereMapForm,

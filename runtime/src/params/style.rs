@@ -9,8 +9,8 @@ use super::ink::InkParams;
 pub enum Style {
     /// Fur of the models.
     Fur(FurParams),
-    /// Bare mesh surface in its base colour. Its light is compressed towards the sum of all lights, so that white
-    /// surfaces keep visible shading.
+    /// Bare mesh surface in its base colour. The more light it receives, the more that light is compressed: even the
+    /// sum of all lights does not exceed white. White surfaces thus keep visible shading.
     Bare,
     /// Ink-wash painting (Fang 2006), for packages with an ink style. The style is unlit: lights, shadows and casters
     /// have no effect. The paper is that of the first instance.

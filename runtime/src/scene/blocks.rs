@@ -32,7 +32,7 @@ pub(super) fn frame_block(
         }),
         last_map_layer: maps.map_or(0.0, |maps| (maps.key.map_layers - 1) as f32),
         fill_lights: params.fill_lights.len() as u32,
-        // Far fur layers also use this value, and they have no maps.
+        // This value also applies to far fur layers, which have no shadow maps.
         hair_density: if params.self_shadow() { params.shadows.density } else { 0.0 },
         environment_most: sky_most,
     }

@@ -94,8 +94,8 @@ fn tiles(area: [u32; 4]) -> u32 {
     area[2] / TILE * (area[3] / TILE)
 }
 
-/// Returns `params` with strand edges that the device supports. They fall back to samples if its buffers cannot hold
-/// the lists of all pixels in `area`.
+/// Returns `params` with strand edges that the device supports. Blended edges fall back to multisampled ones if the
+/// device's largest buffer cannot hold the lists of all pixels in `area`.
 pub(super) fn with_supported_edges<'p>(
     params: &'p FrameParams,
     limits: &wgpu::Limits,

@@ -60,7 +60,7 @@ pub(crate) struct Recording<'f> {
 }
 
 impl Recording<'_> {
-    /// Returns the pipeline of a specification, adapted to the study and the debug view.
+    /// Returns the pipeline of a specification, with the changes that the study and the debug view require.
     pub(crate) fn pipeline(&mut self, mut spec: RenderSpec) -> wgpu::RenderPipeline {
         #[cfg(feature = "study")]
         study::amend(self.params, &mut spec);
@@ -68,7 +68,7 @@ impl Recording<'_> {
         self.cache.pipelines.render(self.gpu, spec)
     }
 
-    /// Returns the compute pipeline of a specification, adapted to the study.
+    /// Returns the compute pipeline of a specification, with the changes that the study requires.
     pub(crate) fn compute_pipeline(&mut self, spec: ComputeSpec) -> wgpu::ComputePipeline {
         #[cfg(feature = "study")]
         let spec = study::amend_compute(self.params, spec);

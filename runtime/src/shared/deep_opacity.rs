@@ -23,7 +23,8 @@ pub struct DeepOpacity {
     pub texel_m: f32,
     /// Factor on the hair's optical depth.
     pub density: f32,
-    /// Depth at which the slabs begin if they do not begin at the first hair; used only by a study.
+    /// Map depth, 0..=1, at which the slabs begin if they span the depth of all hair, which only studies use. Unused if
+    /// they begin at the first hair of each texel.
     pub whole_from: f32,
     /// Padding, zero.
     pub reserved: [f32; 2],
@@ -38,8 +39,8 @@ pub fn slab_share(behind: f32, slab: u32) -> f32 {
     (behind - slab as f32).clamp(0.0, 1.0)
 }
 
-/// Returns the index of the slab that contains hair at a distance `behind` the start of the slabs, in slabs. Hair
-/// behind the last of `slabs`, at least 1, counts towards the last.
+/// Returns the index of the slab that contains hair. `behind`: distance of the hair from the start of the slabs, in
+/// slabs; `slabs`: number of slabs, at least 1. Hair behind the last slab counts towards the last.
 pub fn slab_of(behind: f32, slabs: u32) -> u32 {
     behind.clamp(0.0, slabs as f32 - 1.0) as u32
 }

@@ -14,7 +14,8 @@ struct DeepOpacity {
     texel_m: f32,
     // Factor on the hair's optical depth.
     density: f32,
-    // Depth at which the slabs begin if they do not begin at the first hair.
+    // Map depth, 0..=1, at which the slabs begin if they span the depth of all hair, which only studies use. Unused if
+    // they begin at the first hair of each texel.
     whole_from: f32,
     reserved0: f32,
     reserved1: f32,
@@ -29,8 +30,8 @@ fn slab_share(behind: f32, slab: u32) -> f32 {
     return clamp(behind - f32(slab), 0.0, 1.0);
 }
 
-// Returns the index of the slab that contains hair at a distance `behind` the start of the slabs, in slabs. Hair behind
-// the last slab counts towards the last.
+// Returns the index of the slab that contains hair. `behind`: distance of the hair from the start of the slabs, in
+// slabs; `slabs`: number of slabs. Hair behind the last slab counts towards the last.
 fn slab_of(behind: f32, slabs: u32) -> u32 {
     return u32(clamp(behind, 0.0, f32(slabs) - 1.0));
 }

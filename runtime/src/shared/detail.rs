@@ -15,8 +15,8 @@ pub fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, 
 }
 
 /// Returns the height at which the hair visible in a layer is lit, relative to the fur height. The layer represents
-/// `stood_for` of `layers` layers, mesh surface included. Visible hair of the layers below is lower by a quarter of
-/// their number on average, less if they are denser.
+/// `stood_for` of `layers` layers, mesh surface included. On average, visible hair of the represented layers is lower
+/// than the layer by a quarter of the layers below; by less if these are denser.
 ///
 /// Measured on hare, knot and torus: with this correction, half the layers change the mean luminance by at most 3 %.
 pub fn visible_height(height: f32, stood_for: f32, layers: u32) -> f32 {

@@ -43,8 +43,8 @@ fn detail_exponent(layer: u32, baked: u32, step: u32, gone: f32, here: f32, ther
 const VISIBLE_DEPTH: f32 = 0.25;
 
 // Returns the height at which the hair visible in a layer is lit, relative to the fur height: h' of formulas 4.7.
-// `stood_for`: number of layers that the layer represents. Visible hair of the layers below is lower by a quarter of
-// their number on average, less if they are denser.
+// `stood_for`: number of layers that the layer represents. On average, visible hair of the represented layers is lower
+// than the layer by a quarter of the layers below; by less if these are denser.
 fn visible_height(height: f32, stood_for: f32, layers: u32) -> f32 {
     return height - VISIBLE_DEPTH * max(stood_for - 1.0, 0.0) / f32(layers - 1u);
 }
@@ -68,9 +68,9 @@ fn coat_light(path: f32, base: f32, slope: f32) -> f32 {
 // Range of opacities to which light_within is clamped (formulas 4.7).
 const WITHIN_ALPHA: vec2<f32> = vec2(1.0 / 255.0, 1.0 - 1.0 / 2048.0);
 
-// Returns the light on the hair visible in a layer of that opacity, relative to the light on the layer itself: t' / t
-// of formulas 4.7. `stood_for`: number of layers that it represents. Below the layer are others like it: each hides
-// alpha of what is behind it from the eye, and 1 - sqrt(1 - alpha) from the light.
+// Returns the light on the hair visible in a layer of opacity `alpha`, relative to the light on the layer itself: t' /
+// t of formulas 4.7. `stood_for`: number of layers that the layer represents. Below the layer are others like it. Each
+// hides alpha of what is behind it from the eye, and 1 - sqrt(1 - alpha) from the light.
 fn light_within(alpha: f32, stood_for: f32) -> f32 {
     let a = clamp(alpha, WITHIN_ALPHA.x, WITHIN_ALPHA.y);
     let one = 1.0 - a;

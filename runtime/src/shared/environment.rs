@@ -58,8 +58,9 @@ pub fn mean_cosine_around(concentration: f32) -> f32 {
 /// than [`broad::HORIZON_SINE`].
 pub const USUALLY_OPEN: f32 = 0.725;
 
-/// Packs the openness of a vertex into two bytes. The first is the share, at least 1. The second holds the components
-/// along u and v of the tile in four bits each, rounded within 1/14. Both bytes are 0 if the openness is unknown.
+/// Packs the openness of a vertex into two bytes. The first byte is the open share of all directions, 1..=255. The
+/// second byte holds the components along u and v of the tile, in four bits each, with an error of at most 1/14. Both
+/// bytes are 0 if the openness is unknown.
 pub fn pack_openness(of: Openness) -> [u8; 2] {
     let [u, v] = of.tangential.map(|x| (7.0 * x.clamp(-1.0, 1.0)).round() as i8 + 7);
     [((of.share.clamp(0.0, 1.0) * 255.0).round() as u8).max(1), 16 * u as u8 + v as u8]
@@ -78,8 +79,8 @@ pub fn unpack_openness(packed: Vec2) -> Vec3 {
     middle * (packed.x / USUALLY_OPEN / middle.length_squared().max(1.0).sqrt())
 }
 
-/// Returns the share of environment light that reaches a point on a body of that colour, if the body hides the share
-/// `hidden` of it. The hiding surface is assumed to be as bright as the point, and lights it.
+/// Returns the share of environment light that reaches a point on a body of that colour. `hidden`: share of this light
+/// that the body hides from the point. The hiding surface is assumed to be as bright as the point, and lights it.
 pub fn environment_share(color: Vec3, hidden: f32) -> Vec3 {
     Vec3::splat(1.0 - hidden) / (1.0 - color.clamp(Vec3::ZERO, Vec3::splat(0.98)) * hidden)
 }

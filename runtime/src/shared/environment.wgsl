@@ -8,11 +8,12 @@ fn octahedral(way: vec3<f32>) -> vec2<f32> {
     return select(folded, flat, way.y >= 0.0);
 }
 
-// Sine c of the angle below its horizon at which light about a direction begins. The next constant, LEAST_MEAN, is the
-// mean cosine (1 - c) / 2 of light that is uniform above that angle (formulas 4.15).
+// Sine c of the angle below the horizon down to which light spread about a direction extends. The horizon is
+// perpendicular to that direction. The next constant, LEAST_MEAN, is the mean cosine (1 - c) / 2 of light that is
+// uniform above that angle (formulas 4.15).
 const BELOW: f32 = 0.45;
 const LEAST_MEAN: f32 = 0.275;
-// Fit of the mean squared cosine perpendicular to the axis of spread light, for that c (formulas 4.15).
+// Fit of the mean squared cosine perpendicular to the axis of spread light, for c = BELOW (formulas 4.15).
 const ACROSS_FIT: vec2<f32> = vec2(0.525, 0.501);
 // Last mean cosine in the broad-light tables; narrower light is clamped to it (formulas 4.15).
 const LAST_MEAN: f32 = 0.83;
@@ -69,8 +70,9 @@ fn unpack_openness(packed: vec2<f32>) -> vec3<f32> {
     return middle * (packed.x / USUALLY_OPEN * inverseSqrt(max(dot(middle, middle), 1.0)));
 }
 
-// Returns the share of environment light that reaches a point on a body of that colour, if the body hides the share
-// `hidden` of it (formulas 4.15). The hiding surface is assumed to be as bright as the point, and lights it.
+// Returns the share of environment light that reaches a point on a body of that colour (formulas 4.15). `hidden`: share
+// of this light that the body hides from the point. The hiding surface is assumed to be as bright as the point, and
+// lights it.
 fn environment_share(color: vec3<f32>, hidden: f32) -> vec3<f32> {
     return (1.0 - hidden) / (1.0 - clamp(color, vec3(0.0), vec3(BRIGHTEST)) * hidden);
 }

@@ -9,7 +9,7 @@ struct Frame {
     light_ws: vec4<f32>,
     // Transform from world space to the shadow maps: (u w, v w, depth, w).
     map_from_world: mat4x4<f32>,
-    // Soft shadow: metres from depth 0 to depth 1, penumbra, blur, texel size.
+    // Constants of soft shadows: distance between depth 0 and depth 1, metres; penumbra; blur; texel size.
     soft_shadow: vec4<f32>,
     // Index of the last layer-wise map.
     last_map_layer: f32,
@@ -62,7 +62,8 @@ struct Instance {
     wet_specular_half_exponent: f32,
     // kd without the colour of the key light, for other lights. The field for ks follows.
     diffuse_constant: vec3<f32>,
-    // Mip level, a whole number, at which hair texels match the target in size: pixels, or texels of the shadow maps.
+    // Mip level, a whole number, at which hair texels are as large as those of the target: pixels of the picture, or
+    // texels of the shadow maps.
     map_level: f32,
     specular_constant: vec3<f32>,
     // Levels of detail. detail_here: density of the level, times the share that the far fur layer leaves of it.
@@ -74,8 +75,8 @@ struct Instance {
     detail_next: f32,
     // Factor on the opacity of fins.
     fin_share: f32,
-    // Height of the far fur layer, relative to the fur height. The next fields are the height of its ambient light,
-    // also relative, and the arguments of coat_light.
+    // Height of the far fur layer, relative to the fur height. The next field is the height at which its ambient light
+    // is evaluated, also relative. The two fields after that are the arguments of coat_light.
     coat_height: f32,
     coat_ambient_height: f32,
     coat_light_base: f32,

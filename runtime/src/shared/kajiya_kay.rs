@@ -16,8 +16,8 @@ pub fn sin_squared(a: Vec3, b: Vec3) -> f32 {
     (1.0 - c * c).max(0.0)
 }
 
-/// Returns `s` to the power `half_exponent`, which is sinᵖ if `s` is sin² (0..=1) and `half_exponent` is p / 2 (0..=5
-/// 000). 0⁰ is 1.
+/// Returns `s` to the power `half_exponent`, which is sinᵖ if `s` is sin² (0..=1) and `half_exponent` is p / 2
+/// (0..=5000). 0⁰ is 1.
 pub fn sin_power(s: f32, half_exponent: f32) -> f32 {
     (half_exponent * s.max(1e-30).log2()).exp2()
 }

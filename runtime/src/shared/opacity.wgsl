@@ -5,8 +5,8 @@ const LOG2_E: f32 = 1.442695;
 // Maximum opacity that is resampled: 1 has no finite logarithm, and 2^-11 is far below the resolution of an 8-bit texel
 // (formulas 3.1).
 const MOST_ALPHA: f32 = 1.0 - 1.0 / 2048.0;
-// Opacity below which its logarithm is computed by a series. The next constant is the logarithm above which its
-// exponential is computed by one.
+// Opacity alpha below which the logarithm of 1 - alpha is computed by a series. The next constant is the logarithm
+// above which its exponential is also computed by a series.
 const SERIES_ALPHA: f32 = 0.05;
 const SERIES_LOGARITHM: f32 = -0.1;
 
@@ -22,7 +22,8 @@ fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     return select(1.0 - exp2(LOG2_E * z), series, z > SERIES_LOGARITHM);
 }
 
-// Minimum cosine to the eye up to which the path through a layer grows (formulas 4.5).
+// Cosine between the surface normal and the direction to the eye, below which the path through a layer grows no longer
+// (formulas 4.5).
 const LEAST_N_DOT_E: f32 = 0.1;
 
 // Returns the path length of a view ray through a layer, relative to its thickness, at most 10 (formulas 4.5).
@@ -37,8 +38,9 @@ const LEAST_ACROSS: f32 = 0.1;
 const EVEN_ACROSS: f32 = 2.0 / 3.0;
 
 // Returns the optical depth along a view ray, relative to the one that a layer stores: q of formulas 4.5. A thin strand
-// blocks light by its extent perpendicular to the ray. Layers store its length where strands are finer than texels, and
-// its extent as seen from above elsewhere. The divisor is the mean of both.
+// blocks light by its extent perpendicular to the ray. Where strands are finer than texels, layers store the length of
+// the strand. Elsewhere they store its extent as seen from above. The extent perpendicular to the ray is divided by the
+// mean of these two.
 //
 // `tangent`: grown_tangent of the layer's hair; `agreed`: length of the tile's direction, 0..=1, whose remainder is
 // hair in all directions; `eye`: unit vector to the eye in the tile's frame.

@@ -25,8 +25,8 @@ pub struct FibreAngles {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fibre {
-    /// Values: 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; `FibreMeans::aside` of the package; longitudinal variance of the
-    /// reflected lobe, in full angles.
+    /// Values: 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; mean square offset of incidence, `FibreMeans::aside` of the
+    /// package; longitudinal variance of the reflected lobe, in full angles.
     pub optics: [f32; 4],
     /// Coefficients of the shares scattered forward, `FibreMeans::on` of the package.
     pub on: [[f32; 4]; 3],
@@ -91,24 +91,24 @@ pub fn fibre_absorption(color: Vec3, per_depth: f32) -> Vec3 {
 /// difference angle; `optics`: as in [`Fibre`].
 pub fn fibre_transmittance(cos_d: f32, optics: Vec4, absorbed: Vec3) -> Vec3 {
     let c = cos_d.max(LEAST_COS_D);
-    // Squares of 1 / cos θt and, below, of the sine of the refraction angle in the cross-section, at the mean square
-    // offset of incidence.
+    // Square of 1 / cos θt. The next line computes the square of the sine of the refraction angle in the cross-section,
+    // at the mean square offset of incidence.
     let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
     let bent = optics.z * c * c * optics.x * slant;
     (-2.0 * (slant * (1.0 - bent)).sqrt() * absorbed).map(f32::exp)
 }
 
 /// Combines the longitudinal and azimuthal texels of a fibre's tables. Returns the scattered light per steradian,
-/// divided by its irradiance and times the cosine of the light's inclination. `left`: from [`fibre_transmittance`]. TRT
-/// crosses the fibre twice, and the remaining orders three times.
+/// divided by the irradiance and multiplied by the cosine of the light's inclination. `left`: from
+/// [`fibre_transmittance`]. TRT crosses the fibre twice, and the remaining orders three times.
 pub fn fibre_scatters(along: Vec4, around: Vec4, absorbed: Vec3, left: Vec3) -> Vec3 {
     let ways = along * around;
     let through = (-absorbed * around.w).map(f32::exp);
     Vec3::splat(ways.x) + ways.y * through + left * left * (Vec3::splat(ways.z) + along.w * left)
 }
 
-/// Returns the shares of light that a fibre without absorption scatters forward, to its far side, and backward; each
-/// for R, TT, TRT and the rest. `cos_theta`: cosine of the light's inclination.
+/// Returns the shares of light that a fibre without absorption scatters forward (to its far side) and backward. The
+/// four components of each are for R, TT, TRT and the remaining orders. `cos_theta`: cosine of the light's inclination.
 pub fn fibre_shares(fibre: &Fibre, cos_theta: f32) -> [Vec4; 2] {
     let u = 1.0 - cos_theta.max(LEAST_COS_D);
     let square = u * u;
@@ -139,9 +139,9 @@ pub struct DiffusedLight {
     pub root_lost: Vec3,
 }
 
-/// Returns the light in deep fur at a point that the share `direct`, 0..=1, reaches past all fibres. `on` and `back`:
-/// shares that each fibre scatters forward and backward (Kubelka and Munk 1931). Never negative or infinite, even
-/// without absorption.
+/// Returns the light in deep fur at a point. `direct`: share of the light, 0..=1, that reaches the point past all
+/// fibres. `on` and `back`: shares that each fibre scatters forward and backward (Kubelka and Munk 1931). The result is
+/// never negative or infinite, even without absorption.
 pub fn diffused_light(on: Vec3, back: Vec3, direct: f32) -> DiffusedLight {
     let lost = (Vec3::ONE - on - back).max(Vec3::splat(1e-4));
     let root_lost = lost.map(f32::sqrt);
@@ -190,15 +190,15 @@ pub fn along_cone(sin_i: f32, sin_o: f32, variance: f32) -> f32 {
     2.0 * k * i0e * (a - k * (1.0 + sin_i * sin_o)).exp() / (1.0 - (-2.0 * k).exp())
 }
 
-/// Returns [`along_cone`] in hair that hangs side by side: of light that was only scattered forward, and of other
-/// light. Parallel fibres keep light near its cone of incidence, and each scattering widens the cone (after Zinke
+/// Returns [`along_cone`] for hair that hangs side by side, twice: for light that was scattered only forward, and for
+/// other light. Parallel fibres keep light near its cone of incidence, and each scattering widens the cone (after Zinke
 /// 2008). `left`: grey value from [`fibre_transmittance`]; `direct`: share of the light that passes all fibres.
 pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, sin_o: f32) -> [f32; 2] {
     let [shares_on, shares_back] = fibre_shares(fibre, cos_i);
     let light = Vec4::new(1.0, left, left * left, left * left * left);
     // The lobe of TT is half as wide as that of R, and the lobe of TRT twice as wide.
     let wide = fibre.optics[3] * Vec4::new(1.0, 0.25, 4.0, 4.0);
-    // For opaque fibres, the fits may be zero or negative.
+    // For opaque fibres, the fitted shares may be zero or negative.
     let on = shares_on.dot(light).max(1e-4);
     let all = on + shares_back.dot(light).max(0.0);
     let width = (shares_on + shares_back).dot(light * wide) / all;

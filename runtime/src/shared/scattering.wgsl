@@ -19,8 +19,8 @@ struct Fibre {
     back: array<vec4<f32>, 3>,
 }
 
-// Undistorted share of the sin theta_h axis of the table (formulas 4.12). The next constant, LEAST_COS_D, is the
-// minimum cosine of the difference angle, cos theta_d.
+// Constant of the table's axis for theta_h, which is sin theta_h / (0.3 + 0.7 |sin theta_h|) (formulas 4.12): the 0.3.
+// The next constant, LEAST_COS_D, is the minimum cosine of the difference angle, cos theta_d.
 const DRAWN_OUT: f32 = 0.3;
 const LEAST_COS_D: f32 = 0.1;
 const PI: f32 = 3.14159265;
@@ -61,23 +61,23 @@ fn fibre_absorption(color: vec3<f32>, per_depth: f32) -> vec3<f32> {
 // `cos_d`: cosine of the difference angle.
 fn fibre_transmittance(cos_d: f32, optics: vec4<f32>, absorbed: vec3<f32>) -> vec3<f32> {
     let c = max(cos_d, LEAST_COS_D);
-    // Squares of 1 / cos theta_t and, below, of the sine of the refraction angle in the cross-section, at the mean
-    // square offset of incidence.
+    // Square of 1 / cos theta_t. The next line computes the square of the sine of the refraction angle in the
+    // cross-section, at the mean square offset of incidence.
     let slant = 1.0 / (1.0 - (1.0 - c * c) * optics.x);
     let bent = optics.z * c * c * optics.x * slant;
     return exp(-2.0 * sqrt(slant * (1.0 - bent)) * absorbed);
 }
 
 // Combines the longitudinal and azimuthal texels of a fibre's tables (formulas 4.12). Returns the scattered light per
-// steradian, divided by its irradiance and times the cosine of the light's inclination. `left`: from
+// steradian, divided by the irradiance and multiplied by the cosine of the light's inclination. `left`: from
 // fibre_transmittance. TRT crosses the fibre twice, the remaining orders three times.
 fn fibre_scatters(along: vec4<f32>, around: vec4<f32>, absorbed: vec3<f32>, left: vec3<f32>) -> vec3<f32> {
     let ways = along.xyz * around.xyz;
     return vec3(ways.x) + ways.y * exp(-absorbed * around.w) + left * left * (vec3(ways.z) + along.w * left);
 }
 
-// Returns the shares of light that a fibre without absorption scatters forward and backward, each for R, TT, TRT and
-// the rest (formulas 4.13). `cos_theta`: cosine of the light's inclination.
+// Returns the shares of light that a fibre without absorption scatters forward and backward (formulas 4.13). The four
+// components of each are for R, TT, TRT and the remaining orders. `cos_theta`: cosine of the light's inclination.
 fn fibre_shares(fibre: Fibre, cos_theta: f32) -> array<vec4<f32>, 2> {
     let u = 1.0 - max(cos_theta, LEAST_COS_D);
     let square = u * u;
@@ -101,8 +101,8 @@ fn absorbing_fibre_shares(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> arra
 // Light in deep fur, relative to the incident light. Each fibre scatters the shares `on` and `back` forward and
 // backward (Kubelka and Munk 1931).
 struct DiffusedLight {
-    // Light that other fibres have scattered only forward. The next fields are other light from the light's side, and
-    // light from below.
+    // Light that other fibres have scattered only forward. The next field is other light that arrives from the light's
+    // side. The one after it is light that returns from below.
     sent_on: vec3<f32>,
     from_light: vec3<f32>,
     from_below: vec3<f32>,
@@ -110,7 +110,8 @@ struct DiffusedLight {
     root_lost: vec3<f32>,
 }
 
-// Returns the light in deep fur at a point that the share `direct` reaches past all fibres (formulas 4.13).
+// Returns the light in deep fur at a point (formulas 4.13). `direct`: share of the light that reaches the point past
+// all fibres.
 fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
     let root_lost = sqrt(lost);
@@ -165,7 +166,7 @@ fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, s
     let shares = fibre_shares(fibre, cos_i);
     let light = vec4(1.0, left, left * left, left * left * left);
     let wide = fibre.optics.w * LOBE_VARIANCE;
-    // For opaque fibres, the fits may be zero or negative.
+    // For opaque fibres, the fitted shares may be zero or negative.
     let on = max(dot(shares[0], light), 1e-4);
     let all = on + max(dot(shares[1], light), 0.0);
     let width = dot(shares[0] + shares[1], light * wide) / all;

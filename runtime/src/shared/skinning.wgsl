@@ -16,8 +16,8 @@ fn blend(m0: mat4x4<f32>, m1: mat4x4<f32>, m2: mat4x4<f32>, m3: mat4x4<f32>, wei
     return weighted(m0, weights.x) + weighted(m1, weights.y) + weighted(m2, weights.z) + weighted(m3, weights.w);
 }
 
-// Returns v / |v|, or `fallback` if v is too short, too long or not finite. It scales v first, because a squared length
-// may exceed the range of f32.
+// Returns v / |v|, or `fallback` if v is too short, too long or not finite. The vector is scaled first, because a
+// squared length may exceed the range of f32.
 fn normalize_or(v: vec3<f32>, fallback: vec3<f32>) -> vec3<f32> {
     let largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
     // The negated form makes NaN and infinity also return the fallback.

@@ -38,16 +38,16 @@ pub fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 
     if sd <= 0.0 { 1.0 } else { (0.5 - edge / width).clamp(0.0, 1.0) }
 }
 
-/// Returns the depth bias, metres: distance that a surface may be behind the first one and still count as the same.
-/// Arguments as for [`soft_shadow()`].
+/// Returns the depth bias, metres. A surface that is behind the surface nearest to the light by at most this distance
+/// counts as the same surface. Arguments as for [`soft_shadow()`].
 pub fn depth_bias(distance: f32, path: f32, s: &SoftShadow) -> f32 {
     s.texel * distance * (0.5 + path)
 }
 
 /// Returns Attenu_Shadow of Yang 2006, eq. (3), at a receiver: 1 lit, 0 dark.
 ///
-/// * `texel` - texel of the shadow-width map: blurred occlusion, depth of the occluder times that, depth of the first
-///   surface
+/// * `texel` - texel of the shadow-width map: blurred occlusion, depth of the occluder times blurred occlusion, depth
+///   of the surface nearest to the light
 /// * `z` - depth of the receiver in the map's range, 0..=1
 /// * `distance` - distance from a point light, metres; 1 for a distant light
 /// * `path` - [`crate::shared::layer_shadow::slanted_path`] at the receiver

@@ -2,9 +2,9 @@
 //
 // The map is seen from the light. Depths are 0..=1 over its range. It is sampled with a linear filter; its channels
 // are:
-// * x: blurred occlusion: 0 if nothing nearby is in shadow, 1 deep in shadow, 1/2 at the edge
+// * x: blurred occlusion: 0 if no texel within the blur is in shadow, 1 deep in shadow, 1/2 at the edge
 // * y: blurred depth of the occluder, times x
-// * z: depth of the first surface
+// * z: depth of the surface nearest to the light
 // * w: transmittance of the hair above that surface, blurred except beside deeper surfaces
 
 struct SoftShadow {
@@ -34,8 +34,9 @@ fn centred_attenuation(sd: f32, edge: f32, penumbra: f32, blur: f32) -> f32 {
     return select(clamp(0.5 - edge / width, 0.0, 1.0), 1.0, sd <= 0.0);
 }
 
-// Returns the depth bias, metres (formulas 4.4): distance that a surface may be behind the first one and still count as
-// the same. Within a texel, a surface covers a range of depths, which grows with its inclination.
+// Returns the depth bias, metres (formulas 4.4). A surface that is behind the surface nearest to the light by at most
+// this distance counts as the same surface. Within a texel, a surface covers a range of depths, which grows with its
+// inclination.
 fn depth_bias(distance: f32, path: f32, s: SoftShadow) -> f32 {
     return s.texel * distance * (0.5 + path);
 }
@@ -51,8 +52,8 @@ fn soft_shadow(texel: vec4<f32>, z: f32, distance: f32, path: f32, s: SoftShadow
         return inner_attenuation(behind_first, max(edge, 0.0), s.penumbra, blur);
     }
     let sd = max((z - texel.y / max(texel.x, 1e-3)) * s.range_m, behind_first);
-    // A first surface beside a shadow is in its outer penumbra only if it is clearly below the occluder. A nearer one
-    // may be the occluder itself, whose blurred depth includes slanted neighbours.
+    // The surface nearest to the light, if beside a shadow, is in its outer penumbra only if it is clearly below the
+    // occluder. If it is nearer, it may be the occluder itself, whose blurred depth includes slanted neighbours.
     let slack = bias + blur * path;
     let outside = clamp(sd / slack - 1.0, 0.0, 1.0);
     let share = select(outside, 1.0, behind_first > 0.0);

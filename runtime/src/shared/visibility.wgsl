@@ -1,5 +1,5 @@
 // Baked visibility (formulas 4.9): share t of a distant light that other strands let through to a point of the tile's
-// hair, t = above(w.z) clamp(c0 + c . w, 0, 1).
+// hair. With w the unit vector towards the light, t = above(w.z) clamp(c0 + c . w, 0, 1).
 
 // z of the mean direction towards lights, for which the alpha channel of a texel stores t (formulas 4.9).
 const VISIBILITY_MEAN_Z: f32 = 0.585;

@@ -11,7 +11,7 @@ pub(crate) fn amend(params: &FrameParams, spec: &mut RenderSpec) {
         flag("LOOK_SLANTED", study.view_slant == SlantForm::Corrected),
         flag("LIGHT_SLANTED", light_is_slanted(params)),
         flag("CENTRED", penumbra_is_centred(params)),
-        // Scattering tables are sampled per fragment, so they exclude lighting at vertices.
+        // Scattering tables are sampled per fragment, so they cannot be combined with lighting at vertices.
         flag(
             "VERTEX_LIGHTING",
             study.lighting == LightingStage::Vertex && !spec.constants.contains(&flag("SCATTERING", true)),

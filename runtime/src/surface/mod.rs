@@ -24,7 +24,8 @@ pub(crate) struct MaterialUniform {
     /// Sine of the angle behind the terminator up to which hair tips are lit.
     pub(crate) rim: f32,
     pub(crate) reserved: [f32; 3],
-    /// Per height: mean and along of `RootsInfo::asides`, in texture coordinates of the base colour, then 0.
+    /// Per height: the values `mean` and `along` of `RootsInfo::asides`, in texture coordinates of the base colour,
+    /// then 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
 }
 

@@ -28,7 +28,7 @@ struct Material {
     // surface that blocks the light.
     rim: f32,
     // Sideways offsets of hair from its root, in texture coordinates of the base colour, in the form that root_aside
-    // expects. They are sampled at even heights from the mesh surface to the outermost layer.
+    // expects. They are sampled at evenly spaced heights from the mesh surface to the outermost layer.
     asides: array<vec4<f32>, 8>,
 }
 

@@ -36,8 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Load the scene: this program provides the packages.
     let loaded = file.load(&|path: &str| Ok(NamedPackage::new(path, read(path)?)))?;
 
-    // Draw the picture with the scene's camera, or one that frames all models. It has four samples per pixel and is lit
-    // by a lamp.
+    // Draw the picture with the scene's camera, or one that frames all models. The picture has four samples per pixel
+    // and is lit by a lamp.
     look.set("picture.samples=4")?;
     look.set("light.position_m=[2, 4, 3]")?;
     let cast = loaded.cast(None, look.aspect(), &Framing::default())?;

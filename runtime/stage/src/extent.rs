@@ -13,7 +13,7 @@ use pelage_params::glob;
 const MOMENTS_PER_S: f32 = 20.0;
 /// Minimum and maximum number of sampled times per clip. Clips of up to half a minute are sampled at the full rate.
 const MOMENTS: [f32; 2] = [16.0, 600.0];
-/// Minimum sum of a vertex's weights on matching joints for it to match.
+/// Minimum sum of a vertex's weights on the matching joints at which the vertex itself matches.
 const MIN_MATCH_WEIGHT: f32 = 0.5;
 
 /// Returns points that enclose one model: its vertices at rest, or those over the whole length of a clip.

@@ -171,7 +171,8 @@ fn eye_and_target(points: &[Vec3], margin_m: f32, aspect: f32, towards: Vec3, zo
     let mut need = [f32::NEG_INFINITY; 4];
     let in_view: Vec<Vec3> = points.iter().map(|p| view.transform_point3(*p)).collect();
     for p in &in_view {
-        // A slanted plane touches a sphere of fur around the point earlier, by 1/cos of the plane's angle.
+        // A slanted plane touches the sphere of fur around a point before it reaches the point itself. It does so
+        // earlier by the margin divided by the cosine of the plane's angle.
         let (mx, my) = (margin_m * (1.0 + tan_x * tan_x).sqrt(), margin_m * (1.0 + tan_y * tan_y).sqrt());
         let edges = [p.z * tan_x + p.x + mx, p.z * tan_x - p.x + mx, p.z * tan_y + p.y + my, p.z * tan_y - p.y + my];
         need = std::array::from_fn(|i| need[i].max(edges[i]));

@@ -75,8 +75,8 @@ pub struct Meter {
 /// Maximum number of timed sections; larger than the number of passes of a frame.
 const MARKS: u32 = 64;
 
-/// Numbers of timed frames and of warm-up frames. Of the timed frames the fastest is used, because other load only adds
-/// time. In warm-up frames pipelines are compiled and shadow maps drawn.
+/// Number of timed frames; the fastest is used, because other load only adds time. The next constant is the number of
+/// warm-up frames before them, in which pipelines are compiled and shadow maps drawn.
 const FRAMES: usize = 9;
 const WARM_UP: usize = 2;
 

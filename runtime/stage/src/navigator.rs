@@ -11,9 +11,9 @@ const REACH: [f32; 2] = [1e-3, 1e3];
 
 /// Camera that orbits its target, pans, zooms, or flies through the scene. Plain data, independent of input devices.
 ///
-/// Movements on the screen are in picture heights, right and up, and thus independent of the picture's size. A grabbed
-/// point stays under the cursor: a pan moves points at the target's distance by exactly the movement. A zoom keeps the
-/// point at that distance under the cursor in place.
+/// Movements on the screen are in picture heights, right and up, and thus independent of the picture's size. A pan
+/// moves points at the target's distance by exactly the movement, so that a grabbed point stays under the cursor. A
+/// zoom keeps the point under the cursor in place, if it is at the target's distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Navigator {
     view: Viewpoint,

@@ -58,8 +58,7 @@ impl Subject {
         self.packages().first().map_or("", |file| &file.name)
     }
 
-    /// Compares with another bake of the same package. If no other drawn data differs, returns the shading constants of
-    /// `other`.
+    /// Returns the shading constants of `other`, another bake of the same package, if no other drawn data differs.
     pub fn other_shading(&self, other: &Self) -> Option<Shading> {
         let (Self::Package(before), Self::Package(after)) = (self, other) else { return None };
         let (before, after) = (before.open().ok()?, after.open().ok()?);

@@ -1,5 +1,5 @@
-//! Two background threads of the window. One makes the content, and again whenever its files change. The other traces
-//! the reference image.
+//! Two background threads of the window. One makes the content, and makes it again whenever its files change. The other
+//! traces the reference image.
 
 use crate::watch::Watch;
 use crate::workshop::{

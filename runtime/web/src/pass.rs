@@ -158,7 +158,8 @@ impl Pass {
 }
 
 impl Pass {
-    /// Returns a view of another renderer's texture, and the texture's width and height. Nothing is copied.
+    /// Returns a view of a texture that belongs to another renderer, and the texture's width and height. Nothing is
+    /// copied.
     fn lent(
         &self,
         texture: &JsValue,

@@ -165,7 +165,7 @@ impl Viewer {
         self.take(without_files(look)?)
     }
 
-    /// Sets an environment map from TOML, as lights fitted to a sky. It replaces the ambient light until
+    /// Sets an environment map, given in TOML as lights fitted to a sky. It replaces the ambient light until the key
     /// `environment.sky = "none"` removes it.
     ///
     /// # Errors
@@ -362,7 +362,7 @@ impl Viewer {
 }
 
 impl Viewer {
-    /// Creates a stage with that package, and the camera that frames it.
+    /// Creates a stage that shows the package `file`, and returns it with the camera that frames the package.
     fn stage(&self, file: &NamedPackage<'static>) -> Result<(Stage, Viewpoint), JsValue> {
         let picture = self.look.picture();
         let package = file.open().map_err(fault)?;
@@ -385,7 +385,7 @@ impl Viewer {
         Ok(())
     }
 
-    /// Applies another look.
+    /// Replaces the look by `look`.
     fn take(&mut self, look: Look) -> Result<(), JsValue> {
         let (before, picture) = (self.look.picture(), look.picture());
         let params = lit(&look, self.light_color);

@@ -1,7 +1,7 @@
 //! Checks the log of a complete test run against the register: `needs LOG`.
 //!
-//! Exit code 0: the resource of every registered test was available. 77: some tests lacked theirs and are listed. 1: a
-//! test is missing or unknown, or the log cannot be read.
+//! Exit code 0: the resource of every registered test was available. 77: some tests lacked their resource, and are
+//! listed. 1: a test is missing or unknown, or the log cannot be read.
 
 use pelage_needs::register::{REGISTER, check};
 use std::process::ExitCode;

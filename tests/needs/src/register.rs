@@ -68,7 +68,7 @@ pub fn check(register: &str, log: &str) -> Result<RunSummary, Vec<String>> {
     let mut roll = RunSummary::default();
     for (need, test) in registered {
         let key = (need.name(), test.as_str());
-        // A test that requests a resource several times lacked it if any of the requests failed.
+        // A test may request a resource several times. It counts as lacking the resource if any request failed.
         if let Some(why) = lacked.get(&key) {
             roll.lacked.insert((need, test.clone()), (*why).to_owned());
         } else if had.contains(&key) {

@@ -93,7 +93,7 @@ pub struct Case {
     pub entries: Vec<Entry>,
     /// Commands, in order.
     pub steps: Vec<Step>,
-    /// Name of the package, if any, that is also checked in this process.
+    /// Name of the package, if any, that is also checked in the process of the mutation run.
     pub package: Option<&'static str>,
 }
 

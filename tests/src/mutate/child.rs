@@ -23,7 +23,7 @@ pub struct ProcessResult {
     pub peak: u64,
 }
 
-/// Polling interval of the peak memory. It is short enough: filling a gigabyte takes a tenth of a second.
+/// Polling interval of the peak memory. It is far shorter than the tenth of a second that it takes to fill a gigabyte.
 const LOOK: Duration = Duration::from_millis(2);
 
 /// Runs `pelage` in a folder, for at most `limit`. Its output goes to files in `notes`, because a pipe could fill up.

@@ -185,7 +185,8 @@ impl CaseRunner {
             outcome.fault(step, format!("exit code {code} without a message"));
         }
         let named = |entry: &Entry| said.contains(entry.name().rsplit('/').next().unwrap_or_default());
-        // The message may name a missing file, which has no entry; its folder is an argument.
+        // The message may name a missing file by its folder. Such a file has no entry in the case, but its folder is an
+        // argument.
         let below = |arg: &String| said.contains(&format!("{arg}/")) || said.contains(&format!("{arg}:"));
         if ended.code == Some(3) && !case.entries.iter().any(named) && !step.args.iter().any(below) {
             outcome.fault(step, format!("exit code 3 and no file named: {said}"));

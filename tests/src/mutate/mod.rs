@@ -1,18 +1,18 @@
 //! Mutation run: runs the real binary on tens of thousands of damaged inputs. Each is judged by exit code, output and
 //! files left behind.
 //!
-//! A case depends only on the seed, its kind and its number. A command is at fault if it
+//! A case depends only on the seed, its kind and its number. Each of these is a fault of a command:
 //!
-//! * panics, is ended by a signal, or exits with a code other than 0, 1, 2, 3 and 7,
-//! * takes longer than [`judge::SECONDS`], also when run alone, or holds more memory than [`judge::BYTES`],
-//! * exits with 0, and its output is missing or is a package that `pelage validate` rejects,
-//! * exits with another code and leaves something behind, or prints no message, or, with 3, names no file.
+//! * It panics, is ended by a signal, or exits with a code other than 0, 1, 2, 3 and 7.
+//! * It takes longer than [`judge::SECONDS`], also when run alone, or holds more memory than [`judge::BYTES`].
+//! * It exits with 0, but its output is missing or is a package that `pelage validate` rejects.
+//! * It exits with another code and leaves something behind, prints no message, or, with code 3, names no file.
 //!
-//! A package reveals a fault if
+//! Each of these is a fault that a package reveals:
 //!
-//! * the formats crate panics on it, or cannot write it again although it is valid,
-//! * `validate --json` finds nothing that stops drawing, but the runtime does not load it, or vice versa,
-//! * `unpack` succeeds, and `pack` does not make the same bytes from the result.
+//! * The formats crate panics on the package, or cannot write it again although it is valid.
+//! * `validate --json` finds nothing that prevents drawing, but the runtime does not load the package; or the reverse.
+//! * `unpack` succeeds, but `pack` does not make the same bytes from the result.
 
 pub mod assemble;
 pub mod bases;

@@ -5,8 +5,8 @@ use super::case::{Case, Entry, OutputCheck, Step};
 use super::change;
 use super::random::Random;
 
-/// Returns the commands that bake `model` to `out.pelage` as small as possible. The package must be valid. Every other
-/// bake skips the ink style, which takes as long as everything else.
+/// Returns the commands that bake `model` to the smallest possible package, `out.pelage`, which must be valid. Every
+/// other bake skips the ink style, which takes as long as the rest of the bake.
 pub fn bake(model: &str, more: &[&str], turn: u64) -> Vec<Step> {
     let ink: &[&str] = if turn.is_multiple_of(2) { &["--set", "ink.enabled=false"] } else { &[] };
     let args = [&["bake", model, "-o", "out.pelage"][..], &SMALL, ink, more].concat();

@@ -10,7 +10,7 @@ use pelage_formats::{Animation, HairGroup, Limits, Manifest, Morphs, Package, Ta
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Interval between the cases that are drawn; a frame takes as long as many other commands.
+/// Interval between drawn cases. Most cases are not drawn, because a frame takes as long as many other commands.
 const DRAWN: u64 = 8;
 /// Maximum number of attempts to give a field another value of its type. After that, bytes are changed instead.
 const TRIES: u64 = 12;

@@ -151,7 +151,8 @@ fn committed_patterns_match_their_generators_and_tile() {
         let path = folder("patterns").join(format!("{name}.png"));
         let committed = image::open(&path).unwrap().into_rgb8();
         assert!(committed == made, "{} differs from what the code makes; run make_assets", path.display());
-        // Across the border, neighbouring texels must differ no more than inside.
+        // Patterns must tile: opposite borders must fit together almost as well as neighbouring rows and columns
+        // inside.
         let step = |x0: u32, x1: u32| -> f64 {
             let rows = (0..patterns::SIDE)
                 .map(|y| (made[(x0, y)][0].abs_diff(made[(x1, y)][0]), made[(y, x0)][0].abs_diff(made[(y, x1)][0])));
@@ -283,7 +284,7 @@ fn hills_are_ordered_in_depth_and_the_path_is_flat() {
     for pair in ridges.windows(2) {
         assert!(pair[1][1].z < pair[0][0].z && pair[1][1].y > pair[0][1].y, "{ridges:?}");
     }
-    // Checks that the animals have ground to stand on, and that nothing in front hides their feet.
+    // Checks that the animals have ground to stand on, and that no ground in front of the path hides their feet.
     let path = part(hills(), "path");
     assert!(path.positions.iter().all(|p| p.y.abs() < 1e-6 && p.z.abs() < 1.4), "{:?}", bounds(path));
     let [left, right] = bounds(path);
@@ -482,7 +483,7 @@ fn every_recipe_parses_and_names_materials_that_exist() {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         let recipe = Recipe::parse(&name, &fs::read_to_string(&path).unwrap()).unwrap_or_else(|e| panic!("{e}"));
         recipe.validate().unwrap_or_else(|e| panic!("{name}: {e}"));
-        // Each model is generated only once, for its recipe.
+        // Each generated model is checked only with the recipe of the same name.
         let model = match name.as_str() {
             "hare.toml" => Some(hare()),
             "ox.toml" => Some(ox()),

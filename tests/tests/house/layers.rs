@@ -49,8 +49,8 @@ fn crates() -> Vec<String> {
     list.split('"').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// Returns the dependencies on an entry that is not on a lower layer, and the number of all dependencies. Crate roots
-/// use every entry and have no layer.
+/// Returns the dependencies that do not lead to a lower layer, and the number of all dependencies. Crate roots may use
+/// every entry and have no layer.
 fn upward_dependencies(arrows: &Dependencies, floors: &[&[&str]]) -> (Vec<String>, usize) {
     let floor =
         |module: &Module| floors.iter().position(|rooms| module.first().is_some_and(|r| rooms.contains(&r.as_str())));
@@ -101,7 +101,7 @@ fn folders_have_no_import_cycles() {
     let circles: Vec<_> =
         crates().into_iter().filter_map(|c| Some((find_cycle(&folder_graph(&dependencies_of(&c)))?, c))).collect();
     assert_eq!(circles.iter().map(|(_, folder)| folder).collect::<Vec<_>>(), CIRCLES.each_ref(), "{circles:?}");
-    // Two files in one folder and a file beside it have no cyclic dependency, but the folder and that file do.
+    // In this example, the files have no cyclic dependency. The folder `a` and the file `d` beside it have one.
     let module = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Module>();
     let files = Dependencies::from([
         (module(&["a", "b"]), BTreeSet::from([module(&["d"])])),

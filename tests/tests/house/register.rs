@@ -88,7 +88,7 @@ fn requests_for_needs_are_found() {
     assert!(mentions("rows!(shells, ink);", "ink") && !mentions("drawn_ink inky", "ink"));
 }
 
-/// Returns the modules in the folder of a crate root or `mod.rs` that it does not declare.
+/// Returns the modules that are in the folder of a crate root or `mod.rs`, but are not declared in that file.
 fn orphans(root: &str, beside: &[String]) -> Vec<String> {
     let declared = |line: &str| {
         let line = line.trim();

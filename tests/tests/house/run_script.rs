@@ -26,7 +26,7 @@ fn skipped_checks_fail_in_ci_unless_excepted() {
         (Some("false"), None, true),
         (Some("true"), None, false),
         (Some("true"), Some("wasm shell"), false),
-        // Checks that a longer name does not match.
+        // Checks that `advisories2` does not match `advisories`.
         (Some("true"), Some("advisories2"), false),
         (Some("true"), Some("wasm advisories"), true),
     ] {

@@ -55,8 +55,8 @@ fn local(code: &str) -> BTreeSet<&str> {
     names
 }
 
-/// Returns the files of `owners` that can be joined with `user`. Passes are not joined with each other. A published
-/// form in `study` replaces the file of the same name.
+/// Returns the files of `owners` that may be in the same shader as `user`, joined by " or ". Files of different passes
+/// are never in the same shader. A published form in `study` replaces the file of the same name.
 fn providers(user: &str, owners: &BTreeSet<&str>) -> String {
     let folder = user.rsplit_once('/').map_or("", |(folder, _)| folder);
     let mut files: Vec<&str> = owners.iter().copied().collect();

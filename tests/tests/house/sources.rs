@@ -123,7 +123,8 @@ pub struct UsedPath {
     pub handed_on: bool,
 }
 
-/// Returns the paths that the code of the module `own` uses. `children`: child modules that have their own files.
+/// Returns the paths that the code of the module `own` uses. `children` lists those of its child modules that have
+/// their own files.
 pub fn used_paths(code: &str, own: &[String], children: &BTreeSet<String>) -> BTreeSet<UsedPath> {
     // Finds the inline module that contains an offset.
     let inner = |at: usize| {
@@ -143,7 +144,8 @@ pub fn used_paths(code: &str, own: &[String], children: &BTreeSet<String>) -> BT
         for (start, _) in code.match_indices(&format!("{first}::")) {
             let before = code[..start].trim_end_matches(' ');
             let glued = code[..start].chars().next_back().is_some_and(|c| c.is_alphanumeric() || "_:".contains(c));
-            // A name within the braces of an import continues the path before them. A visibility is not an import.
+            // A name within the braces of an import continues the path before the braces. The path in `pub(in …)` is a
+            // visibility, not an import.
             let line = code[..start].rfind(';').map_or(0, |at| at + 1);
             let continued = children.contains(first)
                 && code[line..start].rfind("::{").is_some_and(|open| {

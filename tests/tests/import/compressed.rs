@@ -149,7 +149,8 @@ fn decode_positions(
 
 #[test]
 fn meshopt_vertices_of_all_counts_and_spreads_decode() {
-    // The counts are around the sizes of groups and blocks; the spreads need deltas of zero, two, four and eight bits.
+    // The counts include the sizes of meshopt's groups and blocks, and their neighbours. The spreads require deltas of
+    // zero, two, four and eight bits.
     for count in [3, 15, 16, 17, 240, 255, 256, 257, 700] {
         for spread in [0_u32, 1, 5, 100, 1 << 20] {
             let mut state = 1_u32;
@@ -277,8 +278,8 @@ fn ext(json: &mut Value) -> &mut Value {
 
 #[test]
 fn small_compressed_file_cannot_expand_without_bound() {
-    // The first view is decompressed. The second is rejected before decompression, because both would exceed a
-    // gibibyte.
+    // The first view is decompressed. The second is rejected before decompression, because both views together would
+    // exceed a gibibyte.
     let elements = vec![[0.5_f32; 64]; 64];
     let mut packed = CompressedDoc::new();
     let bytes = packed_vertices(&elements);
@@ -288,7 +289,7 @@ fn small_compressed_file_cannot_expand_without_bound() {
         packed.doc.show(json!({"attributes": {"POSITION": position}}));
     }
     let (place, reason) = fault(import_bytes(&packed.glb()));
-    assert!(place.starts_with("/bufferViews/1/") && reason.contains("past 1073741824 bytes"), "{place}: {reason}");
+    assert!(place.starts_with("/bufferViews/1/") && reason.contains("larger than 1073741824 bytes"), "{place}: {reason}");
 }
 
 fn imports_without_panic(bytes: &[u8], folder: &Path) -> bool {

@@ -194,9 +194,9 @@ fn morphed_positions(
     found
 }
 
-/// Checks that a package poses morph targets as the glTF file does in double precision. Every vertex of one must be a
-/// vertex of the other. Normals are not compared, because the fur has its own normals, which are smooth over hard
-/// edges.
+/// Checks that a package poses morph targets as the glTF file does in double precision. Every vertex of the package
+/// must be a vertex of the file, and every vertex of the file one of the package. Normals are not compared, because the
+/// fur has its own normals, which are smooth over hard edges.
 #[test]
 fn morphed_package_matches_its_gltf_file() {
     let Some(data) = data("morphed_package_matches_its_gltf_file") else { return };

@@ -32,8 +32,8 @@ fn extent(model: &Model) -> Vec3 {
     positions.iter().fold(Vec3::NEG_INFINITY, |a, b| a.max(*b)) - low
 }
 
-/// File, triangles, posed extent, images, joints, clips. Triangles and extents are those of the data's README (four
-/// digits), except where a comment says otherwise. Triangles of every instance count.
+/// Columns: file, triangles, posed extent, images, joints, clips. Triangles and extents are those of the data's README
+/// (four digits), except where a comment says otherwise. The triangles of every instance are counted.
 type Row = (&'static str, usize, [f32; 3], usize, usize, usize);
 const READABLE: &[Row] = &[
     ("static/Duck.glb", 4212, [1.655, 1.54, 1.153], 1, 0, 0),
@@ -241,8 +241,8 @@ fn clips_have_the_known_names_and_lengths() {
     assert_eq!((man.clips[0].name.as_str(), man.clips[0].duration_s), ("clip_0", 2.0));
 }
 
-/// Checks that the triangles of the posed animals face outward. The stored meshes are a hundred times smaller and have
-/// different axes.
+/// Checks that the triangles of the posed animals face outward. The stored meshes are a hundred times smaller than the
+/// posed animals, and have different axes.
 #[test]
 fn closed_animals_enclose_a_positive_volume_once_posed() {
     let Some(data) = data("closed_animals_enclose_a_positive_volume_once_posed") else { return };

@@ -119,7 +119,8 @@ fn ranges_are_checked_against_the_bytes_there_are() {
         "/bufferViews/0/buffer",
         "is 1, expected less than 1, the number of buffers",
     );
-    // A clip's keys are not compared with the count of an earlier accessor.
+    // The number of a clip's keys is not compared with the count of an earlier accessor. Another check must detect a
+    // huge number of keys.
     let mut doc = valid_doc();
     let keys = doc.floats(&[0.], "SCALAR");
     let sampler = json!({"input": keys, "output": 0});
@@ -323,7 +324,7 @@ fn buffers_that_are_missing_or_short_are_named() {
     assert_eq!(reason, "buffer 0 holds 3 bytes, but byteLength says 104: it is cut off");
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:;base64,A!"})).1.contains("invalid base64"));
     assert!(text(&doc, json!({"byteLength": 104, "uri": "data:AAAA"})).1.contains("without a comma"));
-    // The data is percent-encoded: one triangle, all zeros except for a single one.
+    // The data of the triangle is percent-encoded.
     doc.bin.clear();
     let encoded: String = valid_doc().bin.iter().map(|b| format!("%{b:02X}")).collect();
     let mut root = doc.json.clone();

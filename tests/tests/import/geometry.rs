@@ -381,7 +381,7 @@ fn sheared_matrices_are_exact_for_static_models() {
     doc.json["nodes"][node]["matrix"] = json!([1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1]);
     let model = doc.model();
     assert_near(model.mesh.positions[2], [3.5, 1.0, 0.0]);
-    assert_warns(&model, "shears");
+    assert_warns(&model, "contains shear");
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! Tests of hair files of other programs from the test data: their contents, and the error of hair that is interpolated
-//! between every tenth strand.
+//! Tests of hair files of other programs, from the test data. They check the contents, and the error of hair that is
+//! interpolated with every tenth strand as a guide.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use crate::import::support::Bytes as _;

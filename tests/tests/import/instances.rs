@@ -113,7 +113,7 @@ fn instance_errors_name_the_field() {
         let found = doc(attributes).fault();
         assert!(found.0.contains(place) && found.1.contains(reason), "{found:?}, expected {place}: {reason}");
     }
-    // Checks that the limit applies to the sum over all nodes.
+    // Checks that the limit of 65 536 instances applies to the sum over all nodes.
     let mut many = doc(
         |doc| json!({"SCALE": doc.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 40_000}))}),
     );

@@ -185,7 +185,7 @@ fn only_regular_files_are_read_and_only_to_their_declared_length() {
         let found = read_model(&obj, &ImportOptions::default(), Reach::Anywhere).unwrap();
         assert!(found.warnings.iter().any(|w| w.contains(what)), "{:?}", found.warnings);
     }
-    // The file has a terabyte, of which the model declares only 36 bytes.
+    // The file is a terabyte long, of which the model declares only 36 bytes.
     let bin = external("x").1;
     let large = std::fs::File::create(folder.path().join("large.bin")).unwrap();
     std::io::Write::write_all(&mut &large, &bin).unwrap();
@@ -193,7 +193,7 @@ fn only_regular_files_are_read_and_only_to_their_declared_length() {
     std::fs::write(&model, external("large.bin").0).unwrap();
     let read = read_model(&model, &ImportOptions::default(), Reach::OwnFolder).unwrap();
     assert_eq!((read.inputs[1].bytes, read.mesh.triangles.len()), (36, 1));
-    // The model itself declares a terabyte.
+    // Here the model itself declares that its buffer is a terabyte long.
     let mut doc = Doc::new();
     let position = doc.triangle();
     doc.show(json!({"attributes": {"POSITION": position}}));

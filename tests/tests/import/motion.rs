@@ -125,7 +125,7 @@ fn mirroring_skeleton_flips_the_triangles() {
     assert!(normals.iter().all(|n| n.abs_diff_eq(Vec3::Z, 1e-6)));
 }
 
-/// Adds an animation with one channel; `values` contains those of all keys.
+/// Adds an animation with one channel. `values` contains the values of all keys, one after another.
 fn clip(doc: &mut Doc, node: usize, path: &str, interpolation: &str, times: &[f32], values: &[f32]) {
     let kind = if path == "rotation" { "VEC4" } else { "VEC3" };
     let (input, output) = (doc.floats(times, "SCALAR"), doc.floats(values, kind));
@@ -289,7 +289,7 @@ fn shear_of_animated_nodes_is_dropped_with_a_warning() {
     doc.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     clip(&mut doc, 1, "translation", "LINEAR", &[-1., 1.], &[0., 0., 1., 0., 0., 3.]);
     let model = doc.model();
-    assert_warns(&model, "shears");
+    assert_warns(&model, "contains shear");
     assert_warns(&model, "begins before 0 s");
     // The shear cannot be represented, so the second term of x' = x + y/2 is lost.
     assert_near(rest(&model)[2], [0., 1., 2.]);

@@ -172,7 +172,7 @@ fn arbitrary_field_values_never_panic() {
         }
     }
     println!("{tried} changed fields, {refused} refused");
-    // Both outcomes must be frequent, or else the test covers only one of them.
+    // Accepted and rejected models must both be frequent, or else the test covers only one of these outcomes.
     assert!(tried > 5000 && refused > 1000 && tried - refused > 1000, "{tried} tried, {refused} refused");
 }
 

@@ -165,9 +165,9 @@ fn obj_errors_name_the_line() {
         ("v 0 0 0 0 0\nf 1 1 1", 1, "`v` has 5 numbers, expected 3"),
         ("v 0 0 0 1 1 1 1 1\nf 1 1 1", 1, "8 numbers, expected 3 to 7"),
         ("v 0 0 0,5\nf 1 1 1", 1, "`v` has `0,5`, expected a number"),
-        ("\n\nv 0 \\\n0 inf\nf 1 1 1", 3, "has `inf`, expected a finite number"),
-        ("v 0 0 1e39\nf 1 1 1", 1, "has `1e39`, expected a finite number"),
-        ("v 0 NaN 0\nf 1 1 1", 1, "has `NaN`, expected a finite number"),
+        ("\n\nv 0 \\\n0 inf\nf 1 1 1", 3, "has `inf`, expected a finite 32-bit number"),
+        ("v 0 0 1e39\nf 1 1 1", 1, "has `1e39`, expected a finite 32-bit number"),
+        ("v 0 NaN 0\nf 1 1 1", 1, "has `NaN`, expected a finite 32-bit number"),
         ("v 0 0 0\nvn 0 0\nf 1 1 1", 2, "`vn` has 2 numbers, expected 3"),
         ("v 0 0 0\nvt\nf 1 1 1", 2, "`vt` has 0 numbers, expected 1 to 3"),
         ("v 0 0 0\nf 1 1 2", 2, "corner 3 has vertex 2, expected 1..=1"),
@@ -205,7 +205,7 @@ fn extension_decides_only_for_ambiguous_contents() {
     for bytes in [doc.glb(), doc.gltf()] {
         assert_sound(&named("a.obj", &bytes).unwrap());
     }
-    // Errors in the first line name no other location, so the file name must be correct.
+    // The first line is not an OBJ statement, so only the file extension shows that the file is an OBJ file.
     assert_eq!(fault(named("a.OBJ", b"vv 1 2 3\nv 0 0 0\nf 1 1 5")).0, "line 3");
     assert!(fault(named("a.txt", b"vv 1 2 3\nv 0 0 0\nf 1 1 5")).1.contains("neither GLB nor JSON nor OBJ"));
     assert!(fault(named("a.obj", b"ply\nformat ascii 1.0\n")).1.contains("a PLY file"));
@@ -329,7 +329,7 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/trimesh_joined_tetrahedra.obj", 8, 2, 1),
     ("hard-obj/trimesh_negative_indices.obj", 12, 1, 1),
     ("hard-obj/trimesh_not_convex.obj", 96, 1, 1),
-    // One of its two faces has only two corners.
+    // One of the file's two faces has only two corners.
     ("hard-obj/trimesh_notenoughindices.obj", 1, 1, 1),
     ("hard-obj/trimesh_polygonfaces.obj", 3, 1, 1),
     ("hard-obj/trimesh_quadknot.obj", 2880, 1, 1),
@@ -343,7 +343,7 @@ const REFUSED: &[(&str, &str, &str)] = &[
     // `3.1+e2` is not a valid number.
     ("hard-obj/assimp_number_formats.obj", "line 11", "`3.1+e2`, expected a number"),
     ("hard-obj/assimp_point_cloud.obj", "whole file", "no faces, expected at least one; it has 3 vertices"),
-    ("hard-obj/draco_inf_nan.obj", "line 1", "`inf`, expected a finite number"),
+    ("hard-obj/draco_inf_nan.obj", "line 1", "`inf`, expected a finite 32-bit number"),
     ("hard-obj/draco_test_lines.obj", "whole file", "242 lines"),
     ("hard-obj/trimesh_empty.obj", "whole file", "no face"),
     ("hard-obj/trimesh_obj_wireframe.obj", "whole file", "12 lines"),

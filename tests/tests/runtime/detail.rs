@@ -118,7 +118,7 @@ fn levels_look_like_all_layers() {
                 "{name} at {distance}: {fading:?}"
             );
             assert!(coat[0].abs() < 0.03 && coat[1].abs() < 0.3 && coat[2] < 0.08, "{name} at {distance}: {coat:?}");
-            // This is the negative control.
+            // Negative control: without exponents, coverage or luminance must be lost.
             let lost = at(&mut naive, 1.0);
             assert!(lost[1] < -0.03 || lost[0] < -0.01, "{name} at {distance}: {lost:?} without exponents");
         }
@@ -164,8 +164,8 @@ fn level_changes_do_not_pop_while_the_camera_recedes() {
             }
             near
         };
-        // The steps are around the beginning, the middle and the end of the fade. They are so small that the motion
-        // itself changes little.
+        // The steps are around the beginning, the middle and the end of the fade. They are so small that the camera's
+        // motion itself hardly changes the picture.
         let middle_px = (level.full_px * level.gone_px).sqrt();
         let middles = [level.full_px, middle_px, level.gone_px].map(&mut find);
         let largest = |stage: &mut Stage<'_>, detail| {
@@ -203,7 +203,7 @@ fn small_animals_use_fewer_layers_and_passes() {
     let layers = |report: &FrameReport| report.instances[0].layers;
     assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 4, 0));
     assert_eq!(ran(&large), "layer_shadow shadow_width skin shells");
-    // The shadow map of all hair has equally few layers at this level, and is reused.
+    // The shadow map drawn for all layers has the number of layers that this level requires, so it is reused.
     assert_eq!(ran(&middle), "skin shells");
     let triangles = |report: &FrameReport| report.instances[0].triangles;
     assert!(triangles(&large) == triangles(&middle) && triangles(&middle) > 2 * triangles(&small));

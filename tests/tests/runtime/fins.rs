@@ -149,7 +149,7 @@ fn fins_follow_the_pose_and_the_instance() {
     let Some(gpu) = gpu("fins_follow_the_pose_and_the_instance") else { return };
     let quads = 8;
     let params = SphereParams { quads, texels: 16, strands: 60, skeleton: true, ..SphereParams::default() };
-    // The fins are on the rows of the first side, which are viewed along their length.
+    // The fins are on the rows of quads of the first cube face of the sphere. These rows are viewed along their length.
     let row = |j: u32| (0..quads).map(move |i| (j * (quads + 1) + i, j * (quads + 1) + i + 1));
     let edges: Vec<_> = (0..=quads).flat_map(row).collect();
     let model = renderer(gpu).load_bytes(&with_fins(&sphere::package(&params), &edges)).unwrap();

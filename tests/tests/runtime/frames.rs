@@ -23,7 +23,8 @@ fn sphere() -> SphereParams {
     SphereParams { quads: QUADS, texels: 16, strands: 60, ..SphereParams::default() }
 }
 
-/// Returns a furry sphere with a bendable skeleton, a bare band, and fins on the rows of its first side.
+/// Returns a furry sphere with a bendable skeleton, a bare band, and fins along the rows of quads of its first cube
+/// face.
 fn furry_package() -> Vec<u8> {
     let row = |j: u32| (0..QUADS).map(move |i| (j * (QUADS + 1) + i, j * (QUADS + 1) + i + 1));
     let edges: Vec<_> = (0..=QUADS).flat_map(row).collect();
@@ -352,7 +353,7 @@ fn only_invisible_instances_are_culled() {
     for (reversed_depth, projection, from, motion) in [
         (false, perspective, aslant, bend(0.45)),
         (true, perspective, aslant, bend(0.45)),
-        // Along the sides of the bounding box, the culling bounds are tight.
+        // The view is along the sides of the bounding box, so the culling bounds are tight.
         (false, parallel, Vec3::Z, Motion::Rest),
     ] {
         let options = RendererOptions { reversed_depth, ..RendererOptions::default() };
@@ -385,7 +386,7 @@ fn only_invisible_instances_are_culled() {
                 assert!(at(inside));
                 let left = read(gpu, &targets).covered();
                 assert_eq!(left, 0, "{projection:?}, {way}: pixels to be seen at {inside} m, left out at {outside} m");
-                // Checks that the instance is still visible slightly closer to the picture.
+                // Checks that the instance is visible again when it is slightly closer to the picture.
                 let seen = (1..300).map(|k| inside - 0.01 * k as f32).find(|distance| {
                     at(*distance);
                     read(gpu, &targets).covered() > 0
@@ -669,8 +670,8 @@ fn two_views_in_one_submission_create_no_gpu_resources() {
                         round < 6 || created == CreatedObjects::default(),
                         "{name} {kept} {round} {number}: {created:?}"
                     );
-                    // With two lights, each overwrites the maps of the other, unless their frames are alive at the same
-                    // time.
+                    // With two lights, each frame overwrites the maps of the other, unless both frames are alive at the
+                    // same time.
                     let maps = ran(frame.report(), PassId::SHADOW_WIDTH) && (kept || name != "two lights");
                     assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn anew");
                     frames.extend(kept.then_some(frame));

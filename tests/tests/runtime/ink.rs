@@ -138,7 +138,7 @@ fn the_wash_fades_from_its_centre_and_blank_paper_stays() {
 /// grain.
 fn wash_over_grain(gpu: &Gpu, grey: f32) -> [f32; 2] {
     let params = with(|ink, _, debug| {
-        // The paper texture of these packages has 8 texels a side, so a texel has 2 pixels.
+        // The paper texture of these packages is 8 texels wide, so a texel is 2 pixels wide.
         (debug.ink, ink.paper_grain, ink.paper_period_px) = (InkDebugView::Wash, 1.0, 16.0);
         let even =
             InkShading { wash_speed: 0.0, wash_range: grey, grain: 0.0, tone: 0.0, fur: 0.0, ..Default::default() };

@@ -65,7 +65,8 @@ fn fur_and_application_objects_occlude_each_other() {
     let params = FrameParams::new(Camera::framing(Vec3::ZERO, 0.13, Vec3::Z, 0.6, 1.0), [SIZE; 2]);
     let at =
         |texels: &[u8], x: u32, y: u32| -> [u8; 4] { texels[((y * SIZE + x) * 4) as usize..][..4].try_into().unwrap() };
-    // Columns: depth in per cent of the clip range; whether the wall is drawn before the fur; whether it is in front.
+    // Columns: depth in per cent of the clip range; whether the wall is drawn before the fur; whether the wall is in
+    // front of the fur.
     for (depth, first, wall_in_front) in [(1, true, true), (1, false, true), (99, true, false), (99, false, false)] {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();

@@ -64,7 +64,8 @@ fn sphere() -> (Vec<u8>, Morphs) {
     (bytes, morphs)
 }
 
-/// Returns the package with morph targets. If `shifts` is given, its vertices are moved by these weights instead.
+/// Returns the package with morph targets. If `shifts` is given, no targets are added. Instead, the vertices are moved
+/// as the targets would move them with these weights.
 fn with_morphs(bytes: &[u8], morphs: &Morphs, shifts: Option<&[f32]>) -> Vec<u8> {
     let package = Package::open(bytes, &Limits::default()).unwrap();
     let mut mesh = package.mesh().unwrap().unwrap().to_data();
@@ -120,7 +121,8 @@ fn morphed_model_equals_a_model_of_that_shape() {
             "case {number}: {off:?}, against rest {moved:?}"
         );
     }
-    // At rest the picture must be the same as before, and a frame identical to the last must pose nothing.
+    // At rest, the picture must be the same as before the instance was morphed. A frame identical to the last must pose
+    // nothing.
     assert_eq!(difference(&picture(&Instance::new(1, &model)), &rest).mean, 0.0);
     let mut posed = |instance: &Instance| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());

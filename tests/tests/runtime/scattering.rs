@@ -89,8 +89,8 @@ fn assert_scatters(gpu: &Gpu, fibre: &FibreParams, exact: &Fibre) {
     }
 }
 
-/// Checks the same layer in light that is spread around a direction above the mesh surface, as wide as sky light. The
-/// reference value is the integral over all directions.
+/// Checks an opaque layer of upright grey fibres in light that is spread around a direction above the mesh surface, as
+/// wide as sky light. The reference value is the integral over all directions.
 #[test]
 fn layer_scattering_of_broad_light_matches_its_fibres() {
     let Some(gpu) = gpu("layer_scattering_of_broad_light_matches_its_fibres") else { return };
@@ -205,7 +205,8 @@ fn a_turning_sky_does_not_flicker() {
                 blocks
             })
             .collect();
-        // For each block, `figures` has the range and the largest second difference. The latter reveals jumps.
+        // For each block of pixels, `figures` has the range of its brightness over all frames, and the largest second
+        // difference. The latter reveals jumps.
         let figures = (0..SQUARES).map(|block| {
             let of = |i: usize| frames[i][block];
             let ends = |(least, most): (f64, f64), x: f64| (least.min(x), most.max(x));
@@ -306,9 +307,10 @@ fn multiple_scattering_brightens_light_hair() {
     }
 }
 
-/// Checks long brown hair around a head. The surface must hide light from the hair behind it, hair around the head must
-/// cast shadows to the other side, and multiple scattering must leave the sheet of hair. Path tracing gives 0.185
-/// (side) and 0.083 (behind) of the frontal light. Without these effects the values would be 0.27 and 0.22.
+/// Checks long brown hair around a head. The surface must hide light from the hair behind it, and hair around the head
+/// must cast shadows to the other side. Light that is scattered several times must be able to leave the sheet of hair.
+/// Path tracing gives 0.185 (side) and 0.083 (behind) of the frontal light. Without these effects the values would be
+/// 0.27 and 0.22.
 #[test]
 fn hair_around_a_body_is_dark_when_lit_from_behind() {
     let Some(gpu) = gpu("hair_around_a_body_is_dark_when_lit_from_behind") else { return };

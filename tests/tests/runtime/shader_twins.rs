@@ -371,8 +371,8 @@ fn leaned_hair_matches_the_shader() {
         "vec4(hair_direction(in_0.xyz, in_1.z, lean_slope(in_1.x, in_1.y)), lean_offset(in_1.x, in_1.y))",
         &cases,
         |[direction, c]| {
-            // The reference is a short piece of hair with a new length, whose two ends are moved sideways by the lean
-            // at each height.
+            // The reference is a short piece of hair whose height is scaled by the relative hair length. The lean moves
+            // each of its two ends sideways, by the offset at the height of that end.
             let (lean, height, share) = (f64::from(c[0]), f64::from(c[1]), f64::from(c[2]));
             let piece = 1e-6 * d(direction);
             let aside = |h: f64| lean * h * h;
@@ -415,7 +415,7 @@ fn transformed_normals_match_the_shader() {
             let m = Mat3::from_cols(v(a), v(b), v(c));
             skinning::transform_normal(m, v(n)).extend(skinning::handedness_of(m)).to_array()
         },
-        // Cancellation in the cofactors grows as the determinant shrinks; here it is above 0.05.
+        // Cancellation in the cofactors grows as the determinant shrinks. The determinants here are above 0.05.
         |_, _| 2e-5,
     );
 }
@@ -623,7 +623,8 @@ fn light_received() {
         ..receiver::ShadowReceiver::default()
     };
     let path = |n_dot_l: f32| 1.0 / f64::from(n_dot_l).abs().max(0.25);
-    // Inputs: texel; position in the maps, often beside or beyond them, sometimes behind a point light; cosine; form.
+    // Inputs: texel; position in the maps, often beside or beyond them, sometimes behind a point light; cosine of the
+    // angle between normal and light; 1 for the centred penumbra, 0 for the inner one.
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..4000 {
         let w = if i % 7 == 0 { 0.0 } else { random.next_f32() };
@@ -998,8 +999,8 @@ fn multiple_scattering_in_fur_matches_the_shader() {
 #[test]
 fn scattering_in_hanging_hair_matches_the_shader() {
     let mut random = Random(31);
-    // Inputs: sines of the inclinations of light and view, variance, and share of direct light; light scattered forward
-    // and back; remaining light, and cosine.
+    // Inputs: sines of the inclinations of light and view, variance, share of direct light; light scattered forward,
+    // and cosine of the light's inclination; light scattered back, and light that remains after a fibre.
     let mut cases: Vec<Case<3>> = Vec::new();
     for i in 0..3000 {
         let sine = |random: &mut Random, which| match which {
@@ -1119,7 +1120,8 @@ fn wgsl_literal(fibre: &scattering::Fibre) -> String {
 /// Optical constants of a hair fibre.
 const OPTICS: [f32; 4] = [0.41623, 0.17, 0.45, 0.0];
 const FITTED: [[f32; 4]; 3] = [[0.04, 0.85, 0.1, 0.01], [0.1, -0.5, 0.3, 0.1], [0.2, -0.3, 0.1, 0.0]];
-/// WGSL expressions of these cases: absorption of the fibre, and remaining light.
+/// WGSL expressions that derive two arguments from the third input of a case, `in_2`: absorption of the fibre, and
+/// light that remains after a path through it.
 const ABSORBED: &str = "fibre_absorption(in_2.xyz, in_2.w)";
 const LEFT: &str = "fibre_transmittance(in_2.z, vec4(0.41623, 0.17, 0.45, 0.0), fibre_absorption(in_2.xyz, in_2.w))";
 

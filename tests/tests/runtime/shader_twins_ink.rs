@@ -32,8 +32,8 @@ fn sphere_map_rim_is_the_outline_on_cpu_and_gpu() {
         assert!(uv.distance(truth) < 1e-6, "{n}: {uv}, expected {truth}");
         let radius = 0.5 * (1.0 - f64::from(n.z).powi(2)).max(0.0).sqrt();
         assert!((f64::from((uv - 0.5).length()) - radius).abs() < 1e-4, "{n}");
-        // A swollen rim reaches twice as far inwards, while the outline stays in place. The centre has no direction to
-        // move in.
+        // If the rim is swollen by a factor of 2, it reaches twice as far inwards, while the outline does not move. The
+        // centre is skipped, because it has no direction to move in.
         if n == Vec3::Z {
             continue;
         }

@@ -299,7 +299,7 @@ fn objects_cast_soft_shadows_on_fur() {
         let between = |row: &[u8]| row.iter().filter(|v| (row[32] + 12..lit - 12).contains(v)).count();
         assert!(between(&soft) > between(&hard) + 2, "{form:?}: soft {soft:?}, hard {hard:?}");
     }
-    // The centred penumbra is half lit at the hard edge, while the inner one darkens only farther inside.
+    // The centred penumbra is half lit at the edge of the hard shadow. The inner penumbra darkens only farther inside.
     let area = |row: &[u8]| row.iter().map(|v| f64::from(lit.saturating_sub(*v))).sum::<f64>();
     let (hard, centred, inner) = (
         row(0.0, PenumbraForm::Centred, true),
@@ -441,7 +441,7 @@ fn application_geometry_and_fur_cast_shadows_on_each_other() {
         alone.rgba[corner]
     );
 
-    // With the same revision the maps are kept; with another they are redrawn.
+    // With the same revision of the caster, the maps are kept. With another revision, they are redrawn.
     let ran = |frame: &Frame| frame.report().passes.iter().find(|p| p.name == "shadow_width").unwrap().ran;
     assert!(!ran(&square.prepare(gpu, &mut renderer, &params, &[&plane], 1).0));
     let (frame, encoder) = square.prepare(gpu, &mut renderer, &params, &[&plane], 2);

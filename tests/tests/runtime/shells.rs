@@ -82,8 +82,8 @@ fn vertex_lighting_is_as_bright_and_smoother() {
         assert!((0.5..0.97).contains(&contrast), "{contrast} times the contrast");
         // Without key light, both forms must give the same picture.
         params.light = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
-        // The published form interpolates the view direction between vertices, so it differs slightly from that of the
-        // pixel.
+        // The published form interpolates the view direction between vertices, so the direction differs slightly from
+        // that of the pixel.
         params.study.view_slant = SlantForm::Printed;
         let dark = picture(gpu, &sphere, &params);
         params.study.lighting = LightingStage::Pixel;

@@ -91,8 +91,8 @@ fn strand_coverage_equals_strand_width() {
     }
 }
 
-/// Checks blended edges against ribbons drawn with many samples. The picture must not depend on the order of threads,
-/// nor on the direction of depth.
+/// Checks blended edges against ribbons drawn with many samples. The picture must depend neither on the order of
+/// threads nor on whether depth is reversed.
 #[test]
 fn blended_strands_approach_many_samples() {
     let Some(gpu) = gpu("blended_strands_approach_many_samples") else { return };
@@ -310,7 +310,7 @@ fn wide_enough_strands_replace_layers() {
         assert_eq!(ran(&report, PassId::SHELLS), layers);
         assert_eq!(report.instances[0].layers, if layers { 3 } else { 0 });
     }
-    // Checks that an explicit choice has priority.
+    // Checks that an explicit choice of geometry, layers or level has priority over the automatic transition.
     assert!(!ran(&at(4, 2.0, &|fur| fur.hair = HairGeometry::Shells), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.layers = Some(4)), PassId::STRANDS));
     assert!(!ran(&at(4, 2.0, &|fur| fur.detail = Detail::Level(0.0)), PassId::STRANDS));

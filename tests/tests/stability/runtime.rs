@@ -141,7 +141,8 @@ fn joints_of_weight_zero_count_for_nothing() {
 
 #[test]
 fn unnormalised_joint_weights_are_refused() {
-    // Such packages are rejected when they are opened, so the pose pass does not need to handle them.
+    // Packages with joint weights that do not sum to 1 are rejected on opening, so the pose pass does not need to
+    // handle them.
     let bytes = sphere::package(&SphereParams { quads: 2, texels: 8, skeleton: true, ..SphereParams::default() });
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let (mesh, animation) = (package.mesh().unwrap().unwrap().to_data(), package.animation().unwrap().unwrap());

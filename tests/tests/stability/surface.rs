@@ -1,8 +1,8 @@
 //! Tests of parameterizations that fail in naive form but not in ours: the rows "surface" and "solver" of the stability
 //! table.
 //!
-//! The inputs of both forms are in `pelage_lab::stability`, and `rows.rs` checks bound and failure. This module tests
-//! additional requirements.
+//! The inputs of both forms are in `pelage_lab::stability`. `rows.rs` checks that our form stays within its bound and
+//! that the naive form fails. This module tests additional requirements.
 
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
@@ -68,7 +68,7 @@ mod soundness {
             let s = surface(&m, 0.3);
             assert_valid(&s, m.mesh.triangles.len(), what);
             assert!(s.warnings.is_empty(), "{what}: {:?}", s.warnings);
-            // By the Poincaré–Hopf theorem, the indices sum to the Euler characteristic.
+            // By the Poincaré–Hopf theorem, the indices of the singularities sum to the Euler characteristic.
             assert_eq!(
                 s.singularities.iter().map(|(_, index)| index).sum::<i32>(),
                 euler,

@@ -138,7 +138,8 @@ fn detected_bare_materials_are_recorded_and_reproduced() {
     assert_eq!(bare, ["Eye", "Nose"]);
     let recorded = Recipe::parse("recorded", &manifest.recipe).unwrap();
     assert_eq!(recorded.model.bare, Some(vec!["Eye".to_owned(), "Nose".to_owned()]));
-    // If the recipe contains the decision's line, the package has the same bytes, and the decision disappears.
+    // If the recipe contains the line that the decision reports, the package has the same bytes, and the report omits
+    // the decision.
     recipe.set(&line).unwrap();
     let said = bake("hare", &recipe).unwrap();
     assert!(said.package == found.package, "the line says something else than was chosen");
@@ -379,7 +380,8 @@ fn package_strands_match_their_tile() {
         let stored: Vec<_> = view.points().collect();
         let mut worst = 0.0f32;
         for (strand, root) in stored.chunks(points as usize).zip(view.roots()) {
-            // The tile is periodic, so a root is near if the difference is close to an integer.
+            // The tile is periodic, so two roots are the same if their difference is close to an integer number of
+            // tiles.
             let apart = |i: &usize| {
                 let d = roots[*i].truncate() - glam::Vec2::from(root);
                 (d - d.round()).length()
@@ -451,8 +453,8 @@ fn run<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>,
     Ok((outputs.package.clone().unwrap().bytes, stages))
 }
 
-/// Checks that every step runs with exactly the inputs that it declares, and fails without one of them. If it is run
-/// again, it must give the same output.
+/// Checks that every step runs with exactly the inputs that it declares, and fails if one of them is missing. A
+/// repeated step must give the same output.
 #[test]
 fn bake_steps_need_exactly_their_declared_inputs() {
     let mut recipe = recipe("ox");
@@ -498,7 +500,7 @@ fn bake_steps_need_exactly_their_declared_inputs() {
             let error = step.run(&input, &mut only(&rest)).unwrap_err().to_string();
             assert!(error.contains(&format!("{missing:?} is missing")), "{:?}: {error}", step.makes);
         }
-        // The package must be the same.
+        // A bake that repeats this step must give the same package.
         let mut again = whole.clone();
         again.invalidate(step.makes);
         assert!(!again.has(step.makes) && !again.has(Output::Package));
@@ -532,8 +534,8 @@ fn continued_bake_equals_a_whole_bake() {
     assert!(matches!(&error, BakeError::Internal(reason) if reason.contains("Model is missing")), "{error}");
 }
 
-/// Checks that slicing a model again after one bake gives the bytes of a whole bake, with other layers, tiles, filters
-/// and fins, and with any other change.
+/// Checks that a slicer prepared once for a model gives the same bytes as whole bakes with changed recipes. The changes
+/// concern layers, tiles, filters and fins, and other keys.
 #[test]
 fn slicer_reproduces_full_bakes() {
     let first = fur_recipe("torus");

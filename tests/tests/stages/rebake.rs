@@ -29,8 +29,8 @@ fn small_recipe() -> Recipe {
     recipe
 }
 
-/// Returns the recipe with another value for the key. Returns `None` for keys of which this test has no other value:
-/// paths, lists, names.
+/// Returns the recipe with another value for the key. Returns `None` for keys for which this test cannot choose another
+/// value: paths, lists, names.
 fn changed(base: &Recipe, knob: &Knob) -> Option<Recipe> {
     let now = knob.value(base);
     let values: Vec<String> = match (knob.control)() {

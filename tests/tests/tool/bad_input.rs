@@ -133,7 +133,7 @@ fn unwritable_outputs_are_reported() {
     assert_refused(&sandbox, &["pack", "a.pelage", "b.pelage"], 2, &["a.pelage: cannot read", "found a file"]);
 }
 
-/// Returns a sandbox with an unpacked sample package, which tests damage.
+/// Returns a sandbox with an unpacked sample package. Tests then damage the package.
 fn unpacked() -> Sandbox {
     let sandbox = Sandbox::new();
     sandbox.write("a.pelage", sample_package());
@@ -214,7 +214,7 @@ fn badly_edited_meshes_are_refused() {
         (|g| g["meshes"] = json!([]), &["/meshes/0/primitives", "expected a list"]),
         (|g| g["accessors"][0]["count"] = json!(4_000_000_000u32), &["/accessors/0", "4000000000 elements"]),
         (|g| g["accessors"][1]["count"] = json!(4), &["NORMAL", "4 elements, expected the 5"]),
-        (|g| g["accessors"][0]["type"] = json!("VEC2"), &["/accessors/0", "expected 5126, \"VEC3\""]),
+        (|g| g["accessors"][0]["type"] = json!("VEC2"), &["/accessors/0", "expected 5126 and \"VEC3\""]),
         (|g| g["bufferViews"][0]["byteLength"] = json!(u64::MAX), &["/bufferViews/0"]),
         (|g| g["bufferViews"][0]["byteStride"] = json!(0), &["/accessors/0"]),
         (|g| g["meshes"][0]["primitives"][0]["indices"] = json!(0), &["/accessors/0", "expected 5125"]),

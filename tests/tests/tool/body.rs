@@ -22,7 +22,7 @@ const BAKE: [&str; 10] = [
 fn bake(model: &str, recipe: &str) -> (Value, Vec<f32>) {
     let sandbox = Sandbox::new();
     sandbox.write("m.glb", std::fs::read(workspace().join("assets/models").join(model)).unwrap());
-    // The recipe does not enable that hair follows the body, so it must not.
+    // The coat `natural` does not enable that hair follows the body. Hair must follow it only if `recipe` enables this.
     sandbox.write("r.toml", format!("[hair]\ncoat = \"natural\"\n{recipe}"));
     let run = sandbox.run(&BAKE);
     assert_eq!(run.code, Some(0), "{run:?}");
@@ -51,7 +51,7 @@ fn hair_on_limbs_is_shortened_and_reported() {
     let (shortest, longest) = range(&shares);
     assert!((longest - range(&even).1).abs() < 1e-3, "the longest hair keeps its length: {longest}");
     assert!(shortest < 0.6 * longest, "{shortest} {longest}");
-    // A torus has no limbs, so nothing is chosen.
+    // A torus has no limbs, so the bake must not report a decision, and the hair has the same length everywhere.
     let (said, shares) = bake("torus.glb", "[groom]\nby_body = 1\n");
     assert!(lines(&said).iter().all(|line| !line.starts_with("groom.by_body")), "{said}");
     assert!(range(&shares).1 - range(&shares).0 < 1e-3);

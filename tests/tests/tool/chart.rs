@@ -107,7 +107,7 @@ fn surface_chart_is_reproducible() {
         assert_eq!(row["on_front"].as_bool().unwrap(), !beaten(i), "{row}");
     }
     assert_eq!(rows.iter().filter(|r| r["default"] == true).count(), 1);
-    // More seams must give less distortion, which is what the chart shows.
+    // The chart shows that more seams give less distortion, so the rows must differ in seam length.
     let (most, least) = (seams.iter().copied().fold(0.0, f64::max), seams.iter().copied().fold(f64::MAX, f64::min));
     assert!(most > 1.5 * least, "seams from {least} to {most}");
 
@@ -164,8 +164,8 @@ fn killed_chart_resumes() {
     }
     assert!(!path.exists(), "the journal goes when the table is whole");
 
-    // Earlier rows must be ignored with a different recipe and with `--restart`. Here they are marked by an impossible
-    // time.
+    // With a different recipe or with `--restart`, the rows of earlier runs must be ignored. Here those rows have an
+    // impossible time, so that they can be recognised.
     let old = |line: &Value| {
         let mut line = line.clone();
         *line["cells"].as_array_mut().unwrap().last_mut().unwrap() = (-1.0).into();
@@ -230,8 +230,8 @@ fn detail_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300", "slice.tile_texels=32"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // Rows of the largest and the smallest size: the runtime's choice, full detail, the first step to fewer layers, and
-    // a large tile. The last row is the smallest size with the unsimplified mesh.
+    // Four rows each of the largest and the smallest size: the runtime's choice, full detail, the first step to fewer
+    // layers, and a large tile. The last row is the smallest size with the unsimplified mesh.
     let rows = charted(&sandbox, "detail", "1,2,3,13,43,44,45,55,56", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     let labels = ["auto", "full", "0.25", "256²", "auto", "full", "0.25", "256²", "unsimplified"];
@@ -262,7 +262,7 @@ fn detail_chart_is_reproducible() {
         assert_eq!(rows[truest]["on_front"], true, "{}", rows[truest]);
     }
     let svg = std::fs::read_to_string(sandbox.path().join("out/detail.svg")).unwrap();
-    for text in ["hare", "52x26", "at a quarter of the judge", "auto: as much", "auto, all triangles", "ringed"] {
+    for text in ["hare", "52x26", "at a quarter of the size in [judge]", "auto: as much", "auto, all triangles", "ringed"] {
         assert!(svg.contains(text), "no {text:?} in the picture");
     }
     assert_reproduced(&sandbox, &rows[4], &["flip", "rmse", "coverage_error", "layers", "triangles", "fur_px"]);
@@ -276,8 +276,8 @@ fn strands_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // Rows at close range with four samples, and at half the size with one: the runtime's choice, layers, strands of 8
-    // and of 2 segments.
+    // Four rows at close range with four samples, then four at half the size with one sample. Each four are the
+    // runtime's choice, layers, strands of 8 segments, and strands of 2 segments.
     let rows = charted(&sandbox, "strands", "10,11,13,15,55,56,58,60", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     for (i, row) in rows.iter().enumerate() {
@@ -289,7 +289,7 @@ fn strands_chart_is_reproducible() {
         assert!(frame > 0.0 && anew > 0.0 && (0.0..1.0).contains(&number(i, "flip")), "{row}");
         assert_eq!(row["over_cheapest"].as_f64().is_some_and(|ratio| ratio >= 1.0), i % 4 == 0, "{row}");
     }
-    // The strand widths show that the distance is six times as large.
+    // The ratio of the strand widths shows that the distance of the second four rows is six times as large.
     let widths = number(0, "strand_px") / number(4, "strand_px");
     assert!((widths / 6.0 - 1.0).abs() < 0.05, "{widths}");
     // Strands are drawn if requested, with the given number of segments. Layers have none, and their package is
@@ -304,7 +304,7 @@ fn strands_chart_is_reproducible() {
     assert_eq!(number(4, "strands"), 0.0, "{}", rows[4]);
     assert!(number(2, "flip") < 0.95 * number(1, "flip"), "{} and {}", rows[1], rows[2]);
     let svg = std::fs::read_to_string(sandbox.path().join("out/strands.svg")).unwrap();
-    for text in ["hare", "a third of the field of view", "an eighth of the judge", "auto", "strands of 2 pieces"] {
+    for text in ["hare", "a third of the field of view", "an eighth of the size in [judge]", "auto", "strands of 2 pieces"] {
         assert!(svg.contains(text), "no {text:?} in the picture");
     }
     assert_reproduced(&sandbox, &rows[4], &["flip", "rmse", "coverage_error", "strand_px", "layers"]);
@@ -318,8 +318,8 @@ fn opacity_shadow_chart_is_reproducible() {
     let sandbox = Sandbox::new().with_lab();
     let small = ["judge.width=417", "judge.height=212", "judge.samples=8", "hair.density=500"];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
-    // Rows: the runtime's default; at 512², 4 slabs, 16 slabs, 16 planes and the published form; and light along the
-    // axis.
+    // Rows: the runtime's default. Maps of 512²: 4 and 16 slabs (depth ranges behind the first hair), 16 planes across
+    // the whole body, and the published form. Last, light along the axis.
     let rows = charted(&sandbox, "opacity-shadow", "1,3,9,12,15,17", &sets);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
     let forms: Vec<_> = rows.iter().map(|row| row["form"].as_str().unwrap_or_default()).collect();
@@ -333,7 +333,7 @@ fn opacity_shadow_chart_is_reproducible() {
         assert_eq!(row["default"] == true, i == 0);
     }
     // Planes across the whole body represent the light on the fur less accurately than slabs that begin at the first
-    // hair. The picture shows the same.
+    // hair. The error of the picture (FLIP) confirms this.
     for name in ["rmse", "flip", "largest_step", "largest_error"] {
         assert!(number(3, name) > 1.1 * number(2, name), "{name}: {} and {}", rows[3], rows[2]);
     }
@@ -454,8 +454,8 @@ fn verlet_chart_is_written() {
         assert_eq!(row["nanoseconds"].as_f64().is_some_and(|ns| ns > 0.0), i < 4, "{row}");
         assert!(number(i, "true_change_percent") < 1e-3, "{row}");
     }
-    // More steps are more accurate. Without tensions, or with too few steps, the error grows. Without tensions, the
-    // guides also stretch.
+    // More steps are more accurate. The error grows with too few steps, or with a single sweep, which leaves out the
+    // tensions. With a single sweep, the guides also stretch.
     let off = |row: usize| number(row, "rms_percent");
     assert!(off(4) < 0.1 && off(1) < 0.6 * off(0) && off(0) < 2.0, "{} {} {}", rows[0], rows[1], rows[4]);
     assert!(off(2) > 1.5 * off(0) && off(3) > 4.0 * off(0), "{} {}", rows[2], rows[3]);

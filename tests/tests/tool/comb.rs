@@ -93,12 +93,14 @@ fn a_comb_line_turns_the_hair() {
     assert!(said["decisions"].to_string().contains("comb_top"), "{said}");
     assert_eq!(said["warnings"].as_array().unwrap().len(), 0, "{said}");
     let after = mean_hair_direction(&drawn, TOP, 0.05);
-    // The effect is full up to a quarter of the reach, which is 21 mm here; the vertices are up to 50 mm away.
+    // The effect is full within a quarter of the reach. That quarter is 21 mm here, while the vertices are up to 50 mm
+    // away.
     assert!(after.dot(Vec3::X) > 0.75, "along the line: {after}");
     let far = mean_hair_direction(&drawn, FAR, 0.05);
     assert!(far.dot(Vec3::NEG_Z) > 0.9, "as far from the line as without: {far}");
 
-    // The recipe has priority. If the recipe contains the line of the decision, the effect is the same.
+    // The recipe has priority over the decision. If the recipe contains the line that the decision reports, the effect
+    // is the same.
     let package = |more: &[&str]| {
         let said = bake(&drawn, more);
         (lines(&said), std::fs::read(drawn.path().join("m.pelage")).unwrap())
@@ -112,7 +114,7 @@ fn a_comb_line_turns_the_hair() {
     let (lines, _) = package(&["--set", "surface.comb=marks"]);
     assert!(!lines.iter().any(|line| line.starts_with("surface.comb")), "{lines:?}");
     assert!(mean_hair_direction(&drawn, TOP, 0.05).dot(Vec3::X) > 0.75);
-    // The line of the model is used in addition to the recipe's marks.
+    // The comb line of the model is used in addition to the comb marks of the recipe.
     let marks = "surface.comb_marks=[{ name = \"back\", at = [0, 0.16, -0.2], direction = [0, 0, 1] }]";
     package(&["--set", marks]);
     let (top, back) = (mean_hair_direction(&drawn, TOP, 0.05), mean_hair_direction(&drawn, FAR, 0.05));

@@ -97,7 +97,8 @@ fn doctor_gives_applicable_advice() {
     bake(&sandbox, "hare", &["slice.tile_texels=64"]);
     let run = sandbox.run(&["doctor", "a.pelage"]);
     assert!(run.code == Some(0) && run.stdout.contains("nothing to change"), "{run:?}");
-    // Close to its flank, the layers are visibly separate. The advice about this precedes all savings.
+    // At close range to the hare's flank, the layers are visibly separate. The advice about this comes before all
+    // advice that saves cost.
     let near = ["--size", "64x64", "--camera", "0.25,0.2,0.6/0,0.2,0/1"];
     let found = doctor(&sandbox, &near);
     let advice = found["advice"].as_array().unwrap();
@@ -121,7 +122,8 @@ fn doctor_gives_applicable_advice() {
 }
 
 /// Checks that advice is tested if there is an adapter. A hare 64 pixels high shows four layers, all less than half a
-/// pixel apart. Fewer than sixteen baked layers would still be visible, but half of the texels are harmless.
+/// pixel apart. If fewer than sixteen layers were baked, the difference would still be visible. Half as many texels
+/// would make no visible difference.
 #[test]
 fn doctor_omits_advice_that_raises_the_error() {
     if gpu("doctor_omits_advice_that_raises_the_error").is_none() {

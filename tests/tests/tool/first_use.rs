@@ -162,7 +162,7 @@ fn packing_an_edited_recipe_is_refused() {
     assert_refused(&sandbox, &run, &words);
     assert_refused(&sandbox, &pack("[hair\n"), &["folder/recipe.toml: line 1"]);
     assert_refused(&sandbox, &pack("[hair]\ndensty = 3\n"), &["folder/recipe.toml: line 2, hair.densty"]);
-    // A comment in the recipe is accepted; the original recipe gives the original bytes.
+    // Packing accepts a comment in the recipe. With the original recipe, it gives the original bytes.
     let run = pack(&format!("# my fox\n{recipe}"));
     assert_eq!((run.code, sandbox.run(&["validate", "out.pelage"]).code), (Some(0), Some(0)), "{run:?}");
     assert_eq!(pack(&recipe).code, Some(0));

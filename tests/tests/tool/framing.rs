@@ -168,7 +168,7 @@ fn white_sphere_without_fur_is_shaded() {
         let mut greens: Vec<u8> = covered.iter().map(|p| p[1]).collect();
         greens.sort_unstable();
         let spread = greens[greens.len() * 9 / 10] - greens[greens.len() / 10];
-        // When the lights summed to 1.55, half of the sphere was clipped. Now only the highlight may be white.
+        // Only the highlight may be white. If the lights summed to 1.55, half of the sphere would be clipped.
         assert!(clipped < 0.02, "{light}: {clipped} of the pixels are white");
         assert!(spread > 60, "{light}: nine tenths of the pixels lie within {spread} of 255");
         assert!(greens[greens.len() - 1] > 235, "{light}: the brightest is {}", greens[greens.len() - 1]);

@@ -68,7 +68,7 @@ fn spot_painted_on_the_atlas_applies_at_its_position() {
     }
     map.save(&path).unwrap();
 
-    // The image must fit, whatever other keys the recipe sets.
+    // The painted image must apply to the same part of the model, whatever other keys the recipe sets.
     for more in [&[][..], &["--set", "surface.tile_size_m=0.3", "--set", "surface.comb=gravity"]] {
         let bake = ["bake", "m.glb", "-o", "m.pelage", "--set", "slice.layers=4", "--set", "slice.tile_texels=16"];
         let read = ["--set", "groom.length=length.png", "--set", "groom.coordinates=atlas"];

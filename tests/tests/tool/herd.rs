@@ -11,8 +11,8 @@ use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Herd of two small models, one of them in two variants. It has pictures, references in parts, comparisons, and a
-/// sequence in shares.
+/// Herd of two small models, one of them in two variants. It has pictures, reference images that are traced in parts,
+/// comparisons, and a sequence that is rendered in shares.
 const HERD: &str = concat!(
     r#"
 title = "A herd of <three>"

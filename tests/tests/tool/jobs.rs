@@ -86,7 +86,8 @@ fn depfile_names_every_file_read() {
     assert_eq!(rule.trim_end(), expected);
     // With an empty rule, a deleted file is not an error in Make.
     assert!(text.contains("\nrecipes/length.png:\n"), "{text}");
-    // Without an output, the target of the rule is the record, or else the depfile itself.
+    // If the command has no output file, the target of the rule is the record. Without a record, the target is the
+    // depfile itself.
     for (more, target) in [(&["--record", "out/i.json"][..], "out/i.json"), (&[], "out/i.d")] {
         let run = sandbox.run(&[&["inspect", "out/m.pelage", "--depfile", "out/i.d"], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
@@ -165,7 +166,7 @@ fn cached_results_are_reused() {
         let (cached, again) = bake("out", &[]);
         assert!(cached && again == first, "{file}");
     }
-    // Damaged cache entries must be made again. On a cache hit, the depfile must be written as well.
+    // Damaged cache entries must be replaced. On a cache hit, the depfile must be written as well.
     let mut files = Vec::new();
     pelage_tests::binary::walk(&sandbox.path().join("cache/v1/files"), &mut files);
     files.iter().for_each(|file| std::fs::write(file, "damaged").unwrap());
@@ -220,7 +221,7 @@ fn pictures_and_comparisons_are_cached() {
         [false, true, false]
     );
     assert_eq!(sandbox.read("out/01.png"), sandbox.read("other/01.png"));
-    // Ranges must give the same pictures as the whole sequence.
+    // Pictures rendered in ranges must be the same as those of the whole sequence.
     assert!(!sequence("out", "4"));
     for picture in ["00.png", "01.png", "02.png", "03.png"] {
         let (whole, range) = (sandbox.read(&format!("out/{picture}")), sandbox.read(&format!("other/{picture}")));

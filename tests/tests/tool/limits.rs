@@ -66,7 +66,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
     assert!(choice["trials"].as_array().unwrap().len() > 2, "{choice}");
     assert_eq!(choice["views"].as_array().unwrap().len(), 2);
 
-    // The package must contain the same evidence, and the chosen settings.
+    // The package must contain the choice as reported, with its evidence, and the chosen settings.
     assert_eq!(sandbox.run(&["unpack", "torus.pelage", "folder", "-q"]).code, Some(0));
     let manifest: Value =
         serde_json::from_slice(&std::fs::read(sandbox.path().join("folder/manifest.json")).unwrap()).unwrap();
@@ -78,7 +78,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
         assert!(recipe.lines().any(|l| l == line), "{line} in {recipe}");
     }
 
-    // The other subcommands draw, trace and compare the views in the evidence.
+    // The views listed in the choice are drawn, traced and compared again with the other subcommands.
     let (mut errors, mut flips) = (Vec::new(), Vec::new());
     for view in choice["views"].as_array().unwrap() {
         let words: Vec<&str> = view.as_str().unwrap().split(' ').collect();

@@ -65,7 +65,7 @@ fn glb(version: u32, length: u32) -> Vec<u8> {
 
 #[test]
 fn valid_triangle_bakes() {
-    // This input is valid. Each bad input below differs from it in one item.
+    // This input is valid. Each bad input in the other tests differs from it in one item.
     let sandbox = Sandbox::new();
     sandbox.write("a.gltf", triangle().to_string());
     sandbox.write("triangle.bin", triangle_bin());

@@ -313,8 +313,8 @@ fn a_broken_pipe_is_success() {
     let sandbox = sandbox();
     let mut child =
         sandbox.command(&["inspect", "a.pelage"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // The pipe is usually closed before the first byte is written. If closing takes longer, another code path is
-    // tested.
+    // The pipe is usually closed before the command writes its first byte. If closing takes longer, the test covers
+    // another code path.
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{output:?}");

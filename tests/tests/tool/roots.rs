@@ -5,7 +5,8 @@ use pelage_formats::{Limits, Package};
 use pelage_tests::binary::Sandbox;
 use pelage_tests::gpu::gpu;
 
-/// Writes a plane of one by two metres, which is blue behind and red in front. Hair leans from the front over the back.
+/// Writes a plane of one by two metres, whose back half is blue and whose front half is red. Hair leans from the front
+/// over the back.
 fn write_plane(sandbox: &Sandbox) {
     sandbox.write("plane.mtl", "newmtl behind\nKd 0.1 0.1 0.8\nnewmtl front\nKd 0.8 0.1 0.1\n");
     let mut obj = String::from("mtllib plane.mtl\n");
@@ -69,7 +70,8 @@ fn hair_at_a_border_has_its_roots_colour() {
     let [root, below] = ["root", "below"].map(|package| share(package, "shells"));
     println!("red: true {truth:.3}, by the root {root:.3}, by the skin below {below:.3}");
     assert!(truth - below > 0.05 && (truth - root).abs() < 0.3 * (truth - below), "{truth}, {root} and {below}");
-    // Individual strands always have the colour of their root, and their roots are the same.
+    // Individual strands always have the colour of their root. Both packages have the same roots, so their strands must
+    // have the same colours.
     let [strands, before] = ["root", "below"].map(|package| share(package, "strands"));
     assert!((strands - before).abs() < 0.005 && (strands - truth).abs() < 0.03, "{strands}, {before} and {truth}");
 }

@@ -144,8 +144,8 @@ fn single_model_scene_equals_rendering_its_package() {
         assert!(child.wait().unwrap().success());
         assert!(sandbox.read("piped.png") == drawn[0], "a look from a pipe");
     }
-    // All of the settings above must have an effect. At its end, the clip returns to the rest pose; the default camera
-    // frames the whole clip.
+    // All of the settings above must change the picture. At its end, the clip returns to the rest pose, but the default
+    // camera frames the whole clip.
     drawn.sort();
     drawn.dedup();
     assert_eq!(drawn.len(), 8);

@@ -1,4 +1,5 @@
-//! Tests of environment maps with the real binary: lights fitted to panoramas, invalid files, and pictures lit by both.
+//! Tests of environment maps with the real binary: lights fitted to panoramas, invalid files, and pictures lit by
+//! panoramas or by fitted lights.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use pelage_needs::data;

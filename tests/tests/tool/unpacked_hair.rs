@@ -189,8 +189,8 @@ fn arbitrary_hair_sections_survive_a_round_trip() {
         let random = &mut Random(seed);
         let mut made = strands();
         let mut number = |most: u64| (random.next_u64() % most) as u32;
-        // The reach varies from hair that hardly leaves its root, whose coordinates lose digits, to hair that crosses
-        // tiles.
+        // The reach varies. With the smallest, hair hardly leaves its root, so its coordinates lose digits; with the
+        // largest, hair crosses tiles.
         made.scale = StrandScale { reach: [1e-6, 1e-3, 0.3, 50.0][seed as usize % 4], radius: 1e-3 };
         for root in &mut made.roots {
             *root = [number(1 << 16) as u16, number(1 << 16) as u16];

@@ -115,10 +115,10 @@ fn recipe_that_would_lose_its_files_is_not_written() {
         assert_eq!(sandbox.files(), before, "{path} left something behind");
     };
     refused("whole.toml", &["color.pattern", "spots.png", "copy the files", "--recipe"]);
-    // The file with that name contains a different image.
+    // A file `spots.png` beside the written recipe contains a different image.
     sandbox.write("spots.png", std::fs::read(workspace().join("assets/patterns/zebra.png")).unwrap());
     refused("whole.toml", &["whole.toml", "another file", "spots.png"]);
-    // The same image is accepted.
+    // If the file `spots.png` beside the written recipe contains the same image, the recipe can be written.
     sandbox.write("spots.png", sandbox.read("recipes/spots.png"));
     bake_with_written(&sandbox, "whole.toml", &["--recipe", "recipes/mine.toml"]);
 }

@@ -97,7 +97,7 @@ fn window_matches_render_and_responds_to_input() {
     std::thread::sleep(Duration::from_millis(500));
     assert_eq!(pixels(&view.save("p")).dimensions(), (420, 300));
 
-    // The reference image is shown beside the other, up to its first sample.
+    // The reference image is shown beside the real-time picture. The test waits for its first sample.
     view.skip_events();
     view.key("t");
     let truth = view.wait_for("truth");

@@ -13,8 +13,8 @@ pub fn join_lines(lines: &[[u32; 2]], vertices: usize) -> Vec<Vec<u32>> {
     let mut seen = HashSet::new();
     let is_new = |line: &[u32; 2]| line[0] != line[1] && seen.insert([line[0].min(line[1]), line[0].max(line[1])]);
     let lines: Vec<[u32; 2]> = lines.iter().copied().filter(is_new).collect();
-    // Per vertex: the number of its segments and the sum of their indices. If a vertex has two, the sum minus one index
-    // is the other index.
+    // Number of segments at each vertex, and the sum of their indices. If two segments meet at a vertex, the sum minus
+    // the index of one gives the index of the other.
     let (mut count, mut sum) = (vec![0u32; vertices], vec![0usize; vertices]);
     for (number, line) in lines.iter().enumerate() {
         for end in line {
@@ -22,7 +22,8 @@ pub fn join_lines(lines: &[[u32; 2]], vertices: usize) -> Vec<Vec<u32>> {
             sum[*end as usize] += number;
         }
     }
-    // Returns the segment that continues `line` at `end`, and its other end.
+    // Returns the segment that continues `line` at its end `end`, and the other end of that segment. `None` if the
+    // strand ends there.
     let next = |line: usize, end: u32| {
         let goes_on = count[end as usize] == 2;
         goes_on.then(|| {
@@ -68,7 +69,7 @@ mod tests {
     #[test]
     fn lines_that_share_ends_are_one_strand() {
         assert_eq!(join_lines(&[[0, 1], [1, 2], [3, 4], [4, 5]], 6), [[0, 1, 2], [3, 4, 5]]);
-        // Segments in any order, some of them reversed.
+        // The segments are unordered, and some are reversed.
         assert_eq!(join_lines(&[[4, 5], [1, 2], [4, 3], [3, 2], [0, 1], [5, 6]], 7), [[0, 1, 2, 3, 4, 5, 6]]);
         assert_eq!(join_lines(&[[1, 0], [2, 1]], 3), [[2, 1, 0]]);
         assert_eq!(join_lines(&[], 0), [[0; 0]; 0]);

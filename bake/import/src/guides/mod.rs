@@ -14,8 +14,8 @@ pub struct Guides {
     pub radii: Vec<f32>,
     /// Colour of each point, linear RGB; empty if the file has none.
     pub colors: Vec<Vec3>,
-    /// Offsets into the points: strand `i` has the points `offsets[i]..offsets[i + 1]`. There is one entry more than
-    /// strands; without strands there is none.
+    /// Offsets into the points: strand `i` has the points `offsets[i]..offsets[i + 1]`. The list has one entry more
+    /// than there are strands, and is empty without strands.
     pub offsets: Vec<u32>,
     /// Number of strands dropped because they have one point or no length.
     pub left_out: usize,

@@ -21,14 +21,14 @@ pub(super) struct Corner {
 #[derive(Debug)]
 pub(super) struct Face {
     pub line: usize,
-    /// Index of its first corner in [`Faces::corners`].
+    /// Index of the face's first corner in [`Faces::corners`].
     pub first: usize,
     pub count: usize,
     /// Index into [`Faces::parts`].
     pub part: usize,
 }
 
-/// Object, group and material under which faces are listed.
+/// Object, group and material that a face belongs to.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Part {
     pub object: String,
@@ -100,7 +100,7 @@ struct IgnoredStatements {
 /// Maximum number of different unknown keywords reported.
 const MAX_UNKNOWN: usize = 20;
 
-/// Lists that corners of faces index.
+/// Lists of vertex data to which the corners of faces refer by index.
 #[derive(Clone, Copy)]
 enum List {
     Positions,
@@ -113,7 +113,7 @@ struct Reader<'a> {
     file: &'a str,
     unit_m: f32,
     faces: Faces,
-    /// Part of the next face.
+    /// Part to which the next face belongs.
     part: Part,
     /// Index of `part`, once a face has used it.
     part_index: Option<usize>,
@@ -131,7 +131,7 @@ impl Reader<'_> {
                 self.left_out.uvs += usize::from(!uv.is_finite());
                 self.faces.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
             }
-            // Accepts normals that are not finite; they are computed later.
+            // Accepts normals that are not finite: computed normals replace them later.
             "vn" => self.faces.normals.push(s.floats::<3>(self.file, 3)?.0.into()),
             // `fo` is the deprecated form of `f`.
             "f" | "fo" => self.face(s)?,
@@ -249,7 +249,8 @@ impl Reader<'_> {
             let expected = format!("a {name} index from 1, or from -{have} to -1 counting back from here");
             return Err(s.unexpected(self.file, word, &expected));
         }
-        // No list can have so many entries, so the index fails the check at the end, which reports the list's length.
+        // An index too large for u32 becomes `u32::MAX`. No list has so many entries, so the check at the end rejects
+        // the index and reports the list's length.
         Ok(u32::try_from(index).unwrap_or(u32::MAX))
     }
 

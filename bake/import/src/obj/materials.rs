@@ -30,7 +30,7 @@ pub(super) struct Library {
 #[derive(Clone, Debug, Default)]
 struct Entry {
     diffuse: Option<[f32; 3]>,
-    /// Path of the texture relative to the model's folder; then the material file and line that name it.
+    /// Path of the texture, relative to the model's folder. The second text is the material file and line that name it.
     texture: Option<(String, String)>,
 }
 
@@ -112,7 +112,7 @@ impl Library {
             return *number;
         }
         let entry = self.known.get(name).cloned().unwrap_or_default();
-        // If no material file was read, a warning exists already or is not needed.
+        // If no material file was read, a warning about that exists already, or none is needed.
         if self.any_file && !name.is_empty() && !self.known.contains_key(name) {
             notes.warn(format!("material \"{}\" is not in any material file; it is white", shorten(name)));
         }
@@ -177,8 +177,8 @@ fn diffuse(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> 
     Ok(color.map(|x| x.clamp(0.0, 1.0)))
 }
 
-/// Returns the file name of a texture, which follows its options. Each option has a known number of arguments. Names
-/// may have spaces.
+/// Returns the file name in a texture statement. It follows the options, each of which has a known number of arguments.
+/// It may contain spaces.
 fn texture_name(s: &Statement<'_>) -> Option<String> {
     let words: Vec<&str> = s.words().collect();
     let mut i = 0;
@@ -201,7 +201,7 @@ fn texture_name(s: &Statement<'_>) -> Option<String> {
     if rest.is_empty() {
         return None;
     }
-    // If there are options, the spaces between words are lost; in practice each is a single space.
+    // If options precede the name, the exact spaces between its words are lost. In practice, each is a single space.
     Some(if i == 0 { s.name().to_owned() } else { rest.join(" ") })
 }
 

@@ -7,7 +7,8 @@
 //!
 //! All triangles with the same object, group and material become one part, whatever the order of the file, because
 //! exporters switch materials back and forth. Smoothing groups are ignored, because fur has no creases. Points, lines
-//! and free-form surfaces are ignored with a warning. In OBJ v increases upwards, here downwards.
+//! and free-form surfaces are ignored with a warning. The texture coordinate v increases upwards in an OBJ, but
+//! downwards in the imported model.
 
 mod faces;
 mod fault;
@@ -90,7 +91,7 @@ pub(super) fn read(
     Ok(Model { mesh, materials, images, inputs, warnings, ..Model::default() })
 }
 
-/// Triangles of one part, with vertices of their own.
+/// Triangles of one part, which share no vertices with other parts.
 struct PartMesh {
     label: String,
     names: Vec<String>,

@@ -79,7 +79,7 @@ fn cut_ears(flat: &[DVec2]) -> Triangulation {
         left.remove(i);
         start = i;
     }
-    // In a bow tie the remaining triangle has the opposite winding. The tolerance allows for rounding errors.
+    // The last triangle of a bow tie has the opposite winding. The tolerance allows for rounding errors.
     let reach = flat.iter().map(|p| p.length_squared()).fold(0.0, f64::max);
     out.clean &= twice_area([left[0], left[1], left[2]].map(|i| flat[i])) >= -1e-9 * reach;
     out.triangles.push([left[0], left[1], left[2]]);
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     fn lift(points: &[(f32, f32)]) -> Vec<Vec3> {
-        // The plane is oblique and far from the origin.
+        // Put the polygon into an oblique plane far from the origin.
         points.iter().map(|(x, y)| Vec3::new(*x + 100.0, *y, 0.5 * *x - 0.25 * *y)).collect()
     }
 
@@ -152,7 +152,7 @@ mod tests {
             &[(2., 2.), (0., 1.), (-2., 2.), (0., 0.)],
             &[(0., 1.), (-2., 2.), (0., 0.), (2., 2.)],
             &[(-2., 2.), (0., 0.), (2., 2.), (0., 1.)],
-            // Collinear corners.
+            // A polygon with collinear corners.
             &[(0., 0.), (1., 0.), (2., 0.), (2., 2.), (1., 1.), (0., 2.)],
             // A hole joined to the outer boundary by a slit, as exporters write it.
             &[(0., 0.), (4., 0.), (4., 4.), (0., 4.), (0., 0.), (1., 1.), (1., 3.), (3., 3.), (3., 1.), (1., 1.)],

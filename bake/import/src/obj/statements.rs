@@ -51,7 +51,7 @@ pub(super) const KEYWORDS: &[&str] = &[
 
 /// Returns whether the first statement with arguments in `bytes` is an OBJ statement.
 pub(crate) fn begins_like_obj(bytes: &[u8]) -> bool {
-    // Header comments are rarely longer. If a text has no statement up to here, its extension decides.
+    // Header comments are rarely longer than this part of the text. If it has no statement, the file extension decides.
     let head = &bytes[..bytes.len().min(1 << 16)];
     // The cut may split a 16-bit character; then the last byte is dropped.
     let Ok(text) = decode("", head).or_else(|_| decode("", &head[..head.len() - 1])) else { return false };

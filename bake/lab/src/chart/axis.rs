@@ -40,7 +40,8 @@ impl Scale {
         if self.log { (value / a).ln() / (b / a).ln() } else { (value - a) / (b - a) }
     }
 
-    /// Returns the ticks. A logarithmic axis has 1, 2 and 5 of each decade, or only 1; a linear axis has round steps.
+    /// Returns the ticks. A logarithmic axis has ticks at 1, 2 and 5 times each power of ten, or only at the powers if
+    /// its range is wide. A linear axis has ticks in round steps.
     pub fn ticks(&self) -> Ticks {
         let (a, b) = (self.range.start, self.range.end);
         if !self.log {

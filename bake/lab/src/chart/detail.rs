@@ -107,9 +107,9 @@ pub fn panels(counted: bool) -> Vec<Panel> {
 /// Lists what to measure. Each size is drawn with:
 ///
 /// * the runtime's choice
-/// * everything in the recipe
+/// * full detail, with all layers and triangles of the recipe
 /// * the recipe's levels of detail in quarter steps, as long as they have layers
-/// * the tile sizes of [`TILES`]
+/// * full detail with each of the tile sizes [`TILES`]
 /// * the runtime's choice without simplified triangle lists
 ///
 /// # Errors

@@ -39,7 +39,7 @@ const FIBRES: [FibreOptics; 3] = [
 const CELLS: (u32, u32) = (64, 32);
 const PARTED: u32 = 6;
 const BRIGHT: f64 = 0.004;
-/// Number of directions over which lights are summed, as in frames.
+/// Number of directions at which the light of an environment is evaluated and summed, as in frames.
 const DIRECTIONS: u32 = 1024;
 
 /// Columns of the chart.
@@ -82,7 +82,7 @@ pub enum MapLighting {
 pub enum SingleLighting {
     /// Exact integral over the light.
     Exact,
-    /// Tables, for the part of the light that they cover.
+    /// Tables. They cover only the part of the light in about the half sphere around its centre.
     Tables,
     /// Published form (after Xu 2011).
     Printed,
@@ -157,8 +157,8 @@ impl EnvironmentConfiguration {
 
     /// Returns the number of texture fetches per point in a frame.
     fn fetches(&self) -> Option<usize> {
-        // Three fetches give the total light, its direction and its irradiance. Four more interpolate between two means
-        // and two angles to the eye. A single direction needs two tables.
+        // Three fetches give the total light, its direction and its irradiance. Four more interpolate the tables
+        // between two means and two angles to the eye. Each sampled direction needs one fetch from each of two tables.
         match self {
             Self::Sky(_, MapLighting::OneLight(..)) => Some(3 + 4),
             Self::Sky(_, MapLighting::Tables(n)) => Some(4 * (n + 1)),
@@ -177,7 +177,7 @@ impl EnvironmentConfiguration {
     }
 }
 
-/// Point on a hair, and unit vectors of its tip and of the direction to the eye.
+/// Point on a hair, with unit vectors along the hair to its tip and from the point to the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     fibre: usize,
@@ -527,8 +527,8 @@ pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccura
     accuracy(&pairs, seconds)
 }
 
-/// Integrates the scattered light numerically over all directions. If `half`, covers only the part of the light that
-/// the tables cover.
+/// Integrates the scattered light numerically over all directions. If `half`, integrates only over about the half
+/// sphere around the light's centre, which is the part that the tables cover.
 fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, half: bool) -> f64 {
     const STEPS: (usize, usize) = (72, 120);
     // Integrates over five standard deviations about the light's centre, clamped to valid angles.

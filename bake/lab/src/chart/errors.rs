@@ -9,7 +9,7 @@ pub struct Errors {
     off: u64,
 }
 
-/// Error from which values are counted separately: roughly a visibly different shade.
+/// Threshold from which an error counts as large: roughly a visible difference in shade.
 pub const OFF: f64 = 0.1;
 
 impl Errors {

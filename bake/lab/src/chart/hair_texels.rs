@@ -4,7 +4,7 @@ use glam::DVec3;
 use pelage_bake::stages::simulate::Strands;
 use std::collections::BTreeMap;
 
-/// Number of points along a strand per texel width and per layer spacing, whichever are more.
+/// Number of points along a strand per texel width or per layer spacing, whichever of the two is shorter.
 const POINTS_PER_TEXEL: f64 = 8.0;
 
 /// Point on the axis of a strand.
@@ -35,12 +35,13 @@ impl HairTexel {
     }
 }
 
-/// Samples `count` texels in proportion to their hair surface. The key is layer · texels² + row · texels + column.
+/// Samples `count` texels in proportion to their hair surface. Keys of the result are layer · texels² + row · texels +
+/// column.
 ///
 /// A layer represents half a layer spacing above and below it, as in slicing. The lowest layer above the mesh surface
 /// extends down to the surface; layer 0 has no hair.
 ///
-/// * `texels`: along a side of the tile
+/// * `texels`: number of texels along a side of the tile
 /// * `layers`: number of layers of the volume, layer 0 included; two or more
 pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u32) -> BTreeMap<usize, HairTexel> {
     let n = f64::from(texels);
@@ -56,7 +57,8 @@ pub(super) fn hair_texels(strands: &Strands, texels: u32, layers: u32, count: u3
     let mut out = BTreeMap::<usize, HairTexel>::new();
     walk(strands, n, spacing, |place| {
         sum += place.area;
-        // The offset of half a sample keeps both ends of the sum equally likely.
+        // Number of samples due up to this point. The offset of half a sample makes both ends of the sequence equally
+        // likely.
         let due = (sum / area * f64::from(count) + 0.5).min(f64::from(count)) as u32;
         if due > drawn {
             out.entry(texel_at(place.at)).or_default().times += due - drawn;
@@ -115,13 +117,13 @@ mod tests {
             let place = |i: usize| (i % 10, i / 10 % 10, i / 100);
             found.iter().filter(|(i, _)| of(place(**i).0, place(**i).1, place(**i).2)).map(|(_, t)| t.times).sum()
         };
-        // The upright strand has a third of the samples. The outermost layer represents half a layer spacing of it, the
-        // lowest one and a half.
+        // The upright strand has a third of the samples. The outermost layer represents half a layer spacing of the
+        // strand, and layer 1 represents one and a half.
         assert!(times(&|x, y, _| (x, y) == (3, 6)).abs_diff(1000) <= 1);
         for (layer, slabs) in [(0, 0), (1, 3), (2, 2), (3, 2), (4, 2), (5, 1)] {
             assert!(times(&|x, y, k| (x, y, k) == (3, 6, layer)).abs_diff(100 * slabs) <= 1, "layer {layer}");
         }
-        // The other strand is only in layer 3, from the last texel of the tile across the border.
+        // The horizontal strand is only in layer 3. It extends from the last column of texels across the tile's border.
         assert!(times(&|x, y, k| y == 1 && k == 3 && (x == 9 || x < 4)).abs_diff(2000) <= 1);
         for texel in found.values() {
             assert!(!texel.places.is_empty());

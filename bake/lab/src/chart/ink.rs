@@ -96,7 +96,7 @@ pub const PANELS: [Panel; 2] = [
 pub const SIZE: (u32, u32) = (834, 424);
 /// Thresholds T1.
 const THRESHOLDS: [f32; 8] = [0.2, 0.4, 0.5, 0.64, 0.7, 0.8, 0.9, 0.97];
-/// Relative depth steps that count as an edge; with 0, only normals do.
+/// Relative depth steps that count as an edge. With 0, only normals are used to find edges.
 const DEPTH_STEPS: [f32; 5] = [0.0, 0.005, 0.01, 0.02, 0.05];
 /// Maximum line widths, pixels.
 const WIDTHS: [f32; 5] = [3.0, 5.0, 7.0, 12.0, 16.0];

@@ -34,7 +34,8 @@ impl LightMaps {
 
     /// Returns t of Yang 2006, eq. (2): the fraction of light that passes the hair above a point.
     ///
-    /// * `map_layer`: layer of the maps, 0 on the mesh surface; fractional if `between`, else whole
+    /// * `map_layer`: layer of the maps, 0 on the mesh surface
+    /// * `between`: whether `map_layer` may be fractional, which interpolates between two maps; else it is whole
     pub fn light_through_hair(&self, place: Vec4, map_layer: f32, between: bool) -> f32 {
         let Some(last) = self.layers.len().checked_sub(1) else { return 1.0 };
         let at = |layer: f32| self.bilinear(&self.layers[(layer as usize).min(last)], place);

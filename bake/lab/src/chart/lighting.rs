@@ -251,7 +251,7 @@ struct Directions {
 }
 
 impl Directions {
-    /// Reads the finest level for light per pixel, and the coarsest for light per vertex.
+    /// Reads the finest mip level for light per pixel, and the coarsest for light per vertex.
     fn new(view: &TextureView<'_>, lighting: LightingStage) -> Self {
         let level = if lighting == LightingStage::Vertex { view.levels - 1 } else { 0 };
         let size = view.level_size(level).0 as usize;

@@ -51,7 +51,7 @@ fn direction_error_is_lower_per_pixel_than_per_vertex() {
             (measured(format, 0.5, LightingStage::Pixel), measured(format, 0.5, LightingStage::Vertex));
         assert!(pixel.direction_error_deg < 0.8 * vertex.direction_error_deg, "{format}: {pixel:?}, {vertex:?}");
         assert!(pixel.light.rmse() < vertex.light.rmse(), "{format}: {pixel:?}, {vertex:?}");
-        // If all hairs have one direction, it is also exact at vertices, up to rounding.
+        // If all hairs have the same direction, light per vertex uses the exact direction as well, up to rounding.
         let alike = measured(format, 0.0, LightingStage::Vertex);
         assert!(alike.direction_error_deg < 0.5 * vertex.direction_error_deg, "{format}: {alike:?}");
     }

@@ -107,7 +107,7 @@ pub struct Chart {
     pub columns: Vec<&'static str>,
     /// Configurations, in the order of measurement.
     pub rows: Vec<Row>,
-    /// Panels to draw, two per row of the picture; the first determines `on_front`.
+    /// Panels to draw, two per row of the picture; the first one determines the column `on_front`.
     pub panels: Vec<Panel>,
 }
 
@@ -212,8 +212,8 @@ mod tests {
             title: String::new(),
             adapter: String::new(),
             columns: vec!["size", "c", "e"],
-            // The small row is cheaper and more accurate than all large ones, but cannot replace them for large
-            // pictures.
+            // The row of size `small` is cheaper and more accurate than all rows of size `large`. It cannot replace
+            // them in the panel for large pictures.
             rows: vec![row("large", 3.0, 3.0), row("large", 4.0, 4.0), row("small", 1.0, 1.0)],
             panels: vec![panel("large"), panel("small"), Panel { only: None, ..panel("") }],
         };

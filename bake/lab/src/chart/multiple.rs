@@ -95,7 +95,7 @@ pub fn configurations() -> Vec<MultipleConfiguration> {
 /// Luminance of a picture's squares that hair mostly covers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Squares {
-    /// Pairs of luminance: of the truth, and as drawn.
+    /// Luminance of each square: in the truth, and as drawn.
     pairs: Vec<(f64, f64)>,
 }
 
@@ -168,7 +168,7 @@ mod tests {
         let count = (SIZE * SIZE) as usize;
         let mut truth = vec![[0.0f32; 4]; count];
         let mut drawn = vec![0u8; 4 * count];
-        // Covers the upper half, with a value of 0.2 in the truth and byte 128 as drawn.
+        // Covers the upper half of both pictures: linear value 0.2 in the truth, sRGB byte 128 as drawn.
         for at in 0..count / 2 {
             truth[at] = [0.2, 0.2, 0.2, 1.0];
             drawn[4 * at..4 * at + 4].copy_from_slice(&[128, 128, 128, 255]);

@@ -128,14 +128,14 @@ pub fn configurations() -> Vec<OpacityShadowConfiguration> {
     out
 }
 
-/// Slab map in memory.
+/// Deep or opacity shadow map, read back into memory.
 #[derive(Clone, Debug)]
 pub struct DeepMap {
     /// View from the light from which the map was rendered.
     pub view: LightView,
     /// Encoding of the map.
     pub opacity: DeepOpacity,
-    /// Layout of its slabs.
+    /// Layout of the map's slabs.
     pub form: OpacityForm,
     /// For each texel, the nearness of its first hair, followed by the opacities of the slabs.
     pub texels: Vec<u32>,
@@ -164,8 +164,8 @@ impl DeepMap {
         light_in_column(self.form, &self.opacity, first, &of_slabs, depth)
     }
 
-    /// Returns the width of a texel divided by a strand width in metres. For a point light, this is measured at the
-    /// middle of its range.
+    /// Returns the width of a texel divided by a strand width in metres. For a point light, the texel is measured at
+    /// the middle of the light's range.
     pub fn texel_widths(&self, width_m: f32) -> f64 {
         let view = &self.view;
         let distance = view.near_m.map_or(1.0, |near| near + 0.5 * view.range_m);
@@ -220,8 +220,8 @@ pub fn columns_of(form: OpacityForm, shadows: &ShadowParams, depth_m: f32, fur_m
     DeepOpacity { slabs, slabs_per_depth, density: 1.0, ..DeepOpacity::default() }
 }
 
-/// Homogeneous ball of hair, as deep as the scene is along its light. Half the fur's height below its surface, 1/e of
-/// the light is left.
+/// Homogeneous ball of hair, whose diameter is the depth of the scene along the light. At half the fur's height below
+/// the ball's surface, 1/e of the light is left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// Diameter, metres.
@@ -234,14 +234,14 @@ pub struct Ball {
 const PIECES: u32 = 4096;
 
 impl Ball {
-    /// Returns the largest step of t between the ends of neighbouring slabs, and the largest error of t. Rays pass the
-    /// ball at distances from its middle to near its edge.
+    /// Returns the largest step of t between the ends of neighbouring slabs, and the largest error of t. The measured
+    /// rays pass the ball's centre at distances from 0 to nearly its radius.
     pub fn measure(&self, form: OpacityForm, shadows: &ShadowParams) -> (f64, f64) {
         let opacity = columns_of(form, shadows, self.depth_m, self.fur_m);
         let per_depth = 2.0 * self.depth_m / self.fur_m;
         let (mut step, mut error) = (0.0f64, 0.0f64);
         for ray in 0..16 {
-            // Half of the ray's length inside the ball, which has depth 1.
+            // Half of the ray's length inside the ball, whose diameter is 1 in map depth.
             let half = 0.5 * (1.0 - (ray as f32 / 16.0).powi(2)).sqrt();
             let piece = 2.0 * half / PIECES as f32;
             let depth = |k: f32| 0.5 - half + piece * k;

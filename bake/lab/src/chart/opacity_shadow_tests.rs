@@ -14,7 +14,7 @@ fn view() -> LightView {
     }
 }
 
-/// Two adjacent texels with two slabs each, of optical depth 0.1.
+/// Two adjacent texels have two slabs each. Every slab is 0.1 deep.
 #[test]
 fn opacity_map_lookups_return_the_drawn_values() {
     let step = (1.0 / OPACITY_STEP) as u32;
@@ -29,7 +29,8 @@ fn opacity_map_lookups_return_the_drawn_values() {
     {
         let expected = (-optical as f32).exp();
         assert!((light(u, 0.25, depth) - expected).abs() < 1e-5, "{u}, {depth}: {}", light(u, 0.25, depth));
-        // Half of the lookup is in the texel below, which has no hair; the next lookup is beyond the map's edge.
+        // This lookup is halfway to the texel below, which has no hair. The next lookup is beyond the map's edge, and
+        // is clamped to it.
         assert!((light(u, 0.5, depth) - 0.5 * (1.0 + expected)).abs() < 1e-5);
         assert!((light(u, -3.0, depth) - expected).abs() < 1e-5);
     }

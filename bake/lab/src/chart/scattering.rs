@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 /// Pairs of directions per fibre.
 pub const PAIRS: usize = 1_000_000;
-/// Absorption of the fibres per radius: a blond, a brown and a black channel.
+/// Absorption of the fibres per radius: one colour channel of blond, brown and black hair.
 pub const SIGMAS: [f64; 3] = [0.1, 0.5, 2.0];
 
 /// Fibres: human hair, glossy tilted hair, soft hair, clear hair with glints, and matt wool.
@@ -59,9 +59,9 @@ pub enum ScatteringForm {
     Cubic(usize),
     /// Like `Tables`, with cos φ as the azimuthal axis, as published.
     CosPhi(usize),
-    /// Like `Tables`, with one path length per path, for all azimuths.
+    /// Like `Tables`, with the same length of a light path for all azimuths.
     EvenLengths(usize),
-    /// Like `Tables`, with a third table that gives the lengths of all paths by azimuth.
+    /// Like `Tables`, with a third table that gives the lengths of all light paths by azimuth.
     AllLengths(usize),
     /// Published tables (Nguyen and Donnelly 2005): longitudinal part by sin θi and sin θo, azimuthal part by cos θd
     /// and cos φ, with TT and TRT swapped.
@@ -122,7 +122,7 @@ impl ScatteringForm {
 
     /// Returns the size of a fibre's tables, bytes.
     pub fn bytes(self) -> usize {
-        // The published tables have three layers of data: longitudinal part, azimuthal part, and two lengths.
+        // The published tables have three layers of data: longitudinal part, azimuthal part, and two path lengths.
         let layers = if matches!(self, Self::AllLengths(_) | Self::Printed(_)) { 3 } else { 2 };
         self.size().map_or(0, |n| 8 * layers * n * n)
     }
@@ -139,11 +139,11 @@ pub enum FibreEvaluator {
         /// Whether the azimuth's axis is its cosine.
         by_cosine: bool,
     },
-    /// Tables as in packages, with another table for the lengths of TRT and of all other paths.
+    /// Tables as in packages, with another table for the path lengths of TRT and of all other paths.
     AllLengths {
         /// Tables of the fibre.
         tables: Box<ScatteringTables>,
-        /// Lengths at the texels of the azimuthal table.
+        /// Path lengths at the texels of the azimuthal table.
         lengths: Vec<[f64; 2]>,
     },
     /// Published tables.
@@ -152,7 +152,7 @@ pub enum FibreEvaluator {
         size: usize,
         /// Longitudinal part of R, TT and TRT: columns by sin θi, rows by sin θo.
         along: Vec<[f64; 3]>,
-        /// Azimuthal part of R, TT and TRT, and lengths of TT and TRT: columns by cos φ, rows by cos θd.
+        /// Azimuthal part of R, TT and TRT, and path lengths of TT and TRT: columns by cos φ, rows by cos θd.
         around: Vec<[f64; 5]>,
     },
     /// Fit without tables.
@@ -258,7 +258,7 @@ fn by_cosine(fibre: &Fibre, size: usize) -> ScatteringTables {
     tables
 }
 
-/// Replaces the lengths of TT in each row by their mean, weighted by the light.
+/// Replaces the path lengths of TT in each row by their mean, weighted by the light of TT.
 fn even_lengths(mut tables: ScatteringTables) -> ScatteringTables {
     for row in tables.around.chunks_mut(tables.size) {
         let light: f32 = row.iter().map(|of| of[1]).sum();

@@ -48,16 +48,16 @@ const MOST_TEXELS: u64 = 1 << 26;
 
 /// Columns of the chart.
 ///
-/// * `form`: `baked`; or, for maps, `corrected` or `printed` (as published), by the fraction of light that a layer
-///   absorbs. The settings of the form follow.
+/// * `form`: `baked` for visibility. For maps, `corrected` or `printed` (as published), according to the fraction of
+///   light that a layer absorbs. The columns after it are the settings of the form.
 /// * `rmse`, `mean_error`, `off_by_0.1`: errors of the transmittance t against [`SampledVolume`], in texels of all
 ///   layers, with hair and without. Maps approximate this volume; baked visibility does not, because it is computed
 ///   from strands.
-/// * `strands_`: the same errors against [`StrandField::transmittance`] in the same texels: the light in the space
-///   between hairs. A ray that starts within a hair is blocked by it, as by any other hair.
-/// * `hair_`: errors against [`StrandField::lights_strand`] in texels with hair only, weighted by the hair in them,
-///   visible from outside or not. This is the light that reaches a hair past all other strands. It is the light used
-///   for shading hair; baked visibility and the traced picture contain it.
+/// * `strands_`: the same errors against [`StrandField::transmittance`] in the same texels, which is the light in the
+///   space between hairs. A ray that starts within a hair is blocked by it, as by any other hair.
+/// * `hair_`: errors against [`StrandField::lights_strand`], only in texels with hair. Texels are weighted by the
+///   amount of their hair, whether it is visible from outside or not. This is the light that reaches a hair past all
+///   other strands. It is the light used for shading hair; baked visibility and the traced picture contain it.
 /// * `milliseconds`: time to render all maps; 0 if baked. `timing`: clock used.
 /// * `bytes`: size of all maps; or of the visibility texture of dry hair on a GPU that samples its format, including
 ///   mip levels and the far layer.
@@ -65,7 +65,7 @@ const MOST_TEXELS: u64 = 1 << 26;
 ///   runs.
 /// * `map_texels_per_hair_texel`, `map_size_on_model`: [`Sheet::map_texels_per_hair_texel`] and [`Sheet::map_size_on`]
 ///   the model.
-/// * `_0` to `_75`: errors under lights at that angle to the normal only, degrees.
+/// * `_0` to `_75`: errors only under lights at that angle to the normal, degrees.
 /// * `volume_over_strands_rmse`, `volume_over_hair_rmse`: error that remains with perfect maps.
 /// * `bc7_over_rgba8_rmse`: difference between t from BC7 blocks and t from uncompressed texels of the same visibility,
 ///   in the texels of `hair_`.
@@ -174,8 +174,8 @@ pub struct Sheet {
     volume: SampledVolume,
     field: StrandField,
     hair: BTreeMap<usize, HairTexel>,
-    /// World position of the evaluated tile's corner, the vectors along its u and v, and the vector from the mesh
-    /// surface to the outermost layer.
+    /// Corner of the evaluated tile in world space. `along` has the vectors along its u and v. `up` is the vector from
+    /// the mesh surface to the outermost layer.
     corner: Vec3,
     along: [Vec3; 2],
     up: Vec3,
@@ -241,13 +241,13 @@ impl Sheet {
         axes[0] * light_ts.x as f32 + axes[1] * light_ts.y as f32 + axes[2] * light_ts.z as f32
     }
 
-    /// Returns the number of map texels per width of a hair texel.
+    /// Returns the width of a hair texel divided by the width of a map texel.
     pub fn map_texels_per_hair_texel(&self, maps: &LightMaps) -> f64 {
         let hair = self.along[0].length() / self.set.texels as f32;
         f64::from(hair * maps.size as f32 / maps.view.extent)
     }
 
-    /// Returns the size of a map with the same resolution that covers a sphere of radius `radius_m`, texels.
+    /// Returns the size of a map that covers a sphere of radius `radius_m` with the same resolution as `maps`, texels.
     pub fn map_size_on(&self, maps: &LightMaps, radius_m: f32) -> f64 {
         f64::from(maps.size as f32 * 2.0 * radius_m / maps.view.extent).round()
     }
@@ -311,9 +311,9 @@ impl Sheet {
         truth.points.par_iter().map(t).collect()
     }
 
-    /// Returns the transmittance t at the points of a truth as the runtime computes it from baked visibility. The
-    /// sheet's hair is the tile's, neither flattened nor sheared, so the light has the same direction in the tile as
-    /// above the mesh surface.
+    /// Returns the transmittance t at the points of a truth as the runtime computes it from baked visibility. The hair
+    /// of the sheet is neither flattened nor sheared compared with the tile. The light therefore has the same direction
+    /// in the tile as above the mesh surface.
     pub fn transmittance_by_visibility(
         &self,
         visibility: &TileVisibility,
@@ -376,7 +376,7 @@ pub struct TransmittanceTruth {
     /// Indices of the evaluated texels: first texels of all layers from the mesh surface outwards (all or an even
     /// selection), then the sampled texels with hair.
     points: Vec<usize>,
-    /// Number of points in the first group.
+    /// Number of `points` in the first group, which covers all layers.
     even: usize,
     /// Transmittance through the volume at each point.
     volume: Vec<f64>,
@@ -387,12 +387,13 @@ pub struct TransmittanceTruth {
 }
 
 impl TransmittanceTruth {
-    /// Returns pairs of a measured value and the truth between the strands.
+    /// Returns pairs of a measured value and the true transmittance between the strands.
     fn between_strands<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.strands.iter().map(|(i, t)| (found[*i], *t))
     }
 
-    /// Returns pairs of a measured value and the truth on the hair.
+    /// Returns pairs of a measured value and the true light on the hair, each repeated as often as its texel was
+    /// sampled.
     fn on_hair<'a>(&'a self, found: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
         self.hair.iter().flat_map(|(i, t, times)| Self::repeated((found[*i], *t), *times))
     }
@@ -409,13 +410,14 @@ pub struct SelfShadowErrors {
     by_angle: [[Errors; 3]; ANGLES_DEG.len()],
     /// Errors of the volume, compared with the strands and with the light on the hair.
     volume: [Errors; 2],
-    /// Errors on the hair of block-compressed texels, compared with the same texels uncompressed.
+    /// Errors of the light on hair, read from block-compressed texels and compared with the same texels uncompressed.
     blocks: Errors,
 }
 
 impl SelfShadowErrors {
-    /// Adds the values measured at the points of a truth under a light. The volume has the same `density` as the maps,
-    /// so only the error of the maps remains. The comparison with strands shows whether that density is right.
+    /// Adds the values measured at the points of a truth under a light. The volume's optical depth is scaled by the
+    /// maps' `density`, so that only the error of the maps remains. The comparison with strands shows whether that
+    /// density is right.
     pub fn add(&mut self, slant: &Slant, found: &[f64], density: f32, truth: &TransmittanceTruth) {
         let through: Vec<f64> = truth.volume.iter().map(|t| t.powf(density.into())).collect();
         let even = found.iter().copied().zip(through.iter().copied()).take(truth.even);
@@ -517,8 +519,8 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
 fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_stage: &mut dyn FnMut(&'static str)) -> Result<Vec<u8>, BakeError> {
     let height = f64::from(lengths.length_m / lengths.tile_size_m);
     let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
-    // The sheet has the middle tile, and on each side the reach of the rays that end on it. A larger sheet would only
-    // make the maps coarser.
+    // The sheet consists of the middle tile and a margin on each side. The margin is as wide as the reach of the rays
+    // that end on the tile. A larger sheet would only make the maps coarser.
     let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
     let model = sheet_model(tiles * lengths.tile_size_m, tiles);
     Ok(pipeline::bake(&BakeInput::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)

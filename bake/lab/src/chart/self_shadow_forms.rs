@@ -18,7 +18,7 @@ pub enum SelfShadowForm {
     Maps {
         /// Shadow settings of the runtime.
         shadows: ShadowParams,
-        /// Fraction of slanted light that a layer absorbs: corrected or published form.
+        /// Form in which the fraction of slanted light that a layer absorbs is computed: corrected or published.
         slant: SlantForm,
     },
 }
@@ -58,7 +58,8 @@ impl SelfShadowForm {
         }
     }
 
-    /// Returns the fraction of the layers' optical depth that attenuates the light in this form.
+    /// Returns the factor by which this form scales the layers' optical depth: the maps' `density`, or 1 for baked
+    /// visibility.
     pub fn density(&self) -> f32 {
         match self {
             Self::Baked { .. } => 1.0,
@@ -95,7 +96,7 @@ pub fn configurations(recipe: &Recipe) -> Vec<SelfShadowConfiguration> {
         add("map size", format!("{map_size}²"), maps(base.with(|s| s.map_size = map_size)));
     }
     for map_size in [64, 128, 256, 512, 1024] {
-        // The paper's maps use the layers' full optical depth.
+        // In the published form, maps use the layers' full optical depth.
         let shadows = base.with(|s| (s.map_size, s.density) = (map_size, 1.0));
         add(
             "map size, as printed",

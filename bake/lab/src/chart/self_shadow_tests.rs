@@ -52,7 +52,8 @@ fn middle_tile_is_centred_and_has_the_frame_of_the_shader() {
 fn exact_shadow_maps_have_zero_error() {
     let sheet = sheet();
     let slant = Slant { angle: 0, light_ts: DVec3::Z };
-    // Under light from straight above, a map aligned with the tile's texels is the product of the layers above.
+    // Under light from straight above, consider a map aligned with the tile's texels. It contains the product of the
+    // transmittances of the layers above.
     let n = sheet.set.texels;
     let alpha = |k: usize, i: usize| f32::from(sheet.set.layers[k].color[0][4 * i + 3]) / 255.0;
     let layers: Vec<Vec<f32>> = (0..6)
@@ -81,7 +82,7 @@ fn exact_shadow_maps_have_zero_error() {
     let fast = sheet.transmittance_by_maps(&maps, &slant, as_drawn, &truth);
     let mut measured = SelfShadowErrors::default();
     measured.add(&slant, &fast, 1.0, &truth);
-    // The volume caps the opacity of opaque texels; the maps do not.
+    // A small error remains, because the volume caps the opacity of opaque texels and the maps do not.
     let rmse = measured.total(0).rmse().unwrap_or(1.0);
     assert!(rmse < 0.01, "{rmse}");
     assert!(truth.strands.len() > 300 && measured.total(1).rmse().is_some_and(|rmse| rmse > 0.02));

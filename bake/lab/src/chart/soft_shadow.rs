@@ -37,7 +37,7 @@ const LIT: f64 = 0.999;
 /// Method of computing an attenuation from the maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Published form of Yang 2006, §4 and §5, with the paper's map.
+    /// Published form of Yang 2006, §4 and §5, with the map of that paper.
     Printed,
     /// Numerically safe variant of `Printed`, with the penumbra inside the hard edge ([`PenumbraForm::Inner`]).
     Inner,
@@ -178,7 +178,7 @@ pub struct SampledSurface {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     position_ws: Vec3,
-    /// Normal interpolated between the vertices, as in the runtime's shading; then the normal of the triangle.
+    /// Normal interpolated between the vertices, as in the runtime's shading. `face_ws` is the normal of the triangle.
     normal_ws: Vec3,
     face_ws: Vec3,
 }
@@ -284,13 +284,14 @@ fn spread(rest: &RestPose, triangles: &[[u32; 3]], count: u32) -> Vec<Point> {
 
 /// Returns the paper's occlusion map: true where the farthest surface facing the light is behind the nearest one.
 fn occlusion(maps: &LightMaps) -> Vec<bool> {
-    // The threshold is the smallest gap of the runtime's filter, in rendered depths, which are linear for distant
-    // lights.
+    // The threshold is the smallest gap between surfaces in the runtime's filter. Its unit is rendered depth, which is
+    // linear for distant lights.
     maps.depths[0].iter().zip(&maps.depths[1]).map(|(near, far)| far - near > 1e-3).collect()
 }
 
-/// Returns the distance from the edge into the shadow, in texels and at most `passes`. Each pass computes the minimum
-/// over the neighbours of their distance plus the step to them, as Kirsch and Döllner do.
+/// Returns the distance of each shadowed texel from the shadow's edge, in texels and at most `passes`; 0 for lit
+/// texels. In each pass, a texel takes the least sum of a neighbour's distance and the step to that neighbour (Kirsch
+/// and Döllner 2003).
 fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     let mut distances: Vec<f32> = occluded.iter().map(|o| if *o { passes as f32 } else { 0.0 }).collect();
     for _ in 0..passes {
@@ -309,7 +310,8 @@ fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
     distances
 }
 
-/// Returns Kirsch's attenuation at a point `sd` metres behind the first surface, with pelage's depth bias.
+/// Returns the attenuation of Kirsch and Döllner 2003 at a point `sd` metres behind the surface nearest to the light.
+/// The depth bias is pelage's.
 fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f32, n_dot_l: f32) -> f32 {
     let texel = maps.soft.texel * place.w;
     let bias = depth_bias(place.w, slanted_path(n_dot_l), &maps.soft);

@@ -30,7 +30,8 @@ fn iterated_distances_saturate_at_the_pass_count() {
     let at = |x: usize, y: usize| distances[y * size + x];
     assert_eq!([at(9, 16), at(10, 16), at(12, 16), at(15, 16), at(20, 16), at(31, 16)], [0.0, 1.0, 3.0, 6.0, 6.0, 6.0]);
     assert_eq!([at(20, 3), at(20, 4), at(20, 6)], [0.0, 1.0, 3.0]);
-    // From a convex corner of the lit area, the shortest path is diagonal.
+    // The lit area is a square in the corner of the map. From its convex corner, the shortest path into the shadow is
+    // diagonal.
     let hole: Vec<bool> = (0..size * size).map(|i| i % size > 4 || i / size > 4).collect();
     let distances = iterated_distances(&hole, size, passes);
     assert!((distances[7 * size + 7] - 3.0 * std::f32::consts::SQRT_2).abs() < 1e-5);
@@ -41,7 +42,7 @@ fn points_inside_the_model_are_excluded() {
     let mut model = sphere(24, 48);
     let outside = SampledSurface::new(&model).unwrap_or_else(|e| panic!("{e}")).points.len();
     assert_eq!(outside as u32, POINTS);
-    // The smaller ball inside has a quarter of the area.
+    // Adds a ball of half the radius inside the first one. It has a quarter of the first ball's area.
     let inner = model.mesh.clone();
     let first = model.mesh.positions.len() as u32;
     model.mesh.positions.extend(inner.positions.iter().map(|p| *p * 0.5));
@@ -54,7 +55,7 @@ fn points_inside_the_model_are_excluded() {
 
 #[test]
 fn width_map_of_the_paper_is_half_at_a_straight_edge() {
-    // The edge is between two blocks, and the size is not a multiple of the block.
+    // The edge is between two texels of the reduced map, and the size is not a multiple of `shrink`.
     let (size, shrink) = (30, 4);
     let occluded: Vec<bool> = (0..size * size).map(|i| i % size >= 16).collect();
     let map = paper_width(&occluded, size, shrink);
@@ -84,7 +85,7 @@ fn reference_shadows_of_a_ball_and_a_ring_are_correct() {
     let number = |x: Option<f64>| x.unwrap_or(f64::NAN);
     assert_eq!((number(measured.all.rmse()), number(measured.shadow.rmse())), (0.0, 0.0));
     assert!(number(measured.umbra.mean()) < UMBRA && measured.penumbra[0] == measured.penumbra[1]);
-    // Without any shadow, all light leaks.
+    // A method without any shadow lets all light into the umbra.
     let mut lit = SoftShadowErrors::default();
     lit.add(&vec![1.0; truth.len()], &truth);
     assert_eq!((number(lit.umbra.mean()), lit.penumbra[0]), (1.0, 0));

@@ -66,9 +66,9 @@ impl DrawMethod {
     /// Returns all methods for strands of `pieces` pieces:
     ///
     /// * the runtime's choice
-    /// * layers, if there is a `coat`
-    /// * strands of all pieces, half as many and so on
-    /// * with blended edges: the runtime's choice, all pieces, and half as many
+    /// * if `coat` is true, layers: as many as the size needs, and all
+    /// * strands of all pieces, strands of half as many pieces, and so on
+    /// * with blended edges: the runtime's choice, strands of all pieces, and strands of half as many pieces
     pub fn all(pieces: u32, coat: bool) -> Vec<Self> {
         let way = |series: &str, hair, detail| Self {
             series: series.to_owned(),
@@ -319,8 +319,8 @@ mod tests {
             measured: SettingMeasurements { frame_ms, flip, ..SettingMeasurements::default() },
             ..StrandsMeasures::default()
         };
-        // The cheapest method is less accurate, the next one nearly as accurate, and the last one more accurate and
-        // more expensive.
+        // Compared with the first method, the cheapest one is less accurate, and the next one is nearly as accurate.
+        // The last one is more accurate and more expensive.
         let blended = StrandsMeasures { blended: true, ..way(2.0, 0.0050) };
         let ways = [way(6.0, 0.0100), way(1.0, 0.0200), way(4.0, 0.0101), way(9.0, 0.0050), blended];
         assert_eq!(over_cheapest(&ways), Some(1.5));

@@ -1,4 +1,5 @@
-//! Topic `surface`: trade-off between seams and distortion, and the seconds that both cost.
+//! Topic `surface`: trade-off between seams and distortion of texture coordinates, and the seconds needed to compute
+//! them.
 
 use super::{Cell, Panel};
 use pelage_bake::recipe::Recipe;

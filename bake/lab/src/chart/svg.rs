@@ -134,7 +134,7 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
     let on_front = chart.on_front(panel);
     let line = stairs(&points, &on_front, place, (left + frame_w, top));
     area.draw(&PathElement::new(line.clone(), BLACK.mix(0.5).stroke_width(2))).map_err(fault)?;
-    // More important rows are drawn later and labelled earlier.
+    // Draws rows of the Pareto front after the others, and the default last. Labels are placed in the opposite order.
     let mut order: Vec<usize> = (0..chart.rows.len()).filter(|i| points[*i].is_some()).collect();
     order.sort_by_key(|i| (chart.rows[*i].default, on_front[*i]));
     let at = |i: usize| points[i].map(place).unwrap_or_default();
@@ -158,7 +158,7 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) ->
 
 /// Returns the Pareto front as steps from least cost to least error. At each cost, a step shows the least error
 /// available for at most that cost. The line begins at the top of the frame and ends at its right edge; `end` is the
-/// corner between them.
+/// upper right corner of the frame.
 fn stairs(
     points: &[Option<(f64, f64)>],
     on_front: &[bool],

@@ -1,10 +1,10 @@
-//! Topic `verlet`: error of simulated guided hair, compared with its equations ([`TrueGuide`]), and its cost.
-//! Methods differ in how they enforce the lengths of the pieces.
+//! Topic `verlet`: error of simulated guided hair, compared with its equations ([`TrueGuide`]), and its cost. Methods
+//! differ in how they enforce the lengths of the pieces.
 //!
-//! Each method moves the same guides through the same frames of a sixtieth of a second: the runtime's solver with
-//! several numbers of steps and solves, and methods from the literature. The latter use the runtime's forces, whose
-//! springs are implicit, so that methods differ only in how they enforce lengths. The published form has its own
-//! forces.
+//! Each method moves the same guides through the same frames of a sixtieth of a second. The methods are the runtime's
+//! solver and methods from the literature. The runtime's solver is measured with several numbers of steps, and of
+//! solves for the tensions. The methods from the literature use the runtime's forces, whose springs are implicit, so
+//! that methods differ only in how they enforce lengths. The published form has its own forces.
 //!
 //! The scenes keep hair taut. Slack hair whips: two motions that differ by a rounding error diverge, so the truth would
 //! be arbitrary.
@@ -31,7 +31,8 @@ pub const SECONDS: u32 = 3;
 const TRUTH_TOLERANCE: f64 = 1e-5;
 /// Damping ratio of the springs that pull towards the groomed position; 1 is critical damping.
 const DAMPED: f32 = 0.3;
-/// Fraction of the speed lost by following that is restored, as in Müller 2012.
+/// Fraction of the lost speed that is restored, as in Müller 2012. Speed is lost when a point is moved to its correct
+/// distance from the previous one.
 const RESTORED_SPEED: f32 = 0.9;
 /// Compliance of a piece, metres per metre per second squared. The weight of a guide that hangs from a piece stretches
 /// it by 1e-4 of its length.
@@ -42,13 +43,13 @@ const COMPLIANCE: f32 = 1e-8;
 /// * `points`: points per guide. `steps_per_s`: steps per second. `rounds`: mean number of passes over the lengths per
 ///   step; for the runtime's solver, the pass from root to tip is included.
 /// * `rms_percent`: RMS distance of points from their true positions, in % of the guide's length. It covers all points
-///   but the root, and all frames of three scenes. `largest_percent`: largest distance. `rms_turn` etc.: RMS distance
-///   in one scene.
+///   but the root, and all frames of three scenes. `largest_percent`: largest of these distances. `rms_turn` etc.: RMS
+///   distance in one scene.
 /// * `stretch_percent`: largest relative deviation of any piece from its length.
-/// * `nanoseconds`: time per guide and simulated second, on one core. `corrections_per_s`: corrections of each piece's
-///   length in that second.
-/// * `true_steps_per_s`: steps per second of the truth. `true_change_percent`: difference from the truth with half as
-///   many.
+/// * `nanoseconds`: time per guide and simulated second, on one core. `corrections_per_s`: number of times that each
+///   piece's length is corrected per simulated second.
+/// * `true_steps_per_s`: steps per second of the truth. `true_change_percent`: change of the truth if it is computed
+///   with half as many steps.
 pub const COLUMNS: [&str; 13] = [
     "points",
     "steps_per_s",
@@ -119,7 +120,7 @@ impl Scene {
         }
     }
 
-    /// Returns the root's position and frame in the renderer's type and precision.
+    /// Returns the root's position and frame in single precision, as the renderer's type.
     fn rooted(self, time_s: f64) -> RootFrame {
         let (root, frame) = self.root_at(time_s);
         RootFrame { root: root.as_vec3(), frame: frame.as_mat3() }
@@ -197,7 +198,7 @@ pub fn configurations() -> Vec<VerletConfiguration> {
         forms.push(("ours, steps a second", steps.to_string(), MotionForm::Ours(solver)));
     }
     for solved in [1, 2, 3, 6] {
-        // A tolerance of 0 forces exactly that number of solves.
+        // A tolerance of 0 forces exactly `solved` solves per step.
         let solver = Solver { solved, within: 0.0, ..ours };
         forms.push(("ours, solves a step", solved.to_string(), MotionForm::Ours(solver)));
     }
@@ -320,8 +321,8 @@ impl Guide {
         solved
     }
 
-    /// Moves the guide with the runtime's forces. `hold` enforces the lengths at the end of each step, and receives the
-    /// step's duration in seconds.
+    /// Moves the guide with the runtime's forces, but without its solver. `hold` enforces the lengths at the end of
+    /// each step, and receives the step's duration in seconds.
     fn unconstrained(
         &self,
         steps_per_s: u32,
@@ -378,8 +379,8 @@ impl Guide {
         }
     }
 
-    /// Returns each point's offset from its position if all pieces before it kept their groomed shape. In that shape,
-    /// each piece is rotated like the previous one.
+    /// Returns the vector from each point to the position that it would have if the pieces up to it kept their groomed
+    /// shape. The groomed shape of each piece is rotated with the previous piece.
     fn bending_offsets(&self, frame: Mat3, places: &[Vec3]) -> Vec<Vec3> {
         let mut out = vec![Vec3::ZERO; places.len()];
         let mut turn = Quat::IDENTITY;
@@ -556,7 +557,7 @@ impl MotionForm {
     /// together.
     pub fn effort(&self, found: &MotionDeviation) -> Option<(f64, f64)> {
         Some(match *self {
-            // The last pass from root to tip corrects the error that the tensions leave.
+            // Adds one pass per step: the pass from root to tip that corrects the error left by the tensions.
             Self::Ours(Solver { steps_per_s, .. }) => {
                 let steps_per_s = f64::from(steps_per_s);
                 let seconds = f64::from(SECONDS * Scene::ALL.len() as u32);

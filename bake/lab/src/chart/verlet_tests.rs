@@ -16,7 +16,7 @@ fn rows_differ_and_each_length_has_one_default() {
             assert!(of[..i].iter().all(|b| (b.series, &b.label) != (a.series, &a.label) && b.form != a.form), "{a:?}");
         }
     }
-    // The number of solves corresponds to three in each step of a scene.
+    // In each scene, 1080 solves are three per step.
     let of = MotionDeviation { squares: 1.0, count: 4, solved: 1080, ..MotionDeviation::default() };
     let row = cells(&all[0], &[of; 3], Some(5.0), &[]);
     assert_eq!(row.len(), COLUMNS.len());

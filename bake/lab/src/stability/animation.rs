@@ -46,8 +46,8 @@ fn cofactors(m: Mat3) -> Mat3 {
     Mat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
 }
 
-/// Counts normals that are NaN or not of unit length. The naive form is the inverse transpose. In the safe form, the
-/// tangent must also be of unit length and perpendicular to the normal.
+/// Counts normals that are NaN or not of unit length. The naive form transforms normals by the inverse transpose of the
+/// joint matrix. In pelage's form, the tangent must also be of unit length and perpendicular to the normal.
 fn not_unit() -> (f64, f64) {
     let (mut naive, mut safe) = (0, 0);
     let unit = |v: Vec3| (v.length() - 1.0).abs() < 1e-5;
@@ -80,7 +80,7 @@ fn distance_from_expected(matrix: Mat4, belongs: Vec3) -> f64 {
     f64::from(matrix.transform_point3(Vec3::new(1.0, 2.0, 3.0)).distance(belongs))
 }
 
-/// Tests joint matrices of NaN that no weight refers to.
+/// Tests joint matrices that consist of NaN and have weight 0.
 fn broken_joint() -> (f64, f64) {
     let (moved, broken) = (Mat4::from_translation(Vec3::X), Mat4::from_cols_array(&[f32::NAN; 16]));
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);

@@ -57,12 +57,12 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         for format in [TextureFormat::Rg8Unorm, TextureFormat::Rgba8Unorm] {
             right &= stored_soundly(&strands, format)?;
         }
-        // Where only the two hairs overlap, the mean leans to neither side, and its length measures how well they
-        // agree.
+        // For two hairs alone, the mean direction leans to neither side, and its length measures how well their
+        // directions agree.
         let t = [strands.points[1] - strands.points[0], strands.points[3] - strands.points[2]].map(Vec3::normalize);
         let (unit, confidence) = resolve((t[0] + t[1]) * 0.5);
         right &= (unit - Vec3::Z).length() < 1e-3 && (confidence - libm::cosf(angle.to_radians())).abs() < 1e-3;
-        // The components in the surface plane cancel completely.
+        // The tangents' components in the surface plane cancel completely. The result must still be a unit vector.
         let sum = t[0].with_z(0.0) + t[1].with_z(0.0);
         right &= resolve(sum * 0.5).0.is_normalized();
         safe_wrong += usize::from(!right);

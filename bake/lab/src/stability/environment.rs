@@ -44,7 +44,7 @@ fn painted(radiance: impl Fn(DVec3) -> DVec3) -> Result<Panorama, BakeError> {
     Panorama::from_fn((256, 128), radiance).map_err(|error| BakeError::Internal(error.to_string()))
 }
 
-/// Tests the integral of a lobe around the fibre, by the width of the lobe.
+/// Tests the integral of a light lobe over all azimuths around the fibre, for lobes of different widths.
 fn narrow_lights() -> Finding {
     let truth = |k: f64| {
         const STEPS: usize = 20_000;
@@ -90,7 +90,7 @@ fn merging_glints() -> Finding {
     let way = |theta: f64, phi: f64| {
         DVec3::new(libm::cos(theta) * libm::cos(phi), libm::sin(theta), libm::cos(theta) * libm::sin(phi))
     };
-    // The light comes from the angle of TRT's lobe, so that both directions are at the difference angle.
+    // The light is at the centre of TRT's longitudinal lobe, so that both directions are at the difference angle.
     let cases: Vec<(DVec3, GaussianLight)> = (40..=56)
         .step_by(2)
         .flat_map(|degrees| [0.0, 0.4].map(|phi| (f64::from(degrees).to_radians(), phi)))
@@ -142,14 +142,14 @@ fn along_the_hair() -> Finding {
             (tip, [tip, -tip][i as usize % 2], eye, aside)
         })
     };
-    // Cosine of the azimuth from the components perpendicular to the hair, in f32.
+    // The naive form computes the cosine of the azimuth from the components perpendicular to the hair, in f32.
     let naive = |tip: Vec3, light: Vec3, eye: Vec3| {
         let (l, e) = (light - tip * tip.dot(light), eye - tip * tip.dot(eye));
         l.dot(e) / (l.dot(l) * e.dot(e)).sqrt()
     };
     let fibre = Fibre::default();
     let tables = BroadTables::new(&fibre, BroadSize { means: 4, to: 12, from: 12, phi: 8 });
-    // A small step to either side must not change the result.
+    // If the light's direction changes by a small step to any side, pelage's result must not change by more than 1 %.
     let ours = |tip: Vec3, light: Vec3, eye: Vec3, aside: Vec3| {
         let of = |towards: Vec3| {
             let light = CutGaussianLight { towards: towards.as_dvec3().normalize(), mean: 0.8 };
@@ -267,7 +267,8 @@ fn numbers_of(panorama: &Panorama) -> Vec<f64> {
 
 fn black() -> Result<Finding, BakeError> {
     let black = painted(|_| DVec3::ZERO)?;
-    // Mean direction of the black map's light, and fractions of its light.
+    // The naive form computes the mean direction of the black map's light, and the factor that converts light to
+    // fractions of the total.
     let (width, height) = black.size();
     let (mut all, mut middle) = (0.0, DVec3::ZERO);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
@@ -293,7 +294,7 @@ fn broken() -> Result<Finding, BakeError> {
     for (i, x) in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -3.0].into_iter().enumerate() {
         pixels[(2 * i + 1) * count / 11] = [x; 3];
     }
-    // The naive form is a mean over unrepaired pixels: total light of each colour.
+    // The naive form sums the light of each colour over unrepaired pixels.
     let sum = |i: usize| pixels.iter().map(|pixel| f64::from(pixel[i])).sum::<f64>();
     let naive = count_not_finite([0, 1, 2].map(sum));
     let (width, height) = plain.size();

@@ -44,7 +44,8 @@ pub struct PrintedStep<'a> {
     pub lengths: &'a [f32],
     /// Number of iterations over spheres and lengths.
     pub sweeps: u32,
-    /// Spheres that hair must not enter, handled one after the other. Only one end of each capsule is used.
+    /// Spheres that hair must not enter, handled one after the other. Each is given as a capsule, of which only one end
+    /// is used.
     pub spheres: &'a [Capsule],
 }
 

@@ -48,8 +48,8 @@ fn ear() -> Model {
     surface::model(ball.positions.iter().map(flat).collect(), ball.triangles)
 }
 
-/// Returns the widest stroke of a package over all views, first without the template, then with it. Widths are relative
-/// to that of the template.
+/// Returns the widest stroke of a package over all views, first without the template, then with it. Widths are divided
+/// by the width of the template.
 fn widest(package: &[u8], draw: &mut DrawCallback<'_>) -> Result<[f64; 2], BakeError> {
     let opened = Package::open(package, &Limits::default());
     let bounds =

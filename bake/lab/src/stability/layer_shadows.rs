@@ -101,7 +101,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             fails_above,
         });
     }
-    // Horizontal light: in the form that shaders use, a texel without hair has transmittance 1 to an infinite power.
+    // For horizontal light, the path is infinite. In the form that shaders use, a texel without hair then has
+    // transmittance 1 to an infinite power, which is NaN.
     let level = |path: f32| {
         (0..=255u8).filter(move |a| {
             let alpha = f32::from(*a) / 255.0;
@@ -119,13 +120,14 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         fails_above: 0.5,
     });
     // Light from below the surface is blocked by the body, so none of it may arrive. Seen from the light, the outermost
-    // layer is the last one, but its map has nothing above it.
+    // layer is the last one. Its map does not show this, because it contains only the layers above, of which there are
+    // none.
     let angles = [110.0, 130.0, 155.0, 180.0];
     let range = Shading::default().back_light_range;
     let arriving = |back: &dyn Fn(f32) -> f32| {
         let shares = angles.map(|angle: f64| {
             let n_dot_l = angle.to_radians().cos();
-            // Seen from behind, the layers give the same product along a ray mirrored at the surface.
+            // For light from below, the product of the layers is the same as along the ray mirrored at the surface.
             let mirrored = DVec3::new(towards(180.0 - angle).x, towards(180.0 - angle).y, -n_dot_l);
             let t = products(&set, height, mirrored, |alpha| 1.0 - alpha, |_| 1.0);
             mean(&t[set.layers.len() - 1]) * f64::from(back(n_dot_l as f32))

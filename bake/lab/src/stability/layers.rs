@@ -28,7 +28,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             let many = transmittances(&slice(&strands, layers, 64)?, 0);
             safe = safe.max((mean(&few) - mean(&many)).abs()).max((covered(&few) - covered(&many)).abs());
         }
-        // The naive form has 64 layers with the opacities of 8 layers.
+        // The naive form draws 64 layers with the opacities of 8 layers.
         let naive: Vec<f64> = (0..texels(&eight, 0))
             .map(|texel| (1..64).map(|k| 1.0 - opacity(&eight, (k * 7_usize).div_ceil(63), 0, texel)).product())
             .collect();

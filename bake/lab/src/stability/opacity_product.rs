@@ -58,13 +58,13 @@ fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     depths
 }
 
-/// Texels along a side of a layer, and supersampling factor along each axis at which strands are rasterised before
-/// being reduced.
+/// Texels along a side of a layer. Strands are rasterised at `FINER` times as many texels along each axis, and then
+/// reduced.
 const TEXELS: usize = 64;
 const FINER: usize = 4;
 
-/// Returns the mean transmittance of a column of `slabs` 8-bit layers, computed from the optical depths of the finer
-/// texels. Each layer is rounded separately.
+/// Returns the mean transmittance of `slabs` stacked layers with 8-bit opacities. `fine` has the optical depths of the
+/// finer texels. The opacity of each layer is rounded separately.
 fn rounded(fine: &[f64], slabs: i32) -> f64 {
     let through = |layers: i32| {
         let share = f64::from(layers) / f64::from(slabs);

@@ -24,8 +24,8 @@ const FUR_HEIGHT_M: f32 = 0.02;
 /// Depth below the fur's surface at which light is measured, metres.
 const BELOW_M: f32 = 0.005;
 
-/// Returns the pieces of all strands of a tile under light from straight above. Each has its depth below the fur's
-/// surface in metres, and the fraction of the tile that it covers.
+/// Returns all strand pieces of a tile under light from straight above. For each piece, the result has its depth below
+/// the fur's surface in metres, and the fraction of the tile that it covers.
 fn covered(strands: &Strands) -> Vec<(f32, f32)> {
     let metres = FUR_HEIGHT_M / strands.height;
     let mut out = Vec::new();
@@ -44,10 +44,11 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let strands = grow(&HairParams { density: 1400, length_variation: 0.0, lean: 0.6, ..natural_hair()? }, 0.2)?;
     let hair = covered(&strands);
     let surface = hair.iter().map(|(depth, _)| *depth).fold(f32::INFINITY, f32::min);
-    // Hair in front of a point shadows it.
+    // True transmittance: all hair between the light and a point shadows it.
     let truth: f32 =
         (-hair.iter().filter(|(depth, _)| depth - surface < BELOW_M).map(|(_, area)| area).sum::<f32>()).exp();
-    // Largest error of the transmittance t, with the fur's surface at several depths of the body.
+    // Returns the largest error of the transmittance t. `bodies` are the depths along the light at which the fur's
+    // surface is placed, metres.
     let error = |form, slabs, bodies: &mut dyn Iterator<Item = f32>| {
         let opacity = columns_of(form, &ShadowParams::default().with(|s| s.slabs = slabs), BODY_M, FUR_HEIGHT_M);
         let of = |at_m: f32| {

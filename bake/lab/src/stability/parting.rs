@@ -32,8 +32,8 @@ fn guides(rise: f32) -> Vec<Vec<Vec3>> {
     sides.map(guide).collect()
 }
 
-/// Returns how much shorter than its guides a hair is, measured straight from root to tip. The result is the largest
-/// fraction of the guides' length, over roots at the parting.
+/// Returns how much shorter a hair is than its guides, measured straight from root to tip. The result is a fraction of
+/// the guides' length, and the maximum over roots at the parting.
 fn shortened(guides: &[Vec<Vec3>], way: &dyn Fn(Vec3) -> Vec3) -> f64 {
     let whole = guides[0][POINTS - 1].distance(guides[0][0]);
     let roots = (0..200).map(|k| Vec3::new((k % 20) as f32 * 0.05 - 0.475, 0.0, 3.0 + (k / 20) as f32 * 0.37));

@@ -56,7 +56,8 @@ fn incidence(section: &Section, gamma: f64) -> (DVec3, DVec3) {
 
 fn fresnel() -> Finding {
     let gammas = || (0..90).map(|degrees| f64::from(degrees).to_radians());
-    // The truth uses Fresnel amplitudes for the angles in space between vectors and the normal.
+    // The truth applies the Fresnel equations in three dimensions, to the angles between the light's directions and the
+    // surface normal.
     let truth = |section: &Section, gamma: f64| {
         let (normal, way) = incidence(section, gamma);
         let (c, t) = (-way.dot(normal), -refracted(way, normal, section.eta).dot(normal));
@@ -118,7 +119,8 @@ fn chord() -> Finding {
 }
 
 fn energy() -> Finding {
-    // Light that the eye sees from a fibre without absorption under uniform light.
+    // Largest error of the light that the eye sees from a fibre without absorption under uniform light. The true value
+    // is 1.
     let whole = |along: &dyn Fn(&Angles) -> f64| {
         let of = |degrees: f64| {
             let theta = degrees.to_radians();
@@ -154,8 +156,9 @@ fn energy() -> Finding {
 fn glints_in_tables() -> Finding {
     const TEXELS: usize = 128;
     let glint = GlintShape { width: 5_f64.to_radians(), ..GlintShape::default() };
-    // Row of a table, with functions from texture coordinate to azimuth and back. The first and last texel are at
-    // coordinates 0 and 1, or half a texel inside as in a published lookup from 0 to 1.
+    // Returns the error of a table row. `phi_of` and `place_of` convert from texture coordinate to azimuth and back.
+    // `inset` is the coordinate of the first texel: 0, or half a texel as in a published lookup from 0 to 1. The last
+    // texel is at 1 − `inset`.
     let off = |inset: f64, phi_of: &dyn Fn(f64) -> f64, place_of: &dyn Fn(f64) -> f64| {
         largest(sections().step_by(4).map(|section| {
             let glints = section.glints(&glint);

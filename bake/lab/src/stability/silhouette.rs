@@ -97,7 +97,7 @@ fn error(a: &Coverage, b: &Coverage, distances: &[f64], reach: f64, window: u32)
 pub struct SilhouetteMeasures {
     /// Error of layers rendered as sheets, whose opacity does not depend on the view angle, without fins.
     pub sheets: f64,
-    /// Error of layers rendered as slabs, with fins.
+    /// Error of layers rendered as slabs, whose opacity depends on the length of the view path through them, with fins.
     pub ours: f64,
     /// Opacity by distance from the outline: of the truth, of sheets, of slabs without fins, of slabs with fins, and of
     /// fins only.

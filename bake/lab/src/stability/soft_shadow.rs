@@ -1,6 +1,6 @@
-//! Soft shadows from a shadow-width map (Yang 2006, §5: 1 − C_scale · sw / sd). With a nearby occluder, sd is only the
-//! rounding error of the depth map, and the quotient is arbitrary. At the hard edge the blurred map is one half, which
-//! makes a step.
+//! Soft shadows from a shadow-width map (Yang 2006, §5: 1 − C_scale · sw / sd). Here, sw is the shadow width, and sd
+//! the depth behind the first surface. With a nearby occluder, sd is only the rounding error of the depth map, and the
+//! quotient is arbitrary. At the hard edge the blurred map is one half, which makes a step.
 
 use super::row::{Finding, Row};
 use glam::Vec4;
@@ -36,7 +36,8 @@ fn printed(texel: Vec4, z: f32) -> f32 {
     printed_attenuation((z - texel.z) * SOFT.range_m, texel.x * SOFT.blur, 1.0 / SOFT.penumbra)
 }
 
-/// Returns the errors of both forms; the runtime has two variants, of which the worse counts.
+/// Returns the errors of the published form and of the runtime's form. The runtime has two variants, of which the worse
+/// counts.
 fn both(texel: Vec4, z: f32, n_dot_l: f32, truth: f32) -> (f64, f64) {
     let error = |value: f32| f64::from((value - truth).abs());
     let safe = [true, false].map(|centred| error(soft_shadow(texel, z, 1.0, slanted_path(n_dot_l), &SOFT, centred)));
@@ -48,8 +49,8 @@ fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |worst: f64, x| if x.is_nan() || x > worst { x } else { worst })
 }
 
-/// Tests a lit surface beside the edge of a shadow that falls elsewhere. Its depth is the map's up to rounding, and the
-/// blur of the map reaches it.
+/// Tests a lit surface beside the edge of a shadow that falls elsewhere. The surface has the map's depth up to
+/// rounding, but the blurred map has some occlusion there.
 fn lit_surface() -> (f64, f64) {
     let cases = (0..1000).map(|i| {
         let occlusion = 0.45 * (i as f32 / 1000.0);
@@ -61,9 +62,9 @@ fn lit_surface() -> (f64, f64) {
     (worst(naive), worst(safe))
 }
 
-/// Tests a lit surface whose light is near its horizon. Within a texel of the map, the depth of the slanted surface
-/// varies. A convex body casts no shadow on itself, but another shadow may fall beyond its edge as seen from the light.
-/// There is therefore some occlusion around the point.
+/// Tests a lit surface that the light grazes. The surface is slanted, so its depth varies within a texel of the map. A
+/// convex body casts no shadow on itself, but another shadow may fall beyond its edge as seen from the light. The
+/// blurred map therefore has some occlusion at the point.
 fn at_the_horizon() -> (f64, f64) {
     let cases = (0..1000).map(|i| {
         let n_dot_l = 0.26 + 0.2 * (i % 10) as f32 / 10.0;
@@ -76,8 +77,8 @@ fn at_the_horizon() -> (f64, f64) {
     (worst(naive), worst(safe))
 }
 
-/// Returns the largest difference between adjacent receivers on a line across the straight edge of a shadow. The
-/// occluder is `gap_m` metres above the line, and there are a hundred receivers per width of the true penumbra.
+/// Returns the largest difference in light between adjacent points on a line across the straight edge of a shadow. The
+/// occluder is `gap_m` metres above the line, and there are a hundred points per width of the true penumbra.
 fn across_the_edge(gap_m: f32) -> (f64, f64) {
     let width = gap_m * SOFT.penumbra;
     let (thrower, z) = (0.25, 0.25 + gap_m / SOFT.range_m);
@@ -86,7 +87,7 @@ fn across_the_edge(gap_m: f32) -> (f64, f64) {
         let value = steps.map(|i| {
             let inside = width * f32::from(i) / 100.0;
             let occlusion = (0.5 + 0.5 * inside / SOFT.blur).clamp(0.0, 1.0);
-            // The receiver is behind the occluder only within the shadow.
+            // The first surface is the occluder within the shadow, and the receiver itself outside.
             let first = if inside > 0.0 { thrower } else { z };
             let texel = texel(occlusion, thrower, first);
             match centred {

@@ -97,8 +97,8 @@ fn distinct_cells(form: fn(Vec3, Vec3) -> Vec2, eye: Vec3) -> usize {
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
     let aside = eyes()[3];
-    // Number of cells in the disc inscribed in the square of 64 × 64 cells. The measure is the fraction of them that no
-    // normal reaches.
+    // Number of cells in the disc inscribed in the square of 64 × 64 cells. The measure is the fraction of the disc's
+    // cells that no normal reaches.
     let disc = std::f64::consts::FRAC_PI_4 * 64.0 * 64.0;
     let empty = |form| (1.0 - distinct_cells(form, aside) as f64 / disc).max(0.0);
     Ok(vec![
@@ -126,7 +126,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             safe: worst(perpendicular),
             // Allows for f32 rounding in dot products and a square root.
             bound: 1e-6,
-            // The rim alone shrinks by half of 1 − cos(15°) = 0.034.
+            // The naive form already has an error of half of 1 − cos(15°) = 0.034 by shrinking the rim.
             fails_above: 0.016,
         },
     ])

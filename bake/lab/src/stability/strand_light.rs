@@ -19,7 +19,7 @@ pub const ROW: Row<DrawnRowTest> = Row {
     drive,
 };
 
-/// Number of rays of the truth per point, and spacing of the points in pixels.
+/// Number of rays of the truth per point. `STEP_PX` is the spacing of the points, pixels.
 const RAYS: u32 = 16;
 const STEP_PX: u32 = 4;
 /// Direction towards the light.

@@ -25,11 +25,11 @@ pub const ROW: Row<DrawnRowTest> = Row {
 
 /// Width and height of the picture, pixels. It is large because each pixel has only one sample, which is hit or not.
 pub const SIZE: u32 = 640;
-/// Side of the visible square, metres; the mesh is a little smaller.
+/// Side of the visible square, metres. `SKIN_M` is the side of the mesh, which is a little smaller.
 const VISIBLE_SIDE_M: f32 = 1.1;
 const SKIN_M: f32 = 1.0;
 const TILE_M: f32 = 0.125;
-/// Number of rays per pixel of the truth, in a picture an eighth as large.
+/// Number of rays per pixel of the truth, whose picture has an eighth of the width and height.
 const TRUE_SAMPLES: u32 = 1024;
 const TRUE_SIZE: u32 = SIZE / 8;
 

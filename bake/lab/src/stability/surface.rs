@@ -107,7 +107,8 @@ pub fn flips_of_one_chart(model: &Model) -> usize {
     model.mesh.triangles.iter().filter(|t| det(t) < 0.0).count()
 }
 
-/// Counts the half-edges that overwrite each other in a map.
+/// Counts the half-edges that are lost in a map from vertex pairs to faces, because a later one overwrites an earlier
+/// one.
 pub fn lost_half_edges(model: &Model) -> usize {
     let mut map = HashMap::new();
     for (f, t) in model.mesh.triangles.iter().enumerate() {

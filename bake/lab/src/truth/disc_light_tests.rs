@@ -23,7 +23,8 @@ fn penumbra_of_a_half_plane_matches_the_formula() {
     let width = penumbra * f64::from(height);
     for step in -12..=12i32 {
         let x = width * f64::from(step) / 16.0;
-        // The light is straight above: the edge is at x, and the disc's rim at half the penumbra width.
+        // The light is straight above. Seen from x, the edge cuts the light's disc 2x / `width` radii from the disc's
+        // centre.
         let truth = cut_disc(2.0 * x / width);
         let distant = DiscLight::Directional { towards_light_ws: DVec3::Y * 3.0, penumbra };
         let share = scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, &distant, 4096);

@@ -35,8 +35,8 @@ use std::f64::consts::TAU;
 const DAMPED: f64 = 0.3;
 /// Time step of the finite differences for velocities of the mesh surface, seconds.
 const MOMENT_S: f64 = 1e-4;
-/// Maximum number of Newton iterations that correct lengths after a step, and the error at which they stop, in lengths
-/// of the guide. Only rounding is left then.
+/// Maximum number of Newton iterations that correct lengths after a step. They stop at the error `EXACT`, in lengths of
+/// the guide; only rounding is left then.
 const ROUNDS: usize = 12;
 const EXACT: f64 = 1e-13;
 
@@ -239,7 +239,7 @@ impl TrueGuide<'_> {
 
     /// Advances the state by `seconds` from `time_s` on, in `steps` steps.
     ///
-    /// * `skin`: motion of the root at a fraction of that time, 0..=1; smooth within it
+    /// * `skin`: motion of the root after a fraction of `seconds`, 0..=1; smooth within this range
     pub fn advance(
         &self,
         swing: &mut GuideState,

@@ -33,7 +33,8 @@ fn simulate(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s:
 
 const TIMES: [f64; 4] = [0.3, 0.9, 2.0, 3.3];
 
-/// The angle is small enough that its sine equals the angle: x = A e^(−ct/2) (cos wt + c/2w sin wt).
+/// The point is released at an angle so small that its sine equals the angle. The expected motion is x = A e^(−ct/2)
+/// (cos wt + c/2w sin wt).
 #[test]
 fn one_point_swings_as_a_damped_pendulum() {
     let (points, ballast) = (hanging(2, 0.3), [DVec3::ZERO; 2]);
@@ -54,12 +55,13 @@ fn one_point_swings_as_a_damped_pendulum() {
     check(TrueGuide { drag_per_s: 2.0, ..bare }, 2.0, of_gravity);
     let shape = TAU * 0.7;
     check(TrueGuide { shape_hz: 0.7, ..bare }, 0.6 * shape, of_gravity + shape * shape);
-    // A single piece bends about its root like a spring of that frequency.
+    // A single piece bends about its root like a spring of frequency `bend_hz`.
     check(TrueGuide { bend_hz: 1.3, ..bare }, 0.0, of_gravity + (TAU * 1.3) * (TAU * 1.3));
     check(TrueGuide { gravity: DVec3::ZERO, bend_hz: 1.3, ..bare }, 0.0, (TAU * 1.3) * (TAU * 1.3));
 }
 
-/// Two points hang below each other. The modes are 1 : 1 ± √2, with squared frequencies (2 ∓ √2) g/l.
+/// Two points hang below each other. In the normal modes, their deflections have the ratio 1 : 1 ± √2, and the squared
+/// frequencies are (2 ∓ √2) g/l.
 #[test]
 fn double_pendulum_swings_in_its_normal_modes() {
     let (points, ballast) = (hanging(3, 0.4), [DVec3::ZERO; 3]);
@@ -140,7 +142,8 @@ fn halving_the_step_reduces_the_error_sixteenfold() {
     assert!(many < 0.1 * few && few < 0.01, "{few} m, {many} m");
 }
 
-/// Only the surface moves, and it rotates rigidly. Hair with a stiff spring rotates with it.
+/// Without gravity, only the motion of the mesh surface acts on the hair. Hair with a stiff spring moves rigidly with
+/// the surface.
 #[test]
 fn stiff_hair_moves_rigidly_with_its_root() {
     let points = hanging(5, 0.2);

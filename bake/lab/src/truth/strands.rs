@@ -156,9 +156,9 @@ impl StrandField {
         light.is_some_and(|light| self.is_free(place, light, Some(strand)))
     }
 
-    /// Returns whether a ray leaves the fur past all strands but `own`. The ray is divided into pieces one tile wide. A
-    /// piece can meet hairs of neighbouring tiles only if they lean over, and its coordinates are small enough for the
-    /// tree, which uses f32.
+    /// Returns whether a ray leaves the fur past all strands but `own`. The ray is divided into pieces one tile wide.
+    /// This keeps the coordinates of a piece small enough for the tree, which uses f32. A piece meets hairs of
+    /// neighbouring tiles only if those hairs lean over.
     fn is_free(&self, start: DVec3, light: DVec3, own: Option<u32>) -> bool {
         let Some(tree) = &self.tree else { return true };
         let enter = ((self.min.z - start.z) / light.z).max(0.0);

@@ -78,8 +78,8 @@ fn upright_hair_casts_a_shadow_of_its_length() {
         let shadow = 2.0 * r * length + 0.5 * std::f64::consts::PI * r * r * (1.0 + 1.0 / light.z);
         let found = 1.0 - mean(&hair, 0.0, light);
         assert!((found / shadow - 1.0).abs() < 0.06, "{angle}°: {found}, not {shadow}");
-        // One point is in the shadow of the point at three quarters of the hair's height, a tile away; the other is
-        // beside it.
+        // Tests points in the shadow of three quarters of the hair's height, several tiles away. The last point is
+        // beside the shadow.
         let t = |side: f64| {
             let away = -0.75 * length;
             let (u, v) = (0.2 + away * azimuth.to_radians().cos(), 0.7 + away * azimuth.to_radians().sin());
@@ -100,7 +100,8 @@ fn strand_is_shadowed_by_its_copies_and_not_by_itself() {
         let leaning = [root + shift, tip + shift];
         let alone = field(&[leaning], radius);
         let place = leaning[0].lerp(leaning[1], 0.3).as_dvec3();
-        // With light along the strand, the rest of the strand is in the way.
+        // With light along the strand, the rest of the strand is in the way. It does not block the strand's own light,
+        // but blocks that of another strand.
         let along = (tip - root).as_dvec3();
         assert!(alone.lights_strand(place, 0, along) && !alone.lights_strand(place, 1, along));
         assert!(alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.6)), "above the copy");

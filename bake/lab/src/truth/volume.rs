@@ -1,10 +1,10 @@
 //! Transmittance through the volume of which the layers are samples (formulas 4.3, after Kajiya and Kay 1989).
 //!
-//! A layer's opacity α is the fraction of light from straight above that its slab of height Δ absorbs. The slab's
-//! extinction is therefore −ln(1 − α)/Δ. Extinction is given at the texel centres of each layer and interpolated
-//! linearly along all three axes. It is constant within half a layer spacing below the lowest layer and above the
-//! outermost one. Straight down, the whole volume therefore absorbs exactly as much as the product of all layers. A
-//! point on a layer has half of that layer in front of it.
+//! A layer represents a slab of height Δ, the layer spacing. The layer's opacity α is the fraction of light from
+//! straight above that this slab absorbs. The slab's extinction is therefore −ln(1 − α)/Δ. Extinction is given at the
+//! texel centres of each layer and interpolated linearly along all three axes. It is constant within half a layer
+//! spacing below the lowest layer and above the outermost one. Straight down, the whole volume therefore absorbs
+//! exactly as much as the product of all layers. A point on a layer has half of that layer in front of it.
 //!
 //! Between two grid planes, extinction is a cubic along any straight line, and two Gauss points integrate it exactly.
 //! No step length has to be chosen.

@@ -57,8 +57,8 @@ fn single_layer_has_a_tent_shaped_optical_depth() {
     let (layers, height, alpha) = (9, 0.3, 0.7f64);
     let single = volume(8, layers, height, |k, _, _| if k == 4 { alpha } else { 0.0 });
     let (spacing, tau) = (height / layers as f64, -(1.0 - alpha).ln());
-    // The extinction is a tent that extends one spacing to both sides; a point within it has the rest of the tent
-    // ahead.
+    // Over the height, the extinction of a single layer is a tent that extends one spacing to both sides. A point
+    // within the tent has the rest of it ahead.
     for (z, share) in [(0.0, 1.0), (3.0, 1.0), (3.5, 0.875), (4.0, 0.5), (4.5, 0.125), (5.0, 0.0), (9.7, 0.0)] {
         for angle in [0.0, 40.0, 75.0] {
             let truth = (-tau * share / f64::to_radians(angle).cos()).exp();
@@ -80,7 +80,8 @@ fn upright_sheet_absorbs_by_its_thickness() {
     // sin(60°). The ray from the mesh surface covers 0.5·tan(60°) = 0.87 tiles. It starts so that it crosses the sheet
     // once, in the upper part of the volume.
     close(sheet.transmittance(middle - 0.3, 0.4, 0.0, light), (-extinction / 16.0 / light.x).exp(), 1e-12);
-    // Along v, the middle plane of the sheet acts as a solid block; one texel beside it, there is nothing.
+    // A ray along v in the middle plane of the sheet meets the sheet's full extinction everywhere. A ray one texel
+    // beside this plane meets none.
     let along = towards(60.0, 90.0);
     close(sheet.transmittance(middle, 0.4, 0.0, along), (-extinction * height / along.z).exp(), 1e-9);
     close(sheet.transmittance(middle + 1.0 / 16.0, 0.4, 0.0, along), 1.0, 1e-12);

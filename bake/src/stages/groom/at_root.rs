@@ -18,7 +18,8 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_formats::meaning::planting::{PlantingMesh, SurfaceWalk, WalkEvents, WalkPosition, same_places};
 use pelage_formats::{ROOT_HEIGHTS, RootOffset, RootsInfo};
 
-/// Resolution that suffices, texels per width of a tile. Colour borders are then sharper than hair blurs them.
+/// Resolution that suffices, texels per width of a tile. Colour borders in the texture are then sharper than the blur
+/// that hair causes.
 const ENOUGH_TEXELS: f32 = 16.0;
 /// Minimum resolution, texels per width of a tile. Below it, colour borders would be as coarse as hair is long.
 const LEAST_TEXELS: f32 = 6.0;
@@ -260,7 +261,7 @@ fn sample_points(surface: &Surface, triangle: usize) -> impl Iterator<Item = Sur
     let [a, b, c] = surface.mesh.triangles[triangle].map(|v| surface.tile_uvs[v as usize]);
     let area = 0.5 * (b - a).perp_dot(c - a).abs();
     let rows = ((ROOTS_PER_TILE * area).ceil() as usize).clamp(1, MOST_ROOTS).isqrt().max(1);
-    // The points are the centres of rows² equal triangles, about half of them upside down.
+    // Divide the triangle into rows² equal triangles, about half of them upside down. The points are their centres.
     (0..rows).flat_map(move |i| (0..2 * (rows - i) - 1).map(move |j| (i, j))).map(move |(i, j)| {
         let third = if j % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
         let (y, x) = ((i as f32 + third) / rows as f32, ((j / 2) as f32 + third) / rows as f32);

@@ -107,7 +107,7 @@ impl Atlas {
         most_side: u32,
     ) -> Option<Self> {
         let margin = Spacing { margin: reach, ..spacing(surface, most_side) };
-        // With flat shading, faces share no vertices but are still connected.
+        // Compare vertices by position and tile coordinates: with flat shading, adjacent triangles share no vertices.
         let same = same_in_tile(surface);
         let charted = ChartedMesh::new(surface, patches, |v| same[v as usize], &margin);
         let around = GutterKind::Reach { tiles: reach, most_texels: texels };
@@ -210,7 +210,7 @@ fn same_in_tile(surface: &Surface) -> Vec<u32> {
 }
 
 /// Returns the spacing within charts, equal to the gutter between them. The scale of the charts is only known after
-/// packing. Its estimate from the areas makes a texel slightly smaller than it will be.
+/// packing, so it is estimated from the areas. A texel of the estimate is slightly smaller than the final texel.
 fn spacing(surface: &Surface, side: u32) -> Spacing {
     let (mut tile, mut skin) = (0.0, 0.0);
     let furred = surface.mesh.triangles.iter().zip(&surface.patch_of_triangle).filter(|(_, patch)| **patch != u32::MAX);

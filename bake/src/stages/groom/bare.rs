@@ -14,7 +14,8 @@ use pelage_params::{Field, glob};
 /// Maximum share of the mesh's area for detection by gloss or shape. Eyes, claws and nose together cover less of most
 /// animals.
 const SMALL: f64 = 0.03;
-/// Maximum roughness of a glossy material, and maximum ratio of its roughness to the mean of the furred materials.
+/// Maximum roughness of a glossy material, and maximum ratio of its roughness to the mean roughness of the furred
+/// materials.
 const GLOSSY: f32 = 0.35;
 const GLOSSY_BESIDE: f32 = 0.6;
 /// Minimum metalness of a metallic material, and maximum mean metalness of the furred materials beside it.
@@ -146,7 +147,8 @@ fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
             (NameMeaning::Furred, _) => never[m] = true,
             (NameMeaning::Bare { most }, _) if fits(most) => why[m] = Some(BareReason::Name),
             (NameMeaning::Nothing, NameMeaning::Bare { most }) if fits(most) => why[m] = Some(BareReason::PartName),
-            // A mesh named as a body may contain eyes with their own material, so a furred part name decides nothing.
+            // A mesh name that denotes a furred part decides nothing: a mesh named as a body may contain eyes with
+            // their own material.
             _ => {}
         }
     }
@@ -188,8 +190,10 @@ pub(super) fn part_area_shares(mesh: &Mesh, rest: &RestPose) -> Vec<f64> {
     areas.into_iter().map(|area| if whole > 0.0 { area / whole } else { 0.0 }).collect()
 }
 
-/// Removes the words that all things share from the names of each thing. Such a word names the animal, as in
+/// Removes the words that every one of `things` has in at least one of its names. Such a word names the animal, as in
 /// `Bighorn_Body` and `Bighorn_Eye`.
+///
+/// * `things`: for each material or part, its names, each split into words
 pub(super) fn without_common_words(things: Vec<Vec<Vec<String>>>) -> Vec<Vec<Vec<String>>> {
     let has = |thing: &Vec<Vec<String>>, word: &String| thing.iter().any(|name| name.contains(word));
     let first = things.first().into_iter().flatten().flatten();
@@ -239,8 +243,8 @@ fn is_glossy(materials: &[Material], shares: &[f64], furred: &[bool], material: 
     smooth || metal
 }
 
-/// Makes a bare material furred again if its name, literally or as a pattern, would also match a furred material in
-/// `model.bare`. Returns the names of such materials.
+/// Makes a bare material furred again if listing its name in `model.bare` would also match a furred material, literally
+/// or as a pattern. Returns the names of such materials.
 fn unmark_ambiguous(materials: &[Material], why: &mut [Option<BareReason>]) -> Vec<String> {
     let mut alike = Vec::new();
     // Repeat, because a material that becomes furred may be matched by the name of another bare one.

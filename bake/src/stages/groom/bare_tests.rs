@@ -164,7 +164,7 @@ fn small_round_pairs_above_the_middle_are_eyes() {
     assert!(furred(&[(left, 0.1, 0), (left, 0.1, 0)]), "one about the other");
     assert!(furred(&[(left - Vec3::Y, 0.1, 0), (right - Vec3::Y, 0.1, 0)]), "feet");
     assert!(furred(&[(left, 0.2, 0), (right, 0.2, 0)]), "too large");
-    // The pieces are round, but continue in the body's material.
+    // Both spheres are round, but their surface continues in the body's material.
     let mut grown = with(&[(left, 0.1, 6), (right, 0.1, 6)]);
     let rim = grown.mesh.triangles[grown.mesh.parts[1].first_triangle + grown.mesh.parts[1].triangle_count - 1];
     grown.mesh.triangles.push([rim[1], rim[2], 0]);

@@ -124,7 +124,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Creates an empty grid with cells that suit triangles of this size.
+    /// Creates an empty grid with cells that suit triangles of the size of `like`.
     fn new(like: [Vec2; 3], margin: f32) -> Self {
         let (min, max) = bounds(&like);
         let cell = (max - min).max_element().max(margin);
@@ -224,8 +224,8 @@ mod tests {
 
     #[test]
     fn charts_split_where_tile_neighbours_are_far_apart_on_the_surface() {
-        // On the surface, the strip climbs a spiral. Its ends are far apart there, but a hundredth of a turn apart in
-        // the tile.
+        // On the surface, the strip climbs like a spiral staircase. Its ends are far apart there, but a hundredth of a
+        // turn apart in the tile.
         let (mesh, uvs) = strip(60, 0.995);
         assert_eq!(in_plane(&mesh, &vec![0; mesh.triangles.len()], &uvs).iter().max(), Some(&0));
         let stair: Vec<Vec3> = uvs.iter().enumerate().map(|(i, uv)| uv.extend(i as f32 / 40.0)).collect();

@@ -21,10 +21,10 @@ pub struct Colors {
 }
 
 impl Colors {
-    /// Multiplies the colours of furred materials by `gain`. The result may exceed 1, because it compensates for hairs
+    /// Multiplies the colours of furred materials by `gain`. The result may exceed 1. The gain compensates for hairs
     /// shadowing each other.
     ///
-    /// * `furred`: one per material
+    /// * `furred`: whether each material is furred
     pub fn lighten(&mut self, furred: &[bool], gain: f32) {
         let of_hair = self.materials.iter_mut().zip(furred).filter(|(_, furred)| **furred);
         of_hair.for_each(|(material, _)| material.factor[..3].iter_mut().for_each(|c| *c *= gain));
@@ -43,7 +43,7 @@ pub struct MaterialColor {
 /// Takes the colour of each material from the model or from `groom.color`.
 ///
 /// * `at`: vertices of the package
-/// * `furred`: one per material
+/// * `furred`: whether each material is furred
 /// * `base_color`: whether furred materials show the model's own colours if `groom.color` is not set
 ///
 /// # Errors
@@ -109,8 +109,9 @@ pub fn colors(
     Ok(colors)
 }
 
-/// Applies the colours of marks. On a material without a texture, the factor moves into the vertex colours, so that a
-/// mark can replace it. A texture is multiplied by the colours.
+/// Applies the colours of marks. On a material without a texture, the material's factor is multiplied into the vertex
+/// colours, so that a mark can replace the colour. On a material with a texture, the marks' colours multiply the
+/// texture.
 fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: &[bool]) {
     let said = |v: usize| maps.marks().color.get(at.input(v)).copied().filter(|(share, _)| *share > 0.0);
     for material in (0..colors.materials.len()).filter(|m| furred.get(*m) == Some(&true)) {
@@ -133,7 +134,7 @@ fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: 
             }
         };
         let painted: Vec<(usize, Vec3)> = vertices.into_iter().map(|v| (v, painted(v))).collect();
-        // Divide by the maximum of each channel, so that bytes use their full range.
+        // Divide the painted colours by the maximum of each channel, so that the stored bytes use their full range.
         let most = painted.iter().fold(Vec3::ZERO, |most, (_, color)| most.max(*color));
         factor[..3].copy_from_slice(&most.to_array());
         for (v, color) in painted {

@@ -12,15 +12,16 @@ use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
 use std::collections::BTreeMap;
 
-/// Maximum shares of the mesh's area: for a dark material, a nose, a piece of an eye rim and a claw.
+/// Maximum area as a share of the mesh's area. `SMALL`: dark material; `NOSE`: nose; `RIM`: piece of an eye rim;
+/// `CLAW`: claw.
 const SMALL: f64 = 0.03;
 const NOSE: f64 = 0.01;
 const RIM: f64 = 0.005;
 const CLAW: f64 = 0.003;
-/// Maximum linear luminance of a dark patch, and its maximum ratio to the luminance of the neighbours.
+/// Maximum linear luminance of a dark patch. `DARK_BESIDE`: its maximum ratio to the luminance of the neighbours.
 const DARK: f64 = 0.06;
 const DARK_BESIDE: f64 = 0.45;
-/// Minimum number of claws. Fewer patches may be dark paws.
+/// Minimum number of claws. If there are fewer dark patches, they may be dark paws.
 const LEAST_CLAWS: usize = 6;
 /// Maximum relative difference in area between two claws that count as equally large.
 const ALIKE: f64 = 0.05;
@@ -30,7 +31,7 @@ const GROUND: f64 = 0.1;
 /// Gives each detected bare part a separate material that looks like its previous one.
 pub fn split_features(model: &mut Model) {
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
-    // If several rules detect a triangle, the last one wins.
+    // If several rules detect a triangle, the last rule wins.
     let mut found: BTreeMap<usize, Feature> = named_triangles(model, &rest);
     found.extend(shaped_triangles(model, &rest));
     if !found.is_empty() {
@@ -188,8 +189,8 @@ fn assign_materials(model: &mut Model, found: &BTreeMap<usize, Feature>) {
     model.mesh.triangles = triangles;
 }
 
-/// Creates the materials. Returns the original material, feature and index of each. If a material consists of features
-/// only, the first one takes its index.
+/// Creates one material for each original material and feature. Returns original material, feature and index of the new
+/// one. If a material consists of features only, the first new one replaces it and keeps its index.
 fn materials_of(
     materials: &mut Vec<Material>,
     parts: &[MeshPart],

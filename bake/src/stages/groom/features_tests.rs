@@ -58,7 +58,7 @@ fn animal(is_black: impl Fn(f32) -> bool) -> Model {
     model
 }
 
-/// Returns the full names of a model's materials after splitting, each with its number of triangles.
+/// Splits a model's materials. Returns the full name of each resulting material, with its number of triangles.
 fn split_materials(mut model: Model) -> Vec<(String, usize)> {
     let sorted = |model: &Model| {
         let mut triangles = model.mesh.triangles.clone();
@@ -124,7 +124,7 @@ fn eye_nodes_are_split_off_whatever_their_material_name() {
     parts.next().unwrap().names = vec!["Eye_L".into()];
     parts.next().unwrap().names = vec!["Eye_R".into(), "Sphere".into()];
     assert_eq!(names(model.clone()), ["Main", "Main/Eye_L", "Main/Eye_R"]);
-    // If a part covers a whole material, the name of its mesh decides.
+    // If a mesh part covers a whole material, the name of its mesh decides.
     model.mesh.parts[0].material = 1;
     assert_eq!(names(model), ["Brown", "Main"]);
 }

@@ -46,7 +46,7 @@ pub enum ImageCoordinates {
     Model,
     /// Atlas of a model.
     Atlas(Box<ModelAtlas>),
-    /// Projection through space, in which each image spans the model at rest once.
+    /// Projection through space. Each image is scaled to cover the model at rest exactly once.
     Space {
         /// Axis or axes of the projection.
         along: PatternProjection,

@@ -4,11 +4,11 @@ use crate::recipe::JointGroom;
 use pelage_formats::{Animation, SkinVertex};
 use pelage_params::glob;
 
-/// Groom values of the tables for the surface that follows each joint.
+/// Groom values from the tables for joints. They apply to the surface that follows each joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointValues {
-    /// Values of each joint. For each key, they come from the nearest ancestor, or the joint itself, for which a table
-    /// sets it. The field `name` is empty.
+    /// Values of each joint. For each key, the value is that of the joint itself, or of the nearest ancestor for which
+    /// a table sets the key. The field `name` is empty.
     joints: Vec<JointGroom>,
 }
 
@@ -70,7 +70,7 @@ impl JointValues {
             (weight > 0.0).then_some(weight * (value - elsewhere))
         });
         let sum = differences.fold(elsewhere, |sum, difference| sum + difference);
-        // Rounding must not lead out of the range of the values: a length just below 0 is not a length.
+        // Rounding must not lead out of the range of the joints' values: a length just below 0 is invalid.
         let values = || skin.joints.iter().filter_map(|joint| self.joints.get(usize::from(*joint)).and_then(key));
         sum.clamp(values().fold(elsewhere, f32::min), values().fold(elsewhere, f32::max))
     }

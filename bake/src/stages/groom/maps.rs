@@ -43,7 +43,8 @@ impl MapImages {
 pub struct LayoutMaps {
     /// Hairs per area relative to the rest of the fur, 0.25..=4, one per vertex; `None` if it is 1 everywhere.
     pub density: Option<Vec<f32>>,
-    /// Comb direction in world space at rest, one per vertex, with its weight as length; `None` if no map sets it.
+    /// Comb direction in world space at rest, one vector per vertex. The length of the vector is the weight of the
+    /// direction. `None` if no map sets it.
     pub comb: Option<Vec<Vec3>>,
 }
 
@@ -54,9 +55,9 @@ pub struct VertexGroom {
     pub length: Vec<f32>,
     /// Extra lean, 0..=1.
     pub lean: Vec<f32>,
-    /// Wetness, 0 dry to 1 wet; 0 where a texture stores it instead.
+    /// Wetness, 0 dry to 1 wet; 0 where a groom texture stores the wetness instead.
     pub wetness: Vec<f32>,
-    /// Bareness, 1 where no hair grows; 0 where a texture stores it instead.
+    /// Bareness, 1 where no hair grows; 0 where a groom texture stores the bareness instead.
     pub bareness: Vec<f32>,
 }
 
@@ -72,8 +73,8 @@ pub enum FurWetness {
 }
 
 impl FurWetness {
-    /// Returns the wetness of the furred materials `names`. All tables for joints are considered, whether or not they
-    /// match one, so no skeleton is needed.
+    /// Returns the wetness of the furred materials `names`. All tables for joints are considered, whether or not the
+    /// model has such joints, so no skeleton is needed.
     pub fn of(groom: &GroomParams, names: &[&str]) -> Self {
         Self::over(
             names.iter().map(|name| last(&groom.material, name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness)),
@@ -145,10 +146,10 @@ struct UnsetKeys {
 impl<'a> Maps<'a> {
     /// Resolves the maps of every material.
     ///
-    /// * `furred`: one per material
+    /// * `furred`: whether each material is furred
     ///
-    /// Tables whose names match no material are reported in `warnings`. So are images on parts without texture
-    /// coordinates, where they have no effect.
+    /// Tables whose names match no material are reported in `warnings`. Images on parts without texture coordinates
+    /// have no effect, and are reported too.
     pub fn new(
         mesh: &Mesh,
         materials: &[Material],
@@ -233,7 +234,7 @@ impl<'a> Maps<'a> {
         self.materials.iter().any(|m| m.furred && m.comb.is_some())
     }
 
-    /// Describes the automatic groom if it determines hair length anywhere. Arguments are as in
+    /// Describes the automatic groom, if it determines the hair length of any furred material. Arguments are as in
     /// [`BodyGroom::decision`].
     pub fn decision(&self, share: f32, length_m: f32) -> Option<Decision> {
         let body = self.body.as_ref()?;
@@ -256,7 +257,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Evaluates density and comb direction at the vertices of `mesh`, whose rest pose is `rest`. Materials without a
-    /// comb direction get `elsewhere`.
+    /// comb direction get the direction `elsewhere`.
     ///
     /// # Errors
     /// [`BakeError::Internal`] if an image was not read.
@@ -268,7 +269,8 @@ impl<'a> Maps<'a> {
         let by_body = by_body.filter(|_| furred().any(|m| m.silent.density));
         let says = furred().any(|m| *m.density != ScalarMap::Constant(1.0)) || self.joints.has_key(|t| t.density);
         if says || by_body.is_some() || !self.marks.density.is_empty() {
-            // Images and vertex colours are logarithmic: equal steps of a value multiply the density by equal factors.
+            // Densities in images and vertex colours are logarithmic: equal steps of a value multiply the density by
+            // equal factors.
             let hairs = |map: &ScalarMap, v: f32| {
                 if matches!(map, ScalarMap::Constant(_)) { v } else { libm::exp2f(4.0 * v - 2.0) }
             };
@@ -369,7 +371,7 @@ impl<'a> Maps<'a> {
         Ok(textures)
     }
 
-    /// Combines the maps of bareness and wetness into one image. Its width and height are the larger of the two.
+    /// Combines the maps of bareness and wetness into one image. Its width and height are those of the larger map.
     fn combined_image(&self, bare: Option<&ScalarMap>, wetness: Option<&ScalarMap>) -> Result<Image, BakeError> {
         let source = |map: Option<&ScalarMap>| -> Result<_, BakeError> {
             match map {
@@ -464,8 +466,8 @@ pub(crate) trait Averaged: Copy + Default + std::ops::AddAssign + std::ops::Mul<
 
 impl<T: Copy + Default + std::ops::AddAssign + std::ops::Mul<f32, Output = T>> Averaged for T {}
 
-/// Returns the mean of a value over those of `parts` that contain a vertex, for each vertex; `outside` if there are
-/// none. Each part is paired with the data that `each` needs.
+/// Returns, for each vertex, the mean of `each` over those of `parts` that contain the vertex; `outside` if no part
+/// does. Each part is paired with data that is passed on to `each`.
 pub(crate) fn average<'m, M, T: Averaged>(
     mesh: &'m Mesh,
     parts: impl Iterator<Item = (&'m MeshPart, M)>,

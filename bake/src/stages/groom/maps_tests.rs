@@ -36,8 +36,8 @@ fn row(texels: &[[u8; 4]]) -> Image {
 
 fn images() -> MapImages {
     let mut images = MapImages::default();
-    // Red is black on the left and white on the right; green is 0.6 everywhere. As a flow map, the image points to the
-    // lower right.
+    // The red channel is 0 on the left and 255 on the right; the green channel is 0.6 everywhere. As a flow map, the
+    // image points to the lower right.
     images.images.insert("a.png".into(), row(&[[0, 153, 0, 255], [255, 153, 0, 255]]));
     images.images.insert("flow.png".into(), row(&[[255, 0, 128, 255]]));
     images
@@ -123,7 +123,7 @@ fn body_groom_applies_where_no_map_is_set() {
         let images = images();
         let maps = Maps::new(&mesh, &materials, &[true, true], &groom, &images, &mut Vec::new());
         let maps = maps.with_body(Some(body.clone()));
-        // The order of vertices differs between the surface and the model.
+        // The vertices of the surface are in another order than those of the model.
         (
             maps.vertex_groom(&Vertices { input_vertex: Some(&[3, 2, 1, 0]), ..Vertices::of_model(&mesh, &rest) })
                 .unwrap(),
@@ -140,8 +140,8 @@ fn body_groom_applies_where_no_map_is_set() {
     let (coat, lay, said) = with("[groom]\nlength = 0.5\nlean = 0.25\ndensity = 3", &body);
     assert_eq!((coat.length, coat.lean, lay.density.unwrap()), (vec![0.5; 4], vec![0.25; 4], vec![3.0; 4]));
     assert_eq!(said, None);
-    // A table for one material overrides the automatic groom on that material only. Shared vertices have the mean of
-    // both.
+    // A table for one material overrides the automatic groom on that material only. Vertices shared by both materials
+    // have the mean of both values.
     let (coat, _, said) = with("[[groom.material]]\nname = \"Nose\"\nlength = 1", &body);
     assert_eq!(coat.length, [0.875, 0.25, 1.0, 1.0]);
     assert!(said.is_some());
@@ -187,12 +187,12 @@ fn combs_are_rest_pose_vectors_or_image_flow() {
     let comb = |comb: &str| evaluate(&format!("[groom]\ncomb = {comb}"), [true, true]).lay.comb.unwrap();
     assert_eq!(comb("[0, -2, 0]"), [Vec3::new(0.0, -2.0, 0.0); 4]);
     assert!(comb("\"vertex\"").iter().all(|v| (*v - Vec3::new(v.x, -0.6, -0.2)).length() < 1e-6));
-    // On the image, right is +x and up is +y, so red 1 and green 0 point to the lower right.
+    // On the image, right is +x and up is +y. Red 1 and green 0 therefore point to the lower right.
     for v in comb("\"flow.png#uv\"") {
         assert!((v.normalize() - Vec3::new(1.0, -1.0, 0.0).normalize()).length() < 1e-2, "{v}");
     }
     // Materials without a comb map use the comb direction of the surface. Vertices on the diagonal have the mean of
-    // both.
+    // both materials.
     let nose = evaluate("[[groom.material]]\nname = \"Nose\"\ncomb = [0, 1, 0]", [true, true]).lay.comb.unwrap();
     assert_eq!(nose, [Vec3::new(0.5, 0.5, 0.0), Vec3::X, Vec3::new(0.5, 0.5, 0.0), Vec3::Y]);
     assert!((comb("\"flow.png\"")[0] - Vec3::new(1.0, -1.0, 0.0)).length() < 0.01);
@@ -244,7 +244,8 @@ fn wetness_maps_classify_as_dry_wet_or_mixed() {
     let nose = "[[groom.material]]\nname = \"Nose\"\nwetness = 1";
     assert_eq!([water(nose, [true, true]), water(nose, [false, true])], [FurWetness::Mixed, FurWetness::Wet]);
     assert_eq!(water(nose, [true, false]), FurWetness::Dry);
-    // For joints, only the tables count, so a package without the model's joint names gives the same result.
+    // For wetness by joint, only the tables count. A package without the model's joint names therefore gives the same
+    // result.
     let joint = |wetness: f32| format!("[[groom.joint]]\nname = \"*\"\nwetness = {wetness}");
     assert_eq!([water(&joint(0.0), [true; 2]), water(&joint(1.0), [true; 2])], [FurWetness::Dry, FurWetness::Mixed]);
     let all = format!("[groom]\nwetness = 1\n{}", joint(1.0));
@@ -274,7 +275,8 @@ fn projected_images_need_no_texture_coordinates() {
     assert!(maps.textures().unwrap().images.is_empty(), "what vertices say no texture says again");
     let lay = maps.layout_maps(&mesh, &rest, Vec3::X).unwrap();
     assert_eq!(lay.density.unwrap(), [0.25, 4.0, 4.0, 0.25]);
-    // Red points right on the image and green points down. Seen along z, that is +x and −y.
+    // The flow map's red channel points right on the image, and its green channel points down. Seen along z, this is +x
+    // and −y.
     assert!(lay.comb.unwrap().iter().all(|d| d.distance(Vec3::new(1.0, -1.0, 0.0)) < 1e-6));
     let color = maps.color_at(&images.images["a.png"], &at, &mesh.parts[0], 1).unwrap();
     assert!(color.x == 1.0 && color.z == 0.0, "{color}");

@@ -29,8 +29,8 @@ const WIDEST: f32 = 0.15;
 /// Distances of the furred surface from bare parts.
 ///
 /// A path starts where a bare part is joined to the surface, or is beside or above the surface within half the reach.
-/// It follows the edges of the furred surface. Distances are evaluated at vertices, so a bare part in the middle of a
-/// large triangle may be near no vertex.
+/// It follows the edges of the furred surface. Distances are evaluated at vertices. A bare part in the middle of a
+/// large triangle may therefore be too far from every vertex to count.
 #[derive(Debug)]
 pub struct BareDistances {
     places: WeldedVertices,
@@ -71,7 +71,7 @@ impl BareDistances {
         }
     }
 
-    /// Returns the mean length of the hair within `within_m` of bare parts, metres; `None` if no hair is so near.
+    /// Returns the mean length of the hair within `within_m` of bare parts, metres; `None` if no hair grows there.
     ///
     /// * `length`: one per vertex, share of the longest hair
     /// * `longest_m`: length of the longest hair, metres
@@ -146,8 +146,8 @@ fn places(skin: &[[u32; 3]], positions: &[Vec3]) -> WeldedVertices {
     found
 }
 
-/// Returns the straight distance of each welded vertex from the nearest bare triangle that is not below the surface
-/// there, metres. It is infinite if no such triangle is near.
+/// Returns the straight distance of each welded vertex from the nearest bare triangle, metres. Triangles below the
+/// surface at that vertex are ignored. The distance is infinite if no triangle is within half the margin.
 fn straight_distances(places: &WeldedVertices, bare: &[[u32; 3]], rest: &RestPose, margin_m: f32) -> Vec<f32> {
     let place = |vertex: u32| rest.positions[vertex as usize];
     let reach = BESIDE * margin_m;

@@ -27,8 +27,8 @@ fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
     (mesh, rest)
 }
 
-/// Returns the x coordinate, metres, and the hair length after shortening for each vertex of the strip. Hair has full
-/// length before.
+/// Shortens hair of full length on the strip. Returns the x coordinate of each vertex, metres, and the resulting hair
+/// length there.
 fn shortened_lengths(bare: &[[Vec3; 3]], margin_m: f32) -> Vec<(f32, f32)> {
     let (mesh, rest) = strip(bare);
     let mut length = vec![1.0; mesh.positions.len()];
@@ -55,7 +55,7 @@ fn length_grows_smoothly_over_the_margin() {
 
 #[test]
 fn margin_applies_to_disconnected_bare_parts() {
-    // The bare part is separated by a gap of 2 cm and slightly higher.
+    // The bare part is separated from the strip by a gap of 2 cm, and is slightly higher.
     let apart = JOINED.map(|p| p + Vec3::new(-0.02, 0.005, 0.0));
     let at_rim = shortened_lengths(&[apart], 0.2)[0];
     assert!(at_rim.1 > 0.0 && at_rim.1 < 0.05, "{at_rim:?}");
@@ -100,7 +100,7 @@ fn chosen_margin_keeps_hair_clear_of_bare_parts() {
             assert!(share * length_m <= STEEPEST * p.x * 1.001 + 1e-6, "{share} of {length_m} m at {p}");
         }
     }
-    // If hair near bare parts is half as long, it needs half the margin, however long it is elsewhere.
+    // If hair near bare parts is half as long, it needs half the margin, even if hair elsewhere is longer.
     let short: Vec<f32> = mesh.positions.iter().map(|p| if p.x < 0.5 { 0.5 } else { 1.0 }).collect();
     assert_eq!(chosen_m(&short, 0.1, 100.0), chosen_m(&full, 0.05, 100.0));
     assert_eq!(chosen_m(&full, 0.1, 1.0), Some(WIDEST));

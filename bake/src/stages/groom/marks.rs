@@ -1,8 +1,8 @@
 //! Length, density, lean and colour of the recipe's comb marks, spread over the mesh.
 //!
-//! The weight of a mark depends on the distance along the surface from the point nearest to the mark. It is full
-//! nearby, and zero beyond the mark's reach. Heat diffusion smooths it slightly, across gaps between connected
-//! components and corners of a coarse mesh.
+//! The weight of a mark depends on the distance along the surface from the surface point nearest to the mark. It is
+//! full within a quarter of the mark's reach, and zero beyond the reach. Heat diffusion smooths it slightly, across
+//! gaps between connected components and corners of a coarse mesh.
 
 use super::body::{Body, WeldedMesh, furred_faces};
 use super::geodesic::geodesic_distances;
@@ -78,7 +78,8 @@ impl MarkValues {
     }
 }
 
-/// Returns the value at a vertex of the model: `elsewhere`, blended with the marks' value by their weight.
+/// Returns the value at a vertex of the model: the value `elsewhere`, blended with the marks' value by the weight of
+/// the marks.
 pub(super) fn blend_marks(values: &[(f32, f32)], vertex: usize, elsewhere: f32) -> f32 {
     match values.get(vertex) {
         // Add the weighted difference, so that without any mark the result is exactly `elsewhere`.
@@ -104,7 +105,7 @@ struct MarkPlacement {
 }
 
 impl MarkSurface {
-    /// Returns the point of the furred surface nearest to `at`. If several faces have it, the first one is returned.
+    /// Returns the point of the furred surface nearest to `at`. If it is on several faces, the first face is returned.
     fn nearest(&self, at: Vec3) -> Option<MarkPlacement> {
         let mut best: Option<MarkPlacement> = None;
         for (face, places) in self.skin.faces.iter().enumerate().filter(|(face, _)| self.furred[*face]) {
@@ -127,7 +128,7 @@ impl MarkSurface {
         let skin = &self.skin;
         let straight = |place: u32| skin.positions[place as usize].distance(found.on_skin);
         let corners = skin.faces[found.face];
-        // The shift ensures that, even on a coarse mesh, some vertex has full weight.
+        // The shift gives the nearest corner full weight, even if the mesh is coarse.
         let least = corners.iter().map(|p| straight(*p)).fold(f32::INFINITY, f32::min);
         let shift = (least - reach::FULL * reach).max(0.0);
         let mut ways = geodesic_distances(skin, &corners.map(|p| (p, straight(p) - shift)), reach);
@@ -139,7 +140,7 @@ impl MarkSurface {
         let shares: Vec<f32> = ways.into_iter().map(|way| reach::influence(way, reach)).collect();
         let spread = skin.spread(&shares, SPREAD * reach);
         let most = spread.iter().copied().fold(0.0, f32::max);
-        // Set tiny values, which the solver leaves far away, to zero.
+        // Set tiny weights to zero; the diffusion solver leaves them far away from the mark.
         let scaled = |share: f32| if share > 1e-3 * most { (share / most).min(1.0) } else { 0.0 };
         spread.into_iter().map(scaled).collect()
     }

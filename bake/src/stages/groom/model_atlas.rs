@@ -17,8 +17,8 @@ use std::collections::BTreeMap;
 const PATCH_PER_DIAGONAL: f32 = 0.5;
 /// Largest stretch of a triangle in any direction; the smallest is its reciprocal.
 const STRETCH: f32 = 1.6;
-/// Texture sizes to try for packing the charts, texels. The first that leaves wide gutters is used. The image itself
-/// may have any size.
+/// Texture sizes to try for packing the charts, texels. The first size at which every chart has the widest gutter is
+/// used. The image itself may have any size.
 const SIDES: [u32; 4] = [1024, 2048, 4096, 8192];
 
 /// Identity of a model's vertex: material, position, joints and weights. It stays the same when the mesh is cut or
@@ -118,7 +118,8 @@ fn diagonal(points: &[Vec3]) -> f32 {
     if points.is_empty() { 0.0 } else { min.distance(max) }
 }
 
-/// Packs the charts at the smallest of [`SIDES`] that leaves wide gutters. If none does, packs them at the largest.
+/// Packs the charts at the smallest of [`SIDES`] at which every chart has the widest gutter. If there is none, packs
+/// them at the largest.
 fn packed(uncut: Surface) -> Result<(Surface, Atlas), TooManyCharts> {
     let mut found = Err(TooManyCharts { charts: 0 });
     for side in SIDES {

@@ -38,7 +38,8 @@ fn torus() -> Model {
     Model { mesh, materials: vec![material("coat"), material("other")], ..Model::default() }
 }
 
-/// Paints a smooth image over the atlas. Red has the values of `share` at the model's positions; green and blue are 0.
+/// Paints a smooth image over the atlas. The red channel has the values of `share` at the model's positions; green and
+/// blue are 0.
 fn painted(atlas: &ModelAtlas, side: u32, share: impl Fn(Vec3) -> f32 + Sync) -> Image {
     use crate::stages::groom::canvas::{Canvas, CanvasTriangle};
     let corners = |t: &[u32; 3]| t.map(|v| atlas.uv(v) * side as f32);
@@ -162,7 +163,7 @@ fn atlas_depends_only_on_the_mesh() {
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     let other = Model { warnings: vec!["something".into()], nodes: Vec::new(), ..model.clone() };
     assert_eq!(ModelAtlas::new("another name", &other).unwrap().mesh, atlas.mesh);
-    // Vertices are found even if the recipe causes them to be duplicated.
+    // Vertices are found even if the recipe causes vertices to be duplicated.
     let mut cut = model.mesh.clone();
     let copy = cut.copy_vertex(5) as usize;
     assert_eq!(atlas.standing_for(&cut, 0, copy), atlas.standing_for(&model.mesh, 0, 5));

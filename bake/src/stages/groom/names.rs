@@ -11,7 +11,7 @@ pub(super) enum NameMeaning {
     Nothing,
     /// Furred: `EyeFur`, `Body`.
     Furred,
-    /// Bare, if the named part covers at most `most` of the mesh's area.
+    /// Bare, if the part with this name covers at most `most` of the mesh's area.
     Bare {
         /// Maximum share of the mesh's area, 0..=1.
         most: f32,

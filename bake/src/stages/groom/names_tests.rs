@@ -180,7 +180,7 @@ fn largest_share_of_a_nose_is_below_that_of_clothing() {
         other => panic!("{name}: {other:?}"),
     };
     assert!(most("Nose") < most("Horns") && most("Horns") < most("Shirt"));
-    // If a name has two meanings, the stricter one wins.
+    // If a name has two meanings, the one with the smaller maximum area wins.
     assert_eq!(most("ShirtNose"), most("Nose"));
 }
 

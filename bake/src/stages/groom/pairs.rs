@@ -4,12 +4,12 @@ use glam::{DVec3, Vec3};
 use pelage_import::mesh::Mesh;
 use std::collections::{BTreeMap, HashMap};
 
-/// Minimum roundness 36π V² / A³ of a piece (volume V, area A). It is 1 for a sphere, 0.76 for a sphere compressed to
-/// half its height, 0.52 for a cube, and 0 for a sheet.
+/// Minimum roundness 36π V² / A³ of a connected component (volume V, area A). It is 1 for a sphere, and 0.76 for a
+/// sphere compressed to half its height. It is 0.52 for a cube, and 0 for a sheet.
 const ROUND: f64 = 0.6;
-/// Maximum relative difference in area between the two pieces of a pair.
+/// Maximum relative difference in area between the two connected components of a pair.
 const ALIKE: f64 = 0.05;
-/// Maximum number of pieces of a material. More pieces than two eyes of a few layers are something else.
+/// Maximum number of connected components of a material. Two eyes of a few layers each have no more than this.
 const MOST_PIECES: usize = 12;
 
 /// Connected component of triangles.
@@ -31,8 +31,9 @@ pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
     positions.iter().map(number).collect()
 }
 
-/// Whether `material` covers only small round pieces in the upper half of the model, each with a partner of its size
-/// beside it. A piece may be open, such as an eye without its back, but must not continue in another material.
+/// Whether `material` covers only pairs of eye-like connected components. Each component must be small, round, in the
+/// upper half of the model, and have a partner of its size beside it. A component may be open, such as an eye without
+/// its back, but must not continue in another material.
 ///
 /// * `positions`: at rest, y up
 /// * `places`: numbers from [`weld`]
@@ -130,8 +131,8 @@ fn measure(faces: &[[u32; 3]], borders: &BTreeMap<[u32; 2], u32>, at: &dyn Fn(&u
     ComponentShape { center: mean(&all), area, roundness }
 }
 
-/// Whether every piece has a partner of its size. Their centres must be more than a diameter apart, so that the two are
-/// not concentric.
+/// Whether every connected component has a partner of its size. Their centres must be more than a diameter apart, so
+/// that the two are not concentric.
 fn all_are_paired(pieces: &[ComponentShape]) -> bool {
     let mut paired = vec![false; pieces.len()];
     for (i, piece) in pieces.iter().enumerate() {

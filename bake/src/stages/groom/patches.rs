@@ -48,8 +48,8 @@ pub(super) struct Patch {
     pub lowest: f64,
     /// Mean linear luminance.
     pub luminance: f64,
-    /// Mean linear luminance of the other materials along the border, except eyes. Without such a border, it is the
-    /// mean of all other materials. `None` if their colours come from images.
+    /// Mean linear luminance of the other materials along the border, except eyes. If no such material is at the
+    /// border, it is the mean of all other materials. `None` if the colours of these materials come from images.
     pub beside: Option<f64>,
     /// Whether the patch borders on eyes.
     pub touches_eyes: bool,
@@ -169,8 +169,8 @@ impl Patch {
         self.corners.iter().map(|p| (*p - from).dot(direction)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether the patch protrudes from its border, like a cap or a thorn and unlike a flat spot. Its largest distance
-    /// from the centre of the border is then at least 1.3 times that of the border itself.
+    /// Whether the patch protrudes from its border, like a cap or a thorn and unlike a flat spot. It must extend at
+    /// least 1.3 times as far from the centre of the border as the border itself.
     pub(super) fn is_tip(&self) -> bool {
         let middle = self.rim.iter().sum::<DVec3>() / self.rim.len().max(1) as f64;
         let width = self.rim.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);

@@ -98,8 +98,8 @@ impl Pattern<'_> {
     }
 }
 
-/// Assigns the painted colour and groom textures to some of the materials, and replaces the materials' texture
-/// coordinates.
+/// Assigns the painted colour and groom textures to the selected materials, and replaces the texture coordinates of
+/// these materials.
 ///
 /// * `of_material`: whether each material gets the textures
 pub(super) fn assign_textures(

@@ -143,7 +143,7 @@ fn every_surface_point_shows_the_pattern_at_its_position() {
 
 #[test]
 fn without_gutters_the_charts_bleed() {
-    // Control: everything but the charts' own texels is black, and mip level 2 shows black at their borders.
+    // Control: if everything but the charts' own texels is black, mip level 2 shows black at the borders of the charts.
     let (model, images) = (torus(), images(waves()));
     let pattern = Pattern::new(&params(PatternProjection::X), &images, &BOUNDS).unwrap().unwrap();
     let mut painted = paint(&model, &pattern);
@@ -162,7 +162,7 @@ fn without_gutters_the_charts_bleed() {
 #[test]
 fn base_colours_and_groom_maps_are_baked_into_the_pattern_texture() {
     let mut model = torus();
-    // Texture coordinates follow the position: right of the origin is red, left of it is bare.
+    // Texture coordinates follow the position. Right of the origin, the model is red; left of it, the model is bare.
     model.mesh.uvs = model.mesh.positions.iter().map(|p| Vec2::new((p.x / 0.42 + 1.0) / 2.0, 0.5)).collect();
     model.mesh.parts.iter_mut().for_each(|p| p.has_uvs = true);
     let row = |left: [u8; 4], right: [u8; 4]| Image {

@@ -60,7 +60,8 @@ enum Axis {
 
 impl Axis {
     /// Returns the two components of a vector in the image, right and down, as seen from the positive side of the axis.
-    /// In the image, y points up; seen from above, z points down.
+    /// For the axes x and z, up on the image is +y. For the axis y, the view is from above, and down on the image is
+    /// +z.
     fn on_image(self, v: Vec3) -> Vec2 {
         match self {
             Self::X => Vec2::new(-v.z, -v.y),
@@ -122,8 +123,8 @@ impl Projection {
         self.size_m.x
     }
 
-    /// Returns the value of `read` at the image point for a position at rest, metres. With several axes, it is the mean
-    /// weighted by the unit normal at the position.
+    /// Returns the value of `read` at the image point for a position at rest, metres. If the image is projected along
+    /// several axes, the result is a mean. Its weights depend on the unit normal at the position.
     pub(super) fn read<T>(&self, position: Vec3, normal: Vec3, read: impl Fn(ImagePoint) -> T) -> T
     where
         T: Default + Add<Output = T> + Mul<f32, Output = T> + Div<f32, Output = T>,

@@ -102,8 +102,8 @@ pub(super) const INSIDE: &[&str] = &[
     "interna", "uchi",
 ];
 
-/// Snouts: such a name means the furred snout as often as the bare nose on it. The shape of a part so named never makes
-/// it bare.
+/// Snouts. Such a name means the furred snout as often as the bare nose on it. A part with such a name is never
+/// classified as bare by its shape.
 pub(super) const SNOUT: &[&str] =
     &["muzzle", "snout", "schnauze", "museau", "mufle", "hocico", "morro", "muso", "focinho", "hanazura", "kuchimoto"];
 

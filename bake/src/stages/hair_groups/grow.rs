@@ -64,7 +64,8 @@ impl Growth {
             }
             target += forces.waves * noise_1d(seed, WAVES * share);
             way = way.lerp(target.try_normalize().unwrap_or(way), turned).try_normalize().unwrap_or(way);
-            // Keeps hair near the surface at its root.
+            // Minimum distance of the hair from the surface: 0 at the root, full from a quarter of the hair's length
+            // on.
             let clear_m = lift_m * (4.0 * share).min(1.0) * forces.lift;
             let mut next = at + way * step_m;
             for _ in 0..PUSHES {
@@ -91,10 +92,10 @@ impl Growth {
     /// the surface.
     fn initial_direction(&self, root: Vec3, normal: Vec3, seed: u64) -> Vec3 {
         let aside = self.parting_m.map_or(Vec3::ZERO, |x| if root.x < x { Vec3::NEG_X } else { Vec3::X });
-        // The fall direction decides if hair is combed straight away from the surface.
+        // If hair is combed straight away from the surface, the fall direction decides.
         let wanted = self.comb + aside + FALLING * self.fall;
         let along_skin = wanted.reject_from_normalized(normal);
-        // No direction is preferred at the crown, so each hair takes a random one.
+        // At the crown, no direction along the surface is preferred, so each hair gets a random one.
         let chance = 0.15 * noise_1d(seed, 0.5).reject_from_normalized(normal);
         (along_skin + chance)
             .normalize_or_zero()

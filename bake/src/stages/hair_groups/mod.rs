@@ -214,8 +214,8 @@ fn grown_guides(
     roots.par_iter().enumerate().map(grow).collect()
 }
 
-/// Reads the guides of a file. The root of each guide is moved to the nearest scalp point. The points near the root
-/// move with it; the others keep their positions.
+/// Reads the guides of a file. The root of each guide is moved to the nearest scalp point. The first 40 % of the
+/// guide's points move with it, less and less towards the tip; the others keep their positions.
 fn read_guides(
     params: &HairGroupParams,
     group: &HairGroup,
@@ -290,8 +290,8 @@ fn read_guides(
 /// roots.
 const MAX_SPACING_RATIO: f32 = 4.0;
 
-/// Returns the triangles of a scalp that have guide roots on or near them. A file that combs one part says nothing
-/// about the rest.
+/// Returns the triangles of a scalp that have guide roots on or near them. If a file has guides for one part only, no
+/// hair grows on the rest.
 fn scalp_near_guides(
     scalp: &[(u32, u16)],
     guides: &[(TrianglePoint, Vec<Vec3>)],

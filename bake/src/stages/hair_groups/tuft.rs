@@ -44,8 +44,8 @@ fn tuft_position(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut V
     Ok(first.position_ws + Vec3::from(params.at.unwrap_or_default()))
 }
 
-/// Makes the group of a tuft and adds guesses to `warnings`. The error is a message saying why the group cannot be
-/// made.
+/// Makes the group of a tuft. If several nodes have the name of the tuft's joint, a warning is added to `warnings`. The
+/// error is a message saying why the group cannot be made.
 pub(super) fn tuft_of(
     params: &TuftParams,
     ground: &GroomTarget<'_>,

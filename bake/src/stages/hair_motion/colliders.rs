@@ -11,8 +11,8 @@ const FEWEST: usize = 8;
 const INSIDE: f32 = 0.35;
 /// Share of a joint's vertices beyond each end of the capsule.
 const BEYOND: f32 = 0.05;
-/// Minimum radius of a capsule that was made thinner for hair at rest, as a share of the fitted radius. A thinner
-/// capsule is omitted: hair grows through it.
+/// Minimum radius of a capsule after it was made thinner to exclude hair at rest, as a share of the fitted radius. A
+/// capsule that would be thinner is omitted: hair grows through it.
 const THINNEST: f32 = 0.25;
 /// Largest distance between hair and a capsule, as a multiple of the longest guide's length. Capsules farther away are
 /// omitted.
@@ -25,7 +25,7 @@ const MOST: usize = 24;
 pub struct FittedColliders {
     /// Capsules.
     pub colliders: Vec<BodyCollider>,
-    /// Largest distance by which the mesh surface extends beyond its joint's capsule, metres.
+    /// Largest distance by which the mesh surface extends beyond the capsule of the joint that it follows, metres.
     pub gap_m: f32,
     /// Warnings about recipe tables that match no joint.
     pub warnings: Vec<String>,
@@ -55,7 +55,7 @@ pub fn fit(mesh: &MeshData, pose: &Pose, guides: &[Vec<Vec3>]) -> FittedCollider
         let scale = libm::cbrtf(volume);
         let fitted = capsule(points);
         let Capsule { from, to, radius_m: radius } = fitted;
-        // Guides are in model space, so the ends are too.
+        // Guides are in model space, so the ends of the capsule are transformed to it too.
         let [there_from, there_to] = [from, to].map(|end| to_model.transform_point3(end));
         let there = Capsule { from: there_from, to: there_to, radius_m: radius * scale };
         let clear = guides.iter().flatten().map(|p| there.nearest(*p).distance(*p)).fold(f32::INFINITY, f32::min);
@@ -97,7 +97,7 @@ fn capsule(points: &[Vec3]) -> Capsule {
 fn longest_axis(points: &[Vec3], middle: Vec3) -> Vec3 {
     let outer = |p: Vec3| Mat3::from_cols(p * p.x, p * p.y, p * p.z);
     let covariance = points.iter().fold(Mat3::ZERO, |sum, p| sum + outer(*p - middle));
-    // At least one of the three start vectors is not perpendicular to the result.
+    // At least one of the three start vectors is not perpendicular to the axis of largest variance.
     let begin = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| covariance * axis);
     let begin = begin.into_iter().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(Vec3::Y);
     (0..64).fold(begin.normalize_or(Vec3::Y), |axis, _| (covariance * axis).normalize_or(axis))

@@ -40,7 +40,7 @@ fn a_rod_has_a_capsule_for_each_joint() {
     assert!(thinner.colliders.iter().any(|collider| collider.joint == 1 && collider.radius < 0.15));
     let through = vec![vec![Vec3::new(0.5, 0.01, 0.0), Vec3::new(0.5, 0.01, 0.5)]];
     assert!(fit(&mesh, &pose, &through).colliders.iter().all(|collider| collider.joint == 0));
-    // A capsule far from all hair is not needed.
+    // A capsule far from all hair is omitted.
     let far = vec![vec![Vec3::Y * 50.0, Vec3::Y * 50.1]];
     assert_eq!(fit(&mesh, &pose, &far), FittedColliders::default());
     assert_eq!(fit(&MeshData::default(), &pose, &hair), FittedColliders::default());

@@ -1,7 +1,8 @@
 //! Choice of the wash's centre, if the recipe gives none.
 //!
-//! In Fang 2006, §3, the user picks a point CP on the model. Here, points spread evenly over the washed mesh surface
-//! are scored. A high score needs the following:
+//! In Fang 2006, §3, the user picks a centre CP on the model. The wash W at a surface point V with unit normal N
+//! depends on (V − CP)·N. Here, points spread evenly over the washed mesh surface are scored as centres. A high score
+//! needs the following:
 //!
 //! * The wash W, clamped, varies strongly over the surface (standard deviation, weighted by area).
 //! * It is darker above than below, because a painter applies more ink to back and head and leaves the belly to the
@@ -26,7 +27,7 @@ const BLACK: f32 = 0.3;
 pub(super) struct SurfaceSample {
     pub(super) place: Vec3,
     pub(super) normal: Vec3,
-    /// Area represented by the point, times the share of wash there.
+    /// Area represented by the point, multiplied by the amount of wash there.
     pub(super) weight: f64,
 }
 
@@ -42,7 +43,8 @@ pub(super) fn pick(spots: &[SurfaceSample], radius: f32, shading: &InkShading) -
     best.map(|(_, i)| washed[i].place)
 }
 
-/// Returns the indices of at most `count` samples far from each other, starting with the highest.
+/// Returns the indices of at most `count` samples that are far from each other, starting with the sample of greatest
+/// height.
 fn spread(spots: &[SurfaceSample], count: usize) -> Vec<usize> {
     let mut away = vec![f32::INFINITY; spots.len()];
     let highest = (0..spots.len()).reduce(|a, b| if spots[b].place.y > spots[a].place.y { b } else { a });
@@ -64,7 +66,7 @@ fn score(spots: &[SurfaceSample], center: Vec3, radius: f32, shading: &InkShadin
     let grey = |spot: &SurfaceSample| {
         let [literal, normalised] = wash_product(spot.place, spot.normal, center, radius);
         let x = if shading.normalised { normalised } else { literal };
-        // Limits negative products as the runtime does.
+        // Compresses negative products, as the runtime does.
         let x = if x < 0.0 { x / (1.0 - 2.0 * x) } else { x };
         x * shading.wash_speed + shading.wash_range
     };
@@ -113,7 +115,8 @@ mod tests {
 
     #[test]
     fn wash_centre_minimises_the_black_surface() {
-        // Two bodies face each other: for a centre on one of them, the hollow side of the other becomes black.
+        // Two bodies face each other. For a centre on one of them, the side of the other body that faces it becomes
+        // black.
         let spot = |y: f32, ny: f32| SurfaceSample { place: Vec3::new(0.0, y, 0.0), normal: ny * Vec3::Y, weight: 1.0 };
         let spots = [spot(1.0, 1.0), spot(0.4, -1.0), spot(-0.4, 1.0), spot(-1.0, -1.0)];
         let shading = InkShading { wash_speed: 1.0, wash_range: 0.3, ..InkShading::default() };

@@ -16,7 +16,7 @@ const EVAPORATION: f32 = 0.004;
 const EDGE_EVAPORATION: f32 = 0.018;
 /// Share of the difference in ink that diffuses between wet neighbours per step, even if no water flows.
 const WANDERING: f32 = 0.025;
-/// Share of the carried ink that settles on the fibres per step.
+/// Share of the ink in the water that settles on the fibres per step.
 const SETTLING: f32 = 0.004;
 
 /// Paper under the ink.

@@ -13,15 +13,15 @@ use crate::stages::simulate::Strands;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Inked share of the tile at each density, seen from above. [`SIDE_DENSITIES`] is the share seen from the side, where
-/// hairs overlap.
+/// Inked share of the tile at each density, seen from above. [`SIDE_DENSITIES`] is the inked share seen from the side,
+/// where hairs overlap.
 const TOP_DENSITIES: [f32; 4] = [0.07, 0.17, 0.34, 0.58];
 const SIDE_DENSITIES: [f32; 4] = [0.12, 0.26, 0.44, 0.64];
 /// Maximum number of strokes. The tile is filled earlier unless strokes are thinner than a texel.
 const MOST_STROKES: usize = 2400;
 /// Number of candidate strands for each stroke.
 const CANDIDATES: u64 = 12;
-/// Half width of the first strokes, divided by their length; [`FINE`] is that of the last.
+/// Half width of the first strokes, divided by their length. [`FINE`] is the same ratio for the last strokes.
 const BROAD: f32 = 0.042;
 const FINE: f32 = 0.022;
 /// Length of a stroke seen from above, divided by the length of its strand. The brush draws a lock, and the strand is
@@ -106,7 +106,8 @@ fn drawing_order(strands: &Strands, seed: u64) -> Vec<usize> {
         let mut best: Option<(f32, usize)> = None;
         for candidate in 0..CANDIDATES {
             let mut i = (hash(hash(seed, 1), n << 8 | candidate) % count as u64) as usize;
-            // In a small tile, most strands are taken late in the process; the next free one is used.
+            // In a small tile, most strands are already taken late in the process. The next strand that is not taken is
+            // used.
             for _ in 0..count {
                 if !taken[i] {
                     break;
@@ -156,8 +157,9 @@ fn path_from_above(points: &[Vec3], lean: Vec2, seed: u64) -> Vec<Vec2> {
     path
 }
 
-/// Returns a strand's path seen from the side, along v. The lateral offset is scaled by [`ASIDE`]. A fin shows a
-/// section of this image, and strands leaning into the section have no root there. The fin itself leans instead.
+/// Returns a strand's path seen from the side, along v. The lateral offset is scaled by [`ASIDE`]. A fin shows only a
+/// section of this image. Strands that lean into the section from outside would have no root there. The lean is shown
+/// by the fin, which leans itself.
 fn path_from_side(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
     let root = points.first().map_or(0.0, |p| p.y);
     points.iter().map(|p| Vec2::new(root + ASIDE * (p.y - root), p.z)).collect()
@@ -254,8 +256,8 @@ fn brush(stroke: &Stroke, t: f32, (away, side): (f32, f32), soft: f32) -> f32 {
     if covered <= 0.0 {
         return 0.0;
     }
-    // Bristles run along the stroke and part as the ink runs out. The effect fades where there are too few texels to
-    // show them.
+    // Bristles run along the stroke and part as the ink runs out. The effect fades where the stroke has too few texels
+    // to show separate bristles.
     let at = Vec2::new(0.11 * t, 0.5 + 0.5 * side / stroke.half_width) + uniform(stroke.seed, 4);
     let bristle = gradient(hash(stroke.seed, 5), at, UVec2::new(16, 5));
     let dry = smooth_step(0.05, 0.6, 0.8 * bristle + 0.9 * t - 0.35) * smooth_step(1.0, 5.0, stroke.half_width / soft);

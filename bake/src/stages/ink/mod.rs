@@ -86,7 +86,7 @@ pub fn fur_strength(recipe: &Recipe, model: &Model, furred: &[bool]) -> f32 {
     recipe.ink.fur.unwrap_or(if speaks_of_fur { InkShading::default().fur } else { 0.0 })
 }
 
-/// Returns the shading constants; `fur`: result of [`fur_strength`].
+/// Returns the shading constants. `fur`: strength of the fur strokes, from [`fur_strength`].
 fn shading(p: &InkParams, fur: f32) -> InkShading {
     InkShading {
         wash_speed: p.speed,
@@ -99,7 +99,8 @@ fn shading(p: &InkParams, fur: f32) -> InkShading {
     }
 }
 
-/// Computes the per-vertex part of the ink style, with warnings. `fur`: result of [`fur_strength`].
+/// Computes the per-vertex part of the ink style, with warnings. `fur`: strength of the fur strokes, from
+/// [`fur_strength`].
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.

@@ -64,7 +64,7 @@ impl Plane {
 
     /// Resamples the plane to another size.
     pub(super) fn resized(&self, side: usize) -> Self {
-        // Skipped texels would alias without a filter.
+        // Without a filter, skipped texels would cause aliasing.
         let ratio = self.side as f32 / side as f32;
         if ratio > 1.5 {
             return self.blurred(0.4 * ratio).sampled_at(side);
@@ -113,7 +113,7 @@ impl Plane {
         let stretch = deviation / self.deviation().max(1e-6);
         let mean = self.mean();
         let mut out = self.map(|v| 0.5 + (v - mean) * stretch);
-        // Clamping the tails of a skewed histogram shifts the mean again, so the shift is repeated.
+        // Clamping the tails of a skewed histogram changes the mean again, so the shift is repeated.
         for _ in 0..8 {
             let shift = 0.5 - out.map(|v| v.clamp(0.0, 1.0)).mean();
             out = out.map(|v| v + shift);
@@ -150,7 +150,7 @@ impl Plane {
 /// Meaning of a channel, which determines how its mips are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Channel {
-    /// Quantity: mips are means.
+    /// Plain quantity: the texels of mips are means.
     Value,
     /// Threshold for comparisons. All values are equally frequent in every mip, so that the same share of texels passes
     /// at any distance. Plain means would concentrate around the middle, so that all texels would pass or none.

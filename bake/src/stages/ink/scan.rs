@@ -98,7 +98,7 @@ fn remove_background(plane: &Plane) -> Plane {
     let small = Plane { side, values: mean_texels((n, n), (side, side), |x, y| plane.values[y * n + x]) };
     let sigma = GROUND * side as f32;
     let mirrored = Plane::from_fn(2 * side, |uv| {
-        // The background is mirrored at the borders, so the tile of four copies has no seams.
+        // The background is mirrored at the borders. The tile of four mirrored copies therefore has no seams.
         let p = (uv * 2.0 - 1.0).abs();
         small.sample(p.min(Vec2::splat(1.0 - 0.5 / side as f32)))
     });

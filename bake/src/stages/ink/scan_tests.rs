@@ -90,8 +90,8 @@ fn large_scans_are_reduced_to_the_largest_texture_size() {
 
 #[test]
 fn background_of_large_and_small_scans_agrees() {
-    // Both images have the same texels, enlarged three times in one: the small image is used as it is, the large one is
-    // downsampled.
+    // The large image is the small one with every texel enlarged to 3 × 3. The small image is used at its own size; the
+    // large one is downsampled.
     let small = painting(200, 200);
     let texel = |i: usize| small.rgba[4 * ((i / 1800) * 200 + i % 600 / 3)..][..4].to_vec();
     let large = Image { width: 600, height: 600, rgba: (0..600 * 600).flat_map(texel).collect() };

@@ -67,7 +67,7 @@ impl Ring<'_> {
             Some(_) => 0.0,
             None => (body * pool).max(bleed),
         };
-        // Bristles run along the rim. The drier the brush, the more of them leave no ink, beginning on the side with
+        // Bristles run along the rim. The drier the brush, the more bristles leave no ink, beginning on the side with
         // less pressure.
         let bristles = gradient(hash(self.seed, 4), at, UVec2::new(9, 88))
             + 0.6 * gradient(hash(self.seed, 5), at, UVec2::new(23, 150));

@@ -14,7 +14,7 @@ use pelage_import::mesh::{Material, Mesh, MeshPart, RestPose};
 pub struct InkVertices {
     /// Ink data per vertex.
     pub vertices: Vec<InkVertex>,
-    /// Centre of the wash for materials without one of their own, metres.
+    /// Centre of the wash for materials whose tables set no centre, metres.
     pub center: Vec3,
 }
 
@@ -35,7 +35,7 @@ pub struct InkTarget<'a> {
 
 /// Ink settings of one material.
 struct MaterialPaint<'a> {
-    /// Map of the share of wash, and a factor of 0 or 1 on it; `solid` is the same for full ink.
+    /// Map of the amount of wash, and a factor: 1 uses the map, 0 disables it. `solid` is the same for full ink.
     wash: (&'a ScalarMap, f32),
     solid: (&'a ScalarMap, f32),
     line: &'a ScalarMap,
@@ -60,7 +60,7 @@ impl<'a> MaterialPaint<'a> {
 /// Amount of [`InkFill::Solid`] if the recipe gives none.
 static FULL: ScalarMap = ScalarMap::Constant(1.0);
 
-/// Evaluates the recipe at every vertex. A vertex where several materials meet gets their mean.
+/// Evaluates the recipe at every vertex. A vertex where several materials meet gets the mean of their values.
 ///
 /// Names that match no material are reported in `warnings`.
 ///

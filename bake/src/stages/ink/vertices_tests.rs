@@ -114,7 +114,7 @@ fn materials_are_blank_washed_or_inked() {
         let params = InkParams { material, center: Some([0.0, 1.0, 0.0]), ..InkParams::default() };
         let (found, warnings) = evaluate(&params, 1.0, &MapImages::default());
         let of = |v: &InkVertex| (v.amount, v.solid, v.line);
-        // Each pole belongs to one material, the equator to both.
+        // Each pole belongs to one material, and the equator belongs to both.
         ([of(&found.vertices[0]), of(&found.vertices[24 * 32]), of(&found.vertices[12 * 32])], found, warnings)
     };
     assert_eq!(of(vec![]).0, [(255, 0, 255); 3]);

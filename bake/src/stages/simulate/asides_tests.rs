@@ -19,8 +19,8 @@ fn bent(bend: impl Fn(usize) -> f32) -> Strands {
     strands
 }
 
-/// Returns the greatest error of the estimated offset, first with the true directions. The second value, for
-/// comparison, is the error if all directions are upright.
+/// Returns the greatest errors of the estimated offset. The first is with the true directions. The second, for
+/// comparison, is with upright directions only.
 fn worst(strands: &Strands, asides: &LateralOffsets, bend: impl Fn(usize) -> f32) -> [f32; 2] {
     let mut worst = [0.0f32; 2];
     for i in 0..strands.len() {

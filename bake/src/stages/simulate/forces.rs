@@ -19,7 +19,7 @@ const FRIZZ_BENDS: f32 = 9.0;
 /// Rate at which a heading relaxes towards the forces, per length of the strand.
 const RELAXATION: f32 = 7.0;
 
-/// Purposes of a strand's random numbers. The first two numbers are used by [`stratified`].
+/// Indices of a strand's random numbers, one per purpose. The first two indices are used by [`stratified`].
 #[derive(Clone, Copy)]
 enum RandomUse {
     Length = 2,
@@ -47,7 +47,7 @@ pub(super) struct Grower<'a> {
     own_seed: u64,
     /// Locks of the tile; `None` if hairs do not gather in locks.
     locks: Option<&'a Locks>,
-    /// Grower of the guard hair above the underfur, which joins its locks; `None` for guard hair.
+    /// Grower of the guard hair whose locks the underfur joins; `None` for guard hair.
     leader: Option<&'a Grower<'a>>,
 }
 
@@ -136,8 +136,8 @@ impl<'a> Grower<'a> {
         (self.lean_to * libm::sinf(angle)).extend(libm::cosf(angle))
     }
 
-    /// Returns the share by which a heading approaches its target in one step along a strand of `length`. It is the
-    /// exact solution of the relaxation and never overshoots, however long the step.
+    /// Returns the share by which a heading approaches its target in one step. `length` is the length of the strand.
+    /// The share is the exact solution of the relaxation and never overshoots, however long the step.
     fn relaxation_factor(step: f32, length: f32) -> f32 {
         -libm::expm1f(-RELAXATION * step / length)
     }
@@ -168,7 +168,7 @@ impl<'a> Grower<'a> {
                     let target = if self.forces.wet {
                         (lock.target + tilt).lerp(into_lock, p.clump)
                     } else {
-                        // Dry hairs are separate at their roots; only their tips gather.
+                        // Dry hairs are separate at their roots; only the tips gather in locks.
                         (self.lean(t) + tilt + self.style_force(position, t)).lerp(into_lock, p.dry_clump * t)
                     };
                     lock.advance(leader, step);

@@ -19,7 +19,7 @@ const ONE_DIRECTION: f64 = 1e-6;
 /// Lateral offset of hair from its root, in tile widths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LateralOffsets {
-    /// Fitted line at each height; heights are evenly spaced from the mesh surface to the outermost layer.
+    /// Fitted line at each height. Heights are evenly spaced from the mesh surface to the outermost layer.
     pub at: [RootOffset; ROOT_HEIGHTS],
     /// Mean offset of all hair at each height.
     pub mean: [Vec2; ROOT_HEIGHTS],
@@ -60,7 +60,7 @@ fn texels(strands: &Strands) -> Vec<Vec<Texel>> {
         for i in range.start..range.end.saturating_sub(1) {
             let (from, to) = (strands.points[i], strands.points[i + 1]);
             let Some(tangent) = (to - from).try_normalize() else { continue };
-            // Both ends of a hair are equivalent in a texel, so the direction is turned upwards.
+            // A texel does not distinguish the two ends of a hair, so the direction is turned upwards.
             let direction: Vec3 = if tangent.z < 0.0 { -tangent } else { tangent };
             let weight = f64::from((to - from).length() * strands.radii[i].max(strands.radii[i + 1]));
             for piece in 0..PIECES {

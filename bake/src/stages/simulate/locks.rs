@@ -46,7 +46,8 @@ impl Locks {
         forms_locks(guard).then(|| Self::new(guard.seed, guard.clump_count, guard.density, height))
     }
 
-    /// Creates `count` locks. If that is `None`, the number suits `density` strands of length `height` (tile widths).
+    /// Creates `count` locks. If `count` is `None`, the number of locks suits `density` strands of length `height`
+    /// (tile widths).
     pub(super) fn new(seed: u64, count: Option<u32>, density: u32, height: f32) -> Self {
         let spacing = SPACING_PER_LENGTH * height;
         let suits = ((spacing * spacing).recip().round().min(1e9) as u32).min(density / LEAST_STRANDS);
@@ -101,9 +102,13 @@ fn nearest_copy(point: Vec2, to: Vec2) -> Vec2 {
     point - (point - to).round()
 }
 
-/// Returns the heading that brings a strand at `position` onto the axis of its lock before the strand ends. The axis is
-/// now at `axis` and heads for `axis_heading`; `left` is the remaining length of the strand. The gap closes with the
-/// square of the remaining length.
+/// Returns the heading that brings a strand at `position` onto the axis of its lock before the strand ends.
+///
+/// * `axis`: current point of the axis
+/// * `axis_heading`: direction of the axis at that point
+/// * `left`: remaining length of the strand
+///
+/// The distance from the axis shrinks in proportion to the square of the remaining length.
 pub(super) fn heading_into_lock(position: Vec3, axis: Vec3, axis_heading: Vec3, left: f32) -> Vec3 {
     let pull = (axis - position) * (2.0 / left);
     // A strand far from its lock's axis runs towards it along the mesh surface, but never turns back below the surface.

@@ -17,7 +17,7 @@ pub struct StyleForces {
     pub root_deg: [f32; 3],
     /// Angle of the tip from upright, degrees: coefficients of 1 and lean.
     pub tip_deg: [f32; 2],
-    /// Size of the random part of a strand's heading.
+    /// Strength of the random part of a strand's heading.
     pub disorder: f32,
     /// Share of `hair.frizz` that remains. Water and combing smooth it out.
     pub frizz: f32,

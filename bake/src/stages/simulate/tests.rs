@@ -98,7 +98,7 @@ fn spread_of_locks(params: &HairParams, height: f32) -> f32 {
     let mut tips: std::collections::BTreeMap<u32, Vec<Vec3>> = std::collections::BTreeMap::new();
     for range in (0..strands.len()).map(|i| strands.range(i)) {
         let lock = locks.lock_at(strands.points[range.start].truncate());
-        // Tips are relative to the lock's centre, so that locks across the tile's border are not split.
+        // Tips are relative to the lock's centre, so that locks are not split at the border of the tile.
         tips.entry(lock.index).or_default().push(strands.points[range.end - 1] - lock.center.extend(0.0));
     }
     let spread = |tips: &Vec<Vec3>| {
@@ -194,7 +194,7 @@ fn underfur_has_its_own_style_but_shares_wetness() {
 
 #[test]
 fn dry_hair_gathers_at_its_tips_and_underfur_in_the_same_locks() {
-    // Mean displacement by clumping, of the points that `at` selects: tips, or points near the root.
+    // Mean displacement of points caused by clumping. `at` selects the points: tips, or points near the root.
     let moved = |clump: f32, at: fn(std::ops::Range<usize>) -> usize, strands: std::ops::Range<usize>| {
         let [loose, gathered] = [0.0, clump].map(|dry_clump| guard_and_underfur(|hair, _| hair.dry_clump = dry_clump));
         let count = strands.len() as f32;

@@ -12,7 +12,7 @@ use pelage_import::BakeError;
 pub struct TileHair {
     /// Dry strands; the only strands if the fur is dry or wet everywhere.
     pub strands: Strands,
-    /// Same hairs when wet, with the height of `strands`; `None` if the fur is dry or wet everywhere.
+    /// The hairs of `strands` when wet, with the same height; `None` if the fur is dry or wet everywhere.
     pub wet: Option<Strands>,
     /// Style of `strands`.
     pub style: Style,
@@ -30,7 +30,7 @@ impl TileHair {
         let mut strands = grow(style)?;
         let mut wet = if water == FurWetness::Mixed && !StyleForces::of(style).wet { Some(grow(WET)?) } else { None };
         if let Some(wet) = &mut wet {
-            // Layers that are mixed need the same heights.
+            // Dry and wet layers can only be mixed if they have the same heights.
             strands.height = strands.height.max(wet.height);
             wet.height = strands.height;
         }

@@ -129,7 +129,8 @@ impl TextureEncoder {
         self.finish()
     }
 
-    /// Does the same as [`TextureEncoder::finish_reversed`], except that the layer pushed last remains the last.
+    /// Does the same as [`TextureEncoder::finish_reversed`], except that the layer pushed last is also the last layer
+    /// of the file.
     pub fn finish_reversed_but_last(mut self) -> Result<Vec<u8>, BakeError> {
         self.layers.reverse();
         self.layers.rotate_left(1);

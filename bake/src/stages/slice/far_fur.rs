@@ -79,8 +79,8 @@ impl FarFurSums {
         self.added = luminance.collect::<Vec<f64>>().iter().sum::<f64>() / layer.len().max(1) as f64;
     }
 
-    /// Records the contribution that [`Self::gather`] added. `above` and `through` are the mean transmittances above
-    /// the layer and through it, as seen from straight above.
+    /// Records the contribution of the layer that [`Self::gather`] added. `above` and `through` are the mean
+    /// transmittances above the layer and through it, as seen from straight above.
     pub(super) fn close(&mut self, above: f32, through: f32) {
         self.layers.push(LayerShare { luminance: self.added, above: above.into(), through: through.into() });
     }

@@ -62,8 +62,8 @@ impl Transmittance {
         Self { direction_format, drawn, halvings, blur, levels, coat: FarFurSums::new(texels) }
     }
 
-    /// Merges all layers so far into one: their hair seen from above. Its mips are plain means, with colours and
-    /// directions weighted by visible opacity.
+    /// Merges all layers so far into one layer, which shows their hair as seen from above. The mips are plain means,
+    /// with colours and directions weighted by visible opacity.
     pub(super) fn coat(&self, texels: u32) -> (Vec<LevelBytes>, FarFurStats) {
         let mut alone = Self::new(texels, 0, 0.0, self.direction_format);
         let mut sums = self.coat.sums.clone();
@@ -119,8 +119,9 @@ impl Transmittance {
     }
 }
 
-/// Replaces depth, depth·colour, depth·direction by Wα, WαC, WαT, where W is the weight of the texel. Stores W in the
-/// eighth component. All of these can be averaged linearly.
+/// Replaces optical depth, depth times colour and depth times direction by Wα, WαC and WαT. W is the weight of the
+/// texel, α its opacity, C its colour, T its direction. Stores W in the eighth component. All of these can be averaged
+/// linearly.
 fn to_weighted_opacity(sums: &mut [Sums], outside: &mut [f32]) {
     sums.par_iter_mut().zip(outside).with_min_len(1024).for_each(|(s, outside)| {
         let w = *outside + HIDDEN;
@@ -140,7 +141,7 @@ fn to_weighted_opacity(sums: &mut [Sums], outside: &mut [f32]) {
 }
 
 /// Fills the texels between the roots with the mean direction of the roots. If each root's direction were extended
-/// instead, blocks would show under sparse hair.
+/// instead, squares of equal direction would be visible under sparse hair.
 fn fill_surface_directions(sums: &mut [Sums]) {
     let mut mean = [0.0f64; 4];
     for s in sums.iter() {

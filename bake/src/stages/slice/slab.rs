@@ -1,10 +1,11 @@
 //! Fin textures: the strands of the tile seen from the side (Lengyel et al. 2001, "fin texture").
 //!
-//! A slab is a vertical slice of the tile, and its strands are projected onto the plane of the cut. Hair leans in the
-//! tile: a slab along the lean shows it bent over, and one across the lean does not. There are [`SLABS`] slabs, along
-//! directions in which a line through the periodic tile closes. A fin uses the slab most parallel to its edge.
+//! A fin slice is a vertical slice of the tile, whose strands are projected onto the plane of the cut. Hair leans in
+//! the tile. A slice along the lean shows the hair bent over; a slice across the lean does not. There are
+//! [`FIN_SLICES`] fin slices, along directions in which a line through the periodic tile closes. A fin uses the slice
+//! most parallel to its edge.
 //!
-//! Whole strands are drawn, chosen by their roots, so that no hair is cut at the faces of a slab. Each texel is the
+//! Whole strands are drawn, chosen by their roots, so that no hair is cut at the faces of a slice. Each texel is the
 //! average of [`SUPERSAMPLES`]² finer ones. So a coarse texel keeps the share that its hairs cover; the opacity of
 //! their mean density would be higher. Further mips are plain means of premultiplied texels, so the covered share is
 //! the same in all of them.
@@ -22,15 +23,16 @@ use pelage_formats::meaning::linear_to_srgb;
 use pelage_import::BakeError;
 use rayon::prelude::*;
 
-/// Direction through the tile: `(p, q)`, numbers of tiles along u and v after which a line returns to its start.
+/// Direction of a fin slice through the tile: `(p, q)`, numbers of tiles along u and v after which a line returns to
+/// its start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FinSlice {
     step: [i8; 2],
-    /// Offset (m, n) to the neighbouring tile that is one period away across the slab: −q·m + p·n = 1.
+    /// Offset (m, n) to the neighbouring tile that is one period away across the slice: −q·m + p·n = 1.
     neighbour: [i8; 2],
 }
 
-/// Slabs of a fin texture, in the order of its array layers. Their directions are 45° apart.
+/// Slices of a fin texture, in the order of its array layers. Their directions are 45° apart.
 pub const FIN_SLICES: [FinSlice; 4] = [
     FinSlice { step: [1, 0], neighbour: [0, 1] },
     FinSlice { step: [1, 1], neighbour: [0, 1] },
@@ -38,7 +40,8 @@ pub const FIN_SLICES: [FinSlice; 4] = [
     FinSlice { step: [-1, 1], neighbour: [0, -1] },
 ];
 
-/// Fine texels per texel and axis. The number is reduced if the fine texture would exceed [`MAX_FINE`] texels per side.
+/// Number of fine texels per texel of the fin texture, along each axis. The number is reduced if the fine texture would
+/// exceed [`MAX_FINE`] texels per side.
 const SUPERSAMPLES: u32 = 4;
 const MAX_FINE: u32 = 1024;
 /// Texels of a fin texture per texel of the shells. Hair in fins is seen from the side, outlined against its
@@ -46,20 +49,20 @@ const MAX_FINE: u32 = 1024;
 const TEXELS_PER_SHELL_TEXEL: u32 = 2;
 
 impl FinSlice {
-    /// Returns the length of one period, tile widths.
+    /// Returns the length of one period of the slice, tile widths.
     pub fn period(self) -> f32 {
         let [p, q] = self.step.map(f32::from);
         (p * p + q * q).sqrt()
     }
 
-    /// Returns the unit direction of the slab in the tile.
+    /// Returns the unit direction of the slice in the tile.
     pub fn direction(self) -> Vec2 {
         Vec2::from(self.step.map(f32::from)) / self.period()
     }
 }
 
-/// Returns the slab most parallel to `direction`, which may have any length, and whether the two have opposite
-/// directions.
+/// Returns the index of the fin slice most parallel to `direction`, which may have any length. Also returns whether
+/// slice and `direction` point in opposite directions.
 pub fn fin_slice_along(direction: Vec2) -> (usize, bool) {
     let mut best = (0, 0.0f32);
     for (index, slab) in FIN_SLICES.iter().enumerate() {
@@ -71,22 +74,22 @@ pub fn fin_slice_along(direction: Vec2) -> (usize, bool) {
     (best.0, best.1 < 0.0)
 }
 
-/// Fin textures of all slabs.
+/// Fin textures of all slices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinTextures {
-    /// Complete .ktx2 files; one array layer per slab.
+    /// Complete .ktx2 files; one array layer per slice.
     pub textures: ShellTextures,
-    /// Width, texels. It spans one period of the slab.
+    /// Width, texels. It spans one period of the slice.
     pub width: u32,
     /// Height, texels. It spans the height from 0 to [`Strands::height`].
     pub height: u32,
 }
 
-/// Optical depth, depth times linear RGB, depth times direction, and padding. After [`Raster::resolve`], opacity
-/// replaces depth.
+/// Sums per texel: optical depth, depth times linear RGB, depth times direction, and padding. After
+/// [`Raster::resolve`], opacity replaces depth.
 type Sums = [f32; 8];
 
-/// Draws and encodes the slabs; each is `depth` tile widths deep.
+/// Draws and encodes the fin slices; each is `depth` tile widths deep.
 ///
 /// # Errors
 /// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands or if the
@@ -132,7 +135,8 @@ fn size(strands: &Strands, slice: &SliceParams) -> (u32, u32) {
     (width, height.next_power_of_two().min(MAX_FINE))
 }
 
-/// Draws one slab at the texture's size. Returns sums of opacity, opacity times colour, and opacity times direction.
+/// Draws one fin slice at the texture's size. Returns sums of opacity, opacity times colour, and opacity times
+/// direction.
 fn draw(strands: &Strands, slab: FinSlice, depth: f32, (width, height): (u32, u32), filter_width: f32) -> Vec<Sums> {
     let samples = (MAX_FINE / width.max(height)).clamp(1, SUPERSAMPLES);
     let (w, h) = ((width * samples) as usize, (height * samples) as usize);
@@ -144,8 +148,8 @@ fn draw(strands: &Strands, slab: FinSlice, depth: f32, (width, height): (u32, u3
     for strand in 0..strands.len() {
         let range = strands.range(strand);
         let Some(root) = strands.points.get(range.start) else { continue };
-        // Position across the slab, in periods. It is 0..1 in the tile itself; each whole number is one neighbour
-        // farther.
+        // Position across the slice, in periods. It is 0..1 in the tile itself, and increases by 1 with each
+        // neighbouring tile.
         let across = p * root.y - q * root.x;
         let mut image = -across.floor();
         while across + image < depth * slab.period() {
@@ -175,7 +179,7 @@ fn draw(strands: &Strands, slab: FinSlice, depth: f32, (width, height): (u32, u3
     raster.resolve(samples as usize)
 }
 
-/// Sums over the strands of a slab, per fine texel.
+/// Sums over the strands of a fin slice, per fine texel.
 struct Raster {
     width: usize,
     height: usize,
@@ -206,8 +210,8 @@ impl Raster {
         }
     }
 
-    /// Converts depth to opacity, times a factor that falls linearly from 1 at the surface to 0 at the top. Averages
-    /// `samples`² texels into one.
+    /// Converts optical depth to opacity, multiplied by a factor that falls linearly from 1 at the surface to 0 at the
+    /// top. Then averages each `samples` × `samples` fine texels into one texel.
     fn resolve(mut self, samples: usize) -> Vec<Sums> {
         for (y, row) in self.sums.chunks_exact_mut(self.width).enumerate() {
             let above = 1.0 - (y as f32 + 0.5) / self.height as f32;
@@ -222,7 +226,7 @@ impl Raster {
     }
 }
 
-/// Averages blocks of `x` by `y` texels of an image that is `width` texels wide.
+/// Averages rectangles of `x` by `y` texels of an image that is `width` texels wide.
 fn shrink(fine: &[Sums], width: usize, (x, y): (usize, usize)) -> Vec<Sums> {
     let columns = width / x;
     let share = 1.0 / (x * y) as f32;

@@ -27,7 +27,8 @@ fn hair(root: Vec3, tip: Vec3) -> Strands {
     }
 }
 
-/// Draws one slab of the given depth; returns width, height and RGBA of all levels, for colour and direction.
+/// Draws the slab with the given index and depth. Returns the mip levels of its colour and of its direction: width,
+/// height and RGBA of each level.
 fn slab(strands: &Strands, index: usize, depth: f32) -> (Levels, Levels) {
     let params = slice(32);
     let size = size(strands, &params);
@@ -42,7 +43,7 @@ fn mean(values: &[f32]) -> f32 {
     values.iter().sum::<f32>() / values.len() as f32
 }
 
-/// Returns the column with the highest opacity in a level, as a share of its width.
+/// Returns the column of a level with the highest opacity, as a fraction of the level's width.
 fn column(level: &(u32, u32, Vec<u8>)) -> f32 {
     let (width, alpha) = (level.0 as usize, alpha(level));
     let sum = |x: usize| alpha.iter().skip(x).step_by(width).sum::<f32>();
@@ -75,8 +76,9 @@ fn edges_select_the_most_parallel_fin_slice() {
 fn hair_in_a_slab_is_drawn_at_its_root() {
     // An upright hair at u = 0.3, v = 0.1.
     let strands = hair(Vec3::new(0.3, 0.1, 0.0), Vec3::new(0.3, 0.1, 0.5));
-    // Along (1, 1), the offset across is 0.1 − 0.3, so the copy in the tile above is used: (0.3 + 1.1) / 2. Along (−1,
-    // 1), the offset is −0.1 − 0.3, so the copy in the tile below is used: (−0.3 − 0.9) / 2, which wraps to 0.4.
+    // Along (1, 1), the hair's position across the slab is 0.1 − 0.3, which is negative. So its copy in the tile above
+    // is drawn, at (0.3 + 1.1) / 2. Along (−1, 1), the position across is −0.1 − 0.3, so the copy in the tile below is
+    // drawn. Its position, (−0.3 − 0.9) / 2, wraps to 0.4.
     for (index, expected) in [(0, 0.3), (1, 0.7), (2, 0.1), (3, 0.4)] {
         let found = column(&slab(&strands, index, 1.0).0[0]);
         assert!((found - expected).abs() < 0.02, "slab {index}: {found}, expected {expected}");
@@ -92,7 +94,7 @@ fn slabs_wrap_at_tile_borders() {
     for index in 0..FIN_SLICES.len() {
         let (a, b) = (slab(&strands, index, 0.3), slab(&moved, index, 0.3));
         let differing = |a: &[u8], b: &[u8]| a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 2).count();
-        // Rounding may move a hair near the face of the slab in or out of it.
+        // Rounding can move a root across the face of the slab, so that the whole hair appears or disappears.
         let share = differing(&a.0[0].2, &b.0[0].2) as f32 / a.0[0].2.len() as f32;
         assert!(share < 0.02, "slab {index}: {share} of the texels differ");
     }
@@ -133,7 +135,7 @@ fn mips_keep_the_covered_share() {
         let (color, direction) = slab(&strands, index, 0.05);
         let shares: Vec<_> = color.iter().map(|level| mean(&alpha(level))).collect();
         assert!(shares[0] > 0.02, "there is hair: {shares:?}");
-        // Tolerance of two per cent, plus the rounding of a byte.
+        // Tolerance for the covered shares: 2 %, plus the rounding of a byte.
         assert!(shares.iter().all(|s| (s - shares[0]).abs() < 0.02 * shares[0] + 0.5 / 255.0), "{shares:?}");
         let sizes: Vec<_> = color.iter().map(|l| (l.0, l.1)).collect();
         assert_eq!(sizes.last(), Some(&(1, 1)));
@@ -164,7 +166,7 @@ fn a_deeper_slab_has_more_hair() {
     let share = |depth: f32| mean(&alpha(&slab(&strands, 0, depth).0[0]));
     let shares = [0.01, 0.02, 0.1, 1.0, 3.0].map(share);
     assert!(shares.windows(2).all(|w| w[0] < w[1]), "{shares:?}");
-    // Shares are proportional to the depth of the slab, because hairs do not overlap yet.
+    // In thin slabs, the covered share is proportional to the depth, because hairs do not overlap yet.
     assert!((shares[1] / shares[0] - 2.0).abs() < 0.5, "{shares:?}");
 }
 

@@ -14,13 +14,14 @@ use crate::stages::slice::direction;
 use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Returns the density of a strand times its radius. A strand across the ray, drawn as a Gaussian of that density,
-/// blocks as much light as an opaque strand of the same radius. So the integral of 1 − exp(−depth) across the strand
-/// equals its width.
+/// Returns the density with which to draw a strand, times its radius. A strand across the ray, drawn as a Gaussian of
+/// that density, blocks as much light as an opaque strand of the same radius. So the integral of 1 − exp(−depth) across
+/// the strand equals its width.
 ///
-/// * `sharpness`: radius divided by the standard deviation that the strand is drawn with, 0..=√2. At 0, the strand is
-///   thinner than a texel and its depth is small; with 2/π, the integral of the depth itself is the width. At √2, it is
-///   a Gaussian of the strand's own variance. It then needs 1.8 times the density, because its middle is already dark.
+/// * `sharpness`: radius divided by the standard deviation of the drawn Gaussian, 0..=√2. At 0, the strand is thinner
+///   than a texel and its depth is small. The result is then 2/π, with which the integral of the depth itself equals
+///   the width. At √2, the Gaussian has the strand's own variance. It then needs 1.8 times the density, because its
+///   middle is already dark.
 ///
 /// The function is a polynomial fit to the inverse of that integral, accurate within 2 %.
 pub fn extinction(sharpness: f32) -> f32 {
@@ -37,8 +38,8 @@ const CHUNK: usize = 4096;
 /// Number of segments whose splats are in memory at once.
 const BATCH: usize = 64 * CHUNK;
 
-/// Sums over the strands at one texel: optical depth, depth times linear RGB, depth times direction, one component for
-/// the layers' weights, and depth times the visibility coefficients.
+/// Sums over the strands at one texel: optical depth, depth times linear RGB, and depth times direction. The last
+/// components are the texel's weight, and depth times the visibility coefficients.
 pub(super) type Sums = [f32; 12];
 
 /// Input for rasterisation: strands and, if known, the visibility coefficients at each of their points.

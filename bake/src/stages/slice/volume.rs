@@ -131,16 +131,17 @@ fn slice_layers(
 /// texel is the mean of its fine ones; the transmittance of their mean depth would be lower. So fur is as dense in
 /// coarse texels as in fine ones.
 const OVERSAMPLING: u32 = 2;
-/// Texels per side at which any relevant strand is resolved; finer textures are not oversampled.
+/// Texels per side that suffice to resolve strands. Oversampling does not exceed this number, so finer textures are not
+/// oversampled.
 const FINE: u32 = 512;
 
 fn halvings(texels: u32) -> u32 {
     OVERSAMPLING.min((FINE / texels).max(1).ilog2())
 }
 
-/// Returns two widths of the filter for drawing strands: the standard deviation before the halvings, in fine texels,
-/// and the variance of the blur after them, in stored texels². A width of up to half a texel only keeps strands from
-/// breaking up between fine texels; any excess becomes blur.
+/// Splits the filter width for drawing strands into two widths. The first is the standard deviation with which strands
+/// are drawn, in fine texels. The second is the variance of the blur after the halvings, in stored texels². A width of
+/// up to half a texel only keeps strands from breaking up between fine texels; any excess becomes blur.
 fn filter(width: f32, halvings: u32) -> (f32, f32) {
     if halvings == 0 { (width, 0.0) } else { (width.min(0.5), (width * width - 0.25).max(0.0)) }
 }

@@ -127,7 +127,7 @@ fn directions_follow_the_strand() {
             for texel in level.chunks_exact(4) {
                 let values = [texel[0], texel[1], texel[2], texel[3]].map(|b| f32::from(b) / 255.0);
                 let back = pelage_formats::decode_direction(values, TextureFormat::Rgba8Unorm);
-                // Gaps between hairs are filled from the hairs around them.
+                // Texels in gaps between hairs get the direction of the hairs around them.
                 assert!(back.distance(tangent) < 0.02, "{texel:?}");
             }
         }

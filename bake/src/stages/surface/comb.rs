@@ -70,7 +70,7 @@ impl Comb {
         }
     }
 
-    /// Returns the unit direction that applies everywhere; zero if the comb has none.
+    /// Returns the unit direction that applies everywhere; zero if the comb has no such direction.
     pub fn global_direction(&self) -> Vec3 {
         match self {
             Self::Direction(direction) => direction.normalize_or_zero(),

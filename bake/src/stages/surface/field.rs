@@ -1,17 +1,17 @@
 //! Comb field: a unit tangent per face, along which the hair is combed.
 //!
-//! Wanted directions are projected to the faces and smoothed. Neighbours decide where a wanted direction is weak
-//! (nearly along the normal) or wanted directions disagree. The smoothing is a hierarchical Gauss–Seidel iteration on
-//! unit vectors, as in Instant Meshes (Jakob et al. 2015). Its time is linear in the number of faces. By the
-//! Poincaré–Hopf theorem, a field on a closed surface of genus g has singularities whose indices sum to 2 − 2g. They
-//! remain where the wanted directions vanish, such as at nose and tail.
+//! Wanted directions are projected to the faces and smoothed. Where a wanted direction is weak (nearly along the
+//! normal), or where wanted directions disagree, the neighbouring faces determine the result. The smoothing is a
+//! hierarchical Gauss–Seidel iteration on unit vectors, as in Instant Meshes (Jakob et al. 2015). The time is linear in
+//! the number of faces. By the Poincaré–Hopf theorem, a field on a closed surface of genus g has singularities whose
+//! indices sum to 2 − 2g. Singularities remain where the wanted directions vanish, such as at nose and tail.
 
 use super::topology::{NONE, Topology, prev};
 use glam::DVec3;
 use pelage_import::angle::between;
 
-/// Gauss–Seidel sweeps per level. Each level converges with these, because the coarser level provides the low
-/// frequencies.
+/// Gauss–Seidel sweeps per level. This number suffices for each level to converge, because the coarser level provides
+/// the low frequencies.
 const SWEEPS: usize = 6;
 /// Number of nodes below which coarsening stops.
 const COARSEST: usize = 8;
@@ -32,7 +32,8 @@ struct Level {
 ///
 /// * `wishes`: wanted direction of each face; only the component in the face's plane counts, with its length (0..=1) as
 ///   weight
-/// * `smoothing_m`: reach of the neighbours' influence against a wanted direction of length 1, metres, above 0
+/// * `smoothing_m`: distance over which neighbouring faces influence a face whose wanted direction has length 1,
+///   metres, above 0
 ///
 /// Returns one unit vector in the plane of each face.
 pub(super) fn comb_field(topology: &Topology, wishes: &[DVec3], smoothing_m: f64) -> Vec<DVec3> {
@@ -94,8 +95,8 @@ fn finest(topology: &Topology, wishes: &[DVec3]) -> Level {
     level.starts.push(0);
     for f in 0..topology.faces.len() {
         for (h, g) in topology.neighbors(f) {
-            // Weight of a dual edge in a finite-volume Laplacian. It is clamped, so that slivers neither bind nor
-            // separate faces.
+            // Weight of a dual edge in a finite-volume Laplacian. It is clamped, so that slivers neither couple faces
+            // too strongly nor decouple them.
             let across = topology.centroid(f).distance(topology.centroid(g));
             let weight = (topology.edge_length(h) / across.max(f64::MIN_POSITIVE)).clamp(0.01, 100.0);
             level.links.push((g as u32, weight));
@@ -105,8 +106,8 @@ fn finest(topology: &Topology, wishes: &[DVec3]) -> Level {
     level
 }
 
-/// Joins each node with the free neighbour that it is bound to most strongly. Returns the coarser level and the parent
-/// of each node.
+/// Joins each node with its most strongly linked neighbour that is not joined yet. Returns the coarser level and the
+/// parent of each node.
 fn coarsen(fine: &Level) -> (Level, Vec<u32>) {
     let n = fine.areas.len();
     let mut parent = vec![NONE; n];

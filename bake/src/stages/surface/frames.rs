@@ -41,15 +41,15 @@ pub(super) fn tile_scale(
         warnings
             .push(format!("{collapsed} furred triangles have no area in texture coordinates; their hair is stretched"));
     }
-    // All charts are collapsed to points or lines. No scale is better than another, and hair will be streaks. A scale
-    // of one tile per texture keeps the coordinates finite.
+    // All charts are collapsed to points or lines, so no scale is better than another, and hair will appear as streaks.
+    // A scale of one tile per texture keeps the coordinates finite.
     let metres_per_uv = if texture > 0.0 { (skin / texture).sqrt() as f32 } else { tile_size_m };
     let scale = metres_per_uv / tile_size_m;
     Vec2::new(if turned > 0.0 { -scale } else { scale }, scale)
 }
 
 /// Returns the unit tangent along +u of each vertex, in the mesh's own space, and the handedness in the posed rest
-/// state. Vertices without a sound triangle get an arbitrary tangent.
+/// state. Vertices whose triangles are all degenerate get an arbitrary tangent.
 pub(super) fn tangents(mesh: &Mesh, tile_uvs: &[Vec2]) -> Vec<Vec4> {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     let mut hands = vec![0f32; mesh.positions.len()];

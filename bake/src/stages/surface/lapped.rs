@@ -28,7 +28,7 @@ pub(super) struct LappedParams {
     pub(super) reach: Reach,
     /// Bounds on a patch's distortion; a patch that exceeds them is split.
     pub(super) bounds: Bounds,
-    /// Weight of the field: 1 follows the field, 0 is as rigid as possible.
+    /// Weight of the comb field: 1 follows the field, 0 is as rigid as possible.
     pub(super) comb_weight: f64,
 }
 
@@ -92,7 +92,7 @@ pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: 
     out
 }
 
-/// Returns the faces of each owner. Owners are numbered from 0 without gaps.
+/// Returns the faces of each patch, given the patch of each face. Patches are numbered from 0 without gaps.
 fn members(owner: &[u32]) -> Vec<Vec<u32>> {
     let mut out: Vec<Vec<u32>> = Vec::new();
     for (f, o) in owner.iter().enumerate() {

@@ -15,8 +15,8 @@ pub struct CombMark {
     /// Points near the mesh surface, at least one: world space at rest, metres. Each has a direction of any length but
     /// 0.
     pub places: Vec<(Vec3, Vec3)>,
-    /// Reach along the mesh surface, metres; the mark fades towards the direction elsewhere. `None`: unlimited, and the
-    /// surface is shared with other such marks.
+    /// Reach along the mesh surface, metres. Within it, the mark fades towards the direction that applies elsewhere.
+    /// `None`: unlimited reach; all such marks share the surface.
     pub reach_m: Option<f32>,
 }
 
@@ -77,7 +77,7 @@ fn blend_unlimited(faces: &Faces<'_>, marks: &[&CombMark], warnings: &mut Vec<St
 struct Faces<'t> {
     topology: &'t Topology,
     centers: Vec<DVec3>,
-    /// Indices of all faces, sorted by the x of their centres.
+    /// Indices of all faces, sorted by the x coordinates of their centres.
     by_x: Vec<u32>,
     /// Index of the connected region of each face.
     regions: Vec<u32>,
@@ -129,9 +129,9 @@ impl<'t> Faces<'t> {
         starts
     }
 
-    /// Returns the shortest distance of each face from a point of a mark, over face centres, and the index of that
-    /// point. For faces not connected to any point, the distance is straight through space. Distances beyond `reach`
-    /// are infinite.
+    /// Returns two values for each face: the shortest distance from a point of a mark, and the index of that point.
+    /// Distances are measured along paths over face centres. For faces not connected to any point, the distance is
+    /// straight through space. Distances beyond `reach` are infinite.
     fn distances(&self, mark: &CombMark, starts: &[u32], reach: f64) -> Vec<(f64, u32)> {
         let mut ways = vec![(f64::INFINITY, NONE); self.centers.len()];
         let mut heap = BinaryHeap::new();

@@ -7,7 +7,7 @@ use glam::{DMat2, DVec2};
 use serde::Serialize;
 
 /// Measures of the map from the mesh surface to its tile coordinates. Before measuring, one global scale makes the
-/// total areas equal. Means are weighted by area on the surface.
+/// total areas on the surface and in the tile equal. Means are weighted by area on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measures {
@@ -70,7 +70,7 @@ pub(super) fn measure(
         }
     }
     if skin > 0.0 && tile > 0.0 {
-        // Scale that makes the total areas equal.
+        // Scale that makes the total areas on the surface and in the tile equal.
         let k = (skin / tile).sqrt();
         let (mut l2, mut misaligned) = (0.0, 0.0);
         for (area, map) in maps {
@@ -104,7 +104,7 @@ fn seams_and_regions(topology: &Topology, corners: &[[DVec2; 3]]) -> (f64, Vec<u
     };
     let continuous = |h: u32, twin: u32| {
         let ([a, b], [c, d]) = (end_uvs(h), end_uvs(twin));
-        // The tile repeats, so a difference of whole tiles is invisible if it is the same at both ends.
+        // The tile repeats, so a difference of whole tiles is invisible if it is the same at both ends of the edge.
         let offset = a - d;
         (offset - offset.round()).abs().max_element() < 1e-3 && (b - c - offset).abs().max_element() < 1e-3
     };

@@ -1,4 +1,4 @@
-//! Parameters of the stage: furred parts, tile size, and comb of the hair.
+//! Parameters of the `surface` stage: furred parts, tile size, and comb of the hair.
 
 use super::comb::Comb;
 use super::grow::Reach;
@@ -19,7 +19,8 @@ pub struct SurfaceParams {
     pub source: Source,
     /// Direction in which hair is combed.
     pub comb: Comb,
-    /// Reach of the neighbours' influence where the comb is weak or inconsistent, tiles, greater than 0 (default 1).
+    /// Distance over which neighbouring faces determine the direction where the comb is weak or inconsistent, tiles,
+    /// greater than 0 (default 1).
     pub comb_smoothing: f32,
     /// Density of hairs relative to the recipe's, one value per vertex of the input mesh, greater than 0; `None` for 1
     /// everywhere. It has no effect with the model's own coordinates.

@@ -124,7 +124,8 @@ impl Faults {
     }
 }
 
-/// Joins the vertices in use by position. Returns the points, the point of each vertex, and the extent of the mesh.
+/// Joins used vertices that have nearly equal positions. Returns the points, the point of each vertex, and the extent
+/// of the mesh.
 fn join_points(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<u32>, f64) {
     let used = || triangles.iter().flatten().map(|v| positions[*v as usize]);
     let (min, max) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
@@ -220,8 +221,8 @@ fn face_normal(points: &[DVec3], face: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// Flips triangles until neighbours agree. In each component, the side with less area is flipped. Returns whether each
-/// face was flipped.
+/// Flips triangles until neighbours have consistent windings. In each component, the side with less area is flipped.
+/// Returns whether each face was flipped.
 fn make_windings_agree(
     points: &[DVec3],
     faces: &mut [[u32; 3]],

@@ -17,7 +17,7 @@ pub(super) struct FaceFrame {
     pub(super) tile_m: f64,
 }
 
-/// Returns the gradients of the three barycentric coordinates in the frame; column i is (∇λᵢ·S, ∇λᵢ·T).
+/// Returns the gradients of the three barycentric coordinates in the face's frame (S, T); column i is (∇λᵢ·S, ∇λᵢ·T).
 pub(super) fn gradients(topology: &Topology, face: usize, frame: &FaceFrame) -> [DVec2; 3] {
     let p = topology.corners(face);
     let (n, double) = (topology.normals[face], 2.0 * topology.areas[face]);
@@ -152,7 +152,8 @@ impl<'a> PatchSystem<'a> {
     }
 }
 
-/// Returns whether `x` solves the system. With slivers, a factor can consist of rounding errors only.
+/// Returns whether `x` solves the system. For patches with slivers, a factor can consist of rounding errors only, and
+/// `x` is then wrong.
 fn is_solved(matrix: &Symmetric, x: &[DVec2], right: &[DVec2]) -> bool {
     let error: f64 = matrix.times(x).iter().zip(right).map(|(found, wanted)| found.distance_squared(*wanted)).sum();
     let size: f64 = right.iter().map(|r| r.length_squared()).sum();

@@ -34,8 +34,8 @@ impl Symmetric {
         self.rows.iter().map(|row| row.iter().map(|(j, value)| x[*j as usize] * *value).sum()).collect()
     }
 
-    /// Returns the unknowns in an elimination order with little fill-in: first two halves, then their separator, a
-    /// level of a breadth-first search.
+    /// Returns the unknowns in an elimination order with little fill-in: first two halves, then the separator between
+    /// them. The separator is one level of a breadth-first search.
     fn order(&self) -> Vec<u32> {
         let n = self.rows.len();
         let mut order = vec![0; n];

@@ -38,7 +38,8 @@ pub(super) fn apply_repair(mesh: &mut Mesh, animation: Option<&Animation>, repai
     }
 }
 
-/// Recomputes the normals at flipped triangles: they were computed from a wrong side, or averaged with it.
+/// Recomputes the normals at flipped triangles. They were computed from the wrong side of the triangle, or averaged
+/// with such a normal.
 fn recompute_normals(mesh: &mut Mesh, animation: Option<&Animation>, flipped: &[bool]) {
     let mut touched = vec![false; mesh.positions.len()];
     for (triangle, _) in mesh.triangles.iter().zip(flipped).filter(|(_, f)| **f) {
@@ -133,7 +134,7 @@ fn field_tangents(mesh: &Mesh, skin: &FurredMesh, field: &[DVec3], tile_uvs: &[V
             if comb.length() < 0.5 * area {
                 continue;
             }
-            // The vector is converted from rest to the mesh's own space: the same linear combination of the edges
+            // The vector is converted from rest to the mesh's own space, as the same linear combination of the edges
             // there.
             let s = comb.cross(normal).reject_from_normalized(n).normalize_or_zero();
             let (a, b) = (s.cross(e2).dot(n) / e1.cross(e2).dot(n), e1.cross(s).dot(n) / e1.cross(e2).dot(n));

@@ -6,8 +6,8 @@ use pelage_formats::meaning::above_horizon;
 /// Smallest cosine of the angle between a ray and the normal. Rays at lower elevation are long, and nearly all of them
 /// are blocked.
 const LEAST_COSINE: f64 = 0.04;
-/// Candidate values of `horizon`: 1 / z, where z is the height over which a sinking light fades. The last value means
-/// practically no fading.
+/// Candidate values of `horizon`, the factor k in 1 − exp(−k z). z is the component of the light's direction along the
+/// normal, and a sinking light fades over a height of 1 / k. The last value means practically no fading.
 const HORIZONS: [f32; 7] = [4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 1000.0];
 
 /// Sample directions over the upper hemisphere, and the contribution of each direction to the four coefficients.

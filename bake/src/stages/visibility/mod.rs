@@ -1,11 +1,11 @@
 //! Visibility: share of a distant light that reaches each point of a tile's hair past the other strands, for all
 //! directions at once.
 //!
-//! Rays to the light start at points along every strand and on the mesh surface between the roots. A function of the
-//! direction ω towards the light is fitted to their results: t = s(ω.z) clamp(c₀ + c · ω, 0, 1). Four numbers of it are
-//! stored. More numbers hardly improve the fit (nine spherical harmonics: 4 %), because a point is shadowed by only a
-//! few strands. A strand does not shadow itself, as in the ray-traced reference. For a thin hair, the sine in the
-//! lighting equation already accounts for the light on its round surface.
+//! Rays to the light start at points along every strand and on the mesh surface between the roots. A function of ω, the
+//! direction towards the light, is fitted to their results: t = s(ω.z) clamp(c₀ + c · ω, 0, 1). Its four coefficients,
+//! c₀ and c, are stored. More coefficients hardly improve the fit (nine spherical harmonics: 4 %), because a point is
+//! shadowed by only a few strands. A strand does not shadow itself, as in the ray-traced reference. For a thin hair,
+//! the sine in the lighting equation already accounts for the light on its round surface.
 
 mod fit;
 mod rays;
@@ -20,8 +20,8 @@ use pelage_import::BakeError;
 use rayon::prelude::*;
 use rays::StrandTree;
 
-/// Maximum number of rays. If there are very many strands, each point uses fewer directions, and its neighbours use
-/// others.
+/// Maximum number of rays. With very many strands, each point uses fewer directions, and neighbouring points use
+/// different ones.
 const MOST_RAYS: usize = 1 << 24;
 /// Minimum number of directions per point. Four would determine the coefficients; the others suppress noise.
 const LEAST_DIRECTIONS: usize = 8;

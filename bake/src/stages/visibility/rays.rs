@@ -28,14 +28,14 @@ impl Boundable for StrandSegment {
 }
 
 impl StrandSegment {
-    /// Returns whether a ray with unit direction hits the segment: the distance between the closest points is below the
-    /// segment's radius there.
+    /// Returns whether a ray with unit direction hits the segment: whether its smallest distance from the segment's
+    /// axis is below the segment's radius there.
     fn is_hit(&self, origin: Vec3, way: Vec3, reach: f32) -> bool {
         let axis = self.to - self.from;
         let from = origin - self.from;
         let (length, along, from_axis, from_way) = (axis.dot(axis), axis.dot(way), axis.dot(from), way.dot(from));
         let across = length - along * along;
-        // If both are parallel, all points are equally near.
+        // If ray and segment are parallel, all points of the segment are equally near to the ray.
         let share =
             if across > 1e-6 * length { ((from_axis - along * from_way) / across).clamp(0.0, 1.0) } else { 0.5 };
         let place = self.from + axis * share;

@@ -12,9 +12,9 @@ fn grown(density: u32) -> Strands {
     simulate(&hair, &ColorParams::default(), &VolumeParams { height: 0.3 }).unwrap()
 }
 
-/// Compares the texture with single rays at points of the strands, in directions other than those it was made from.
-/// Returns the mean difference and the root mean square. Only lights with an elevation from `least_z` (inclusive) to
-/// `most_z` (exclusive) count.
+/// Compares the visibility texture with single rays from points of the strands, in directions other than those it was
+/// made from. Returns the mean and the root mean square of the difference. Only lights with an elevation from `least_z`
+/// (inclusive) to `most_z` (exclusive) count.
 fn against_rays(strands: &Strands, found: &Visibility, [least_z, most_z]: [f32; 2]) -> [f64; 2] {
     let params = SliceParams { layers: 12, tile_texels: 64, ..SliceParams::default() };
     let mut layers = vec![Vec::new(); 12];
@@ -51,8 +51,9 @@ fn visibility_texture_agrees_with_single_rays() {
         let found = visibility(&strands, &VisibilityParams::default(), None).unwrap();
         let all = against_rays(&strands, &found, [0.04, 1.0]);
         println!("{density} strands: horizon {}, bias {:.4}, rms {:.3}", found.horizon, all[0], all[1]);
-        // A ray gives 0 or 1, and a texel gives the share, so the root mean square is that of random noise. Thin hair
-        // lets nearly all light through, and fitted values above 1 are clamped.
+        // A ray gives 0 or 1, and a texel gives the visible share. So the root mean square of their difference is that
+        // of random noise. With few strands, the mean differs more: nearly all light passes, and fitted values above 1
+        // are clamped.
         let most = if density < 500 { 0.05 } else { 0.01 };
         assert!(all[0].abs() < most && all[1] < 0.45, "{density} strands: {all:?}");
         for band in [[0.04, 0.25], [0.25, 0.6], [0.6, 1.0]] {

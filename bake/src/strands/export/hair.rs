@@ -1,8 +1,8 @@
 //! Export to the binary format of Cem Yuksel's hair models: a header of 128 bytes, number of segments of each strand,
 //! positions, thickness, colours.
 //!
-//! The format has no groups. Instead, the header's text lists each name with its first strand, counted from 0, as far
-//! as 88 bytes permit.
+//! The format has no groups. Instead, the header's text lists the name of each group with the index of its first
+//! strand, counted from 0. The list is as long as 88 bytes permit.
 
 use super::{allowed, plain_names, too_many, write_floats};
 use crate::strands::Curves;

@@ -8,7 +8,7 @@ fn curves() -> Curves {
     of_groups(["coat"; 3])
 }
 
-/// Makes the same strands, with each in a group of the given name.
+/// Makes the same strands as `curves`, each in a group with the given name.
 fn of_groups(names: [&str; 3]) -> Curves {
     let mut curves = Curves::default();
     for (strand, points) in [2, 4, 3].into_iter().enumerate() {
@@ -114,7 +114,7 @@ fn hair_header_lists_as_many_groups_as_fit() {
     let long = "a name for which there is no room beside coat";
     assert!(info(["coat", long, "mane"]).ends_with("; coat 0; ..."), "{}", info(["coat", long, "mane"]));
     assert!(info([&"x".repeat(200), "y", "z"]).ends_with("RGB; ..."));
-    // The last name needs no room for the ending `; ...`.
+    // The last name may fill the text to the end, because the ending `; ...` is not needed after it.
     let room = 87 - info(["coat"; 3]).len() - "; ".len() - " 2".len();
     let exact = "é".repeat(room / 2) + &"e".repeat(room % 2);
     assert!(info(["coat", "coat", &exact]).ends_with(&format!("; coat 0; {exact} 2")));
@@ -137,7 +137,7 @@ fn pbrt_has_a_block_and_a_material_for_each_group() {
         assert_eq!(block.matches("Shape \"curve\"").count(), pieces);
         assert!(block.trim_end().ends_with("\nAttributeEnd"), "{block}");
     }
-    // Each block has the mean colour of its own points, with a green of a tenth of the strand's index.
+    // Each attribute block has the mean colour of its own points. The green component is a tenth of the strand's index.
     for (block, green) in blocks.iter().zip([0.0, 0.1, 0.2f32]) {
         let rgb = block.split("\"rgb reflectance\" [").nth(1).and_then(|rest| rest.split(']').next()).unwrap();
         assert_eq!(rgb.split(' ').nth(1).unwrap().parse::<f32>().unwrap(), green);
@@ -195,7 +195,7 @@ fn usda_has_a_prim_for_each_group() {
         assert_eq!(usd_list(prim, "float[] widths"), widths);
         let uv: Vec<f32> = curves.root_uv[strands].iter().flat_map(|uv| [uv.x, 1.0 - uv.y]).collect();
         assert_eq!(usd_list(prim, "float2[] primvars:surface_uv_coordinate"), uv);
-        // As for UsdGeomCurves, the extent is the box around the points, extended by half the largest width.
+        // As in UsdGeomCurves, the extent is the box around the points, extended by half the largest width.
         let [low, high] = [Vec3::min, Vec3::max].map(|f| points.iter().map(|p| p.position_ws).reduce(f).unwrap());
         let extent: Vec<f32> = [low - 1e-4, high + 1e-4].iter().flat_map(Vec3::to_array).collect();
         assert_eq!(usd_list(prim, "float3[] extent"), extent);

@@ -8,7 +8,7 @@ use crate::strands::{CurveGroup, Curves};
 use glam::Vec3;
 use std::io::{self, Write};
 
-/// Number of items per line, for lists that have no line of their own for each strand.
+/// Number of items per line, for lists that are not written with one line per strand.
 const ITEMS_PER_LINE: usize = 16;
 
 /// Writes strands.

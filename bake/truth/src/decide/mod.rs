@@ -119,7 +119,7 @@ impl Setting {
         Self { layers: recipe.slice.layers, tile_texels: recipe.slice.tile_texels, fins: recipe.fins.enabled }
     }
 
-    /// Returns the recipe with these values.
+    /// Returns a copy of the recipe with these settings.
     pub fn applied_to(&self, recipe: &Recipe) -> Recipe {
         let mut recipe = recipe.clone();
         recipe.slice.layers = self.layers;
@@ -276,18 +276,20 @@ pub struct Trial {
 pub struct Decision {
     /// All measurements in order; the first is the recipe's own setting.
     pub trials: Vec<Trial>,
-    /// Index into `trials` of the best setting that meets all limits. If none does, of the setting nearest to them.
+    /// Index into `trials` of the best setting that meets all limits. If no setting meets them, index of the nearest to
+    /// them.
     pub chosen: usize,
     /// Whether the chosen setting meets all limits.
     pub meets: bool,
-    /// Cheapest measured setting whose error is smaller than the chosen setting's by more than a hundredth. Settings
-    /// that are also faster are excluded.
+    /// Index into `trials` of the next more accurate setting: the fastest whose error is smaller than the chosen
+    /// setting's by more than a hundredth. Settings that are also faster than the chosen one are excluded.
     pub next_better: Option<usize>,
-    /// Most accurate measured setting that is cheaper than the chosen one. Settings that are also more accurate are
-    /// excluded.
+    /// Index into `trials` of the next cheaper setting: the most accurate that is cheaper than the chosen one. Settings
+    /// that are also more accurate than the chosen one are excluded.
     pub next_cheaper: Option<usize>,
-    /// Binding limit: without it, a better setting would have been chosen (a cheaper one, if the error is limited). The
-    /// nearest such setting breaks it. `None` if no such setting was found.
+    /// Binding limit: without it, a more accurate setting would have been chosen, or a cheaper one if the error is
+    /// limited. Of all such settings, the one nearest to the limits exceeds this limit. `None` if no such setting was
+    /// found.
     pub binding: Option<Figure>,
 }
 

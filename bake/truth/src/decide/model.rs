@@ -14,18 +14,18 @@ pub(super) struct Model {
     /// Weights before any measurement. Their common scale is fitted to the measurements.
     prior: DVec4,
     weights: DVec4,
-    /// Root mean square residual of the fit, relative.
+    /// Root mean square of the fit's relative residuals.
     residual: f64,
 }
 
 /// Strength of the prior, in equivalent measurements. It is weak, because animals differ in the amount of visible fur.
 const PRIOR_STRENGTH: f64 = 0.02;
-/// Minimum residual assumed of a model, relative.
+/// Minimum relative residual that is assumed for a model.
 const LEAST_RESIDUAL: f64 = 0.02;
-/// Minimum residual while there are no more measurements than terms, relative.
+/// Minimum relative residual while there are no more measurements than terms.
 const UNSURE_RESIDUAL: f64 = 0.08;
 
-/// Minimum residual for a combination of tile and fins that was not measured with any number of layers, relative.
+/// Minimum relative residual for a combination of tile size and fins that was not measured with any number of layers.
 const UNSEEN_RESIDUAL: f64 = 0.05;
 
 /// Returns the terms of the error: a constant, a term that halves with twice the layers, one that halves with twice the

@@ -6,8 +6,9 @@ use super::{Decision, Figure, Judge, Limits, Setting, SettingFigures, SettingSpa
 /// Minimum gain that justifies a measurement, as a fraction of the objective.
 const WORTH: f64 = 0.02;
 
-/// Relative differences below which frame times or errors count as equal, so that the smallest package is chosen. Two
-/// measurements of one frame differ by about as much, and so small a difference of error is invisible.
+/// Relative differences below which frame times (`FRAME_TIE`) or errors (`ERROR_TIE`) count as equal, so that the
+/// smallest package is chosen. Two measurements of one frame time differ by about 8 %, and an error difference of 1 %
+/// is invisible.
 const FRAME_TIE: f64 = 0.08;
 const ERROR_TIE: f64 = 0.01;
 
@@ -121,7 +122,7 @@ impl Search<'_> {
         }
     }
 
-    /// Returns the trials that may be the best if times are wrong by [`NOISE`], the best first.
+    /// Returns the trials that could be the best if times are wrong by [`NOISE`], best first.
     fn contenders(&self) -> Vec<usize> {
         let off = |i: usize, by: f64| {
             let mut figures = self.trials[i].1.figures();
@@ -159,8 +160,8 @@ impl Search<'_> {
         faster && own.error <= other.error || better && own.frame.ms <= other.frame.ms
     }
 
-    /// Returns the best trial: on the Pareto front of the trials within the limits. If there are none, the nearest to
-    /// the limits.
+    /// Returns the best trial within the limits, which is on the Pareto front of all trials within the limits. If no
+    /// trial is within the limits, returns the nearest to them.
     fn best(&self) -> usize {
         let within: Vec<usize> = (0..self.trials.len()).filter(|i| self.excess(*i) <= 0.0).collect();
         let on_front = |i: &usize| !within.iter().any(|j| self.beats(*j, *i));
@@ -196,7 +197,7 @@ impl Search<'_> {
         let more = of_tile().filter(|s| s.layers > best.layers).min_by_key(|s| s.layers);
         let within = |s: &&&Setting| {
             let mut optimistic = self.models.each_ref().map(|model| model.optimistic(s, true));
-            // The error is unknown, so it is assumed to be zero.
+            // The error may not follow the model, so it is assumed to be zero and excludes no setting.
             optimistic[Figure::Error as usize] = 0.0;
             self.limits.excess(optimistic) <= 0.0
         };
@@ -236,7 +237,8 @@ impl Search<'_> {
             let gains = !found || optimistic[objective] < (1.0 - WORTH) * self.objective(best);
             gains && self.limits.excess(optimistic) <= 0.0
         };
-        // Settings that should meet the limits come first, best first; then the nearest to the limits.
+        // Settings that are predicted to meet the limits come first, ordered by the objective. The others follow,
+        // nearest to the limits first.
         let rank = |setting: &Setting| {
             let predicted = self.predict(setting);
             (self.limits.excess(predicted).max(0.0), predicted[objective])
@@ -294,7 +296,7 @@ impl Search<'_> {
         (0..self.trials.len()).filter(beyond).min_by(order)
     }
 
-    /// Returns the nearest setting on `side` that was not measured, as the model predicts.
+    /// Returns the nearest setting on `side` of `chosen` that was not measured, according to the model.
     fn predicted_neighbour(&self, chosen: usize, side: Side) -> Option<Setting> {
         let here = self.predict(&self.trials[chosen].0);
         let figure = if side == Side::Better { Figure::Error } else { Figure::FrameMs } as usize;
@@ -313,7 +315,7 @@ impl Search<'_> {
         let chosen = self.best();
         let meets = self.excess(chosen) <= 0.0;
         let (next_better, next_cheaper) = (self.neighbour(chosen, Side::Better), self.neighbour(chosen, Side::Cheaper));
-        // The binding limit is that of the nearest setting excluded only by a limit.
+        // Of all better settings that only a limit excludes, the nearest to the limits determines the binding limit.
         let side = if self.limits.objective() == Figure::Error { Side::Better } else { Side::Cheaper };
         let kept_out = |i: &usize| self.gains(*i, chosen, side) && self.excess(*i) > 0.0;
         let beyond = (0..self.trials.len()).filter(kept_out).min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)));

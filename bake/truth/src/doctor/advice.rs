@@ -123,7 +123,7 @@ fn layers(
         return None;
     }
     let less = |most: u32| 1.0 - (f64::from(enough - 1) / f64::from(most)).min(1.0);
-    // If those layers are not drawn anyway, the change saves only textures.
+    // If the superfluous layers are not drawn anyway, the change saves only textures.
     let (share, of_drawn) = (less(now - 1), less(found.on_screen.layers_drawn.max(1)));
     let of = |count: u64| (count as f64 * of_drawn) as u64;
     let shells = found.passes.iter().find(|pass| pass.name == "shells")?;

@@ -5,7 +5,7 @@ use super::prognosis::OnScreen;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::metric::LEAST_HAIR_TEXELS;
 
-/// Returns the recipe with the number of layers and texels that such a picture can show.
+/// Returns the recipe with the number of layers and texels that a picture with the sizes of `on_screen` can show.
 ///
 /// Layers are [`pelage_bake::recipe::DetailParams::gap_px`] apart, up to the maximum that is advised. A texel is at
 /// most one pixel wide, and at most as wide as a hair at its root.

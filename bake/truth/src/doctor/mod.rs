@@ -148,7 +148,7 @@ fn sum(a: PixelCounts, b: PixelCounts) -> PixelCounts {
     PixelCounts { pixels: a.pixels + b.pixels, in_blocks: a.in_blocks + b.in_blocks }
 }
 
-/// Returns the layers that are drawn, by the package's levels of detail, if the fur is `height_px` pixels high.
+/// Returns the layers that the package's levels of detail select for fur that is `height_px` pixels high.
 fn drawn_layers(manifest: &pelage_formats::Manifest, height_px: f64) -> Vec<u32> {
     let baked = manifest.fur.layers;
     let (place, fade) = detail_position(&manifest.detail, height_px as f32);
@@ -280,7 +280,7 @@ fn area_px(corners: [Vec4; 3], size: (u32, u32)) -> f64 {
 
 /// Nearest fur to the eye.
 struct NearestFur {
-    /// Depth along the view, metres; infinite if nothing is in sight, and then all else is 0.
+    /// Depth along the view, metres. If nothing is in sight, it is infinite and all other fields are 0.
     near_m: f32,
     px_per_m: f64,
     /// Height of the fur there, pixels seen from the side.
@@ -342,8 +342,9 @@ fn memory(
     memory.buffers += package.fins().map_err(fault)?.map_or(0, |f| f.fins.len() as u64);
     memory.buffers += package.ink().map_err(fault)?.map_or(0, |ink| ink.vertices.len() as u64);
     let (map, small) = (u64::from(view.shadow_map).pow(2), u64::from(view.shadow_map.div_ceil(4)).pow(2));
-    // Size of the shadow maps. Two depth maps have four bytes per texel. Transmittance has two bytes per layer, or two
-    // bytes in all. The soft shadow has eight bytes: one full-size map and two small ones.
+    // Size of the shadow maps. Each of the two depth maps has four bytes per texel. Transmittance has two bytes per
+    // texel and layer, or two bytes per texel in all if the package stores visibility. The soft shadow has eight bytes
+    // per texel, in one full-size map and two small ones.
     let maps = if package.visibility().map_err(fault)?.is_some() { 1 } else { u64::from(layers) };
     let layer_maps = if layers > 1 { 2 * map * maps } else { 0 };
     memory.shadow_maps = 8 * map + layer_maps + 8 * (map + 2 * small);
@@ -352,8 +353,8 @@ fn memory(
 
 /// Returns the size of the strands planted on the mesh, bytes.
 ///
-/// Each strand has 32 bytes, and 16 per point; twice 16 if wet hair is blended in. The number of strands of a part is
-/// rounded up to a multiple of 64. The points of the tile are added.
+/// Each strand takes 32 bytes, plus 16 per point, or twice 16 if wet hair is blended in. The number of strands of a
+/// part is rounded up to a multiple of 64. The points of the tile's own strands are included.
 fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView<'_>) -> u64 {
     let ground = PlantingMesh::of_package(manifest, mesh);
     let walk = SurfaceWalk::new(&ground);

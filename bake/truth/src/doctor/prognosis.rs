@@ -26,13 +26,13 @@ pub struct PrognosisView {
 pub struct PassWork {
     /// Name in the runtime's report.
     pub name: &'static str,
-    /// Whether it runs.
+    /// Whether the pass runs.
     pub runs: bool,
-    /// Reason why it runs or not.
+    /// Reason why the pass runs or does not run.
     pub reason: String,
     /// Lower bound of vertex shader invocations: each vertex once per layer.
     pub vertices: u64,
-    /// Fragments that it shades; `None` for passes that do not draw the picture.
+    /// Number of fragments that the pass shades; `None` for passes that do not draw the picture.
     pub fragments: Option<u64>,
     /// Fragments rounded up to whole blocks of 4 by 4 pixels, in which software rasterisers run shaders.
     pub fragments_in_blocks: Option<u64>,
@@ -85,8 +85,8 @@ pub struct OnScreen {
 }
 
 impl OnScreen {
-    /// Returns the sizes for a camera whose distance from the nearest fur is `distance_m`, metres, above 0. Unchanged
-    /// if nothing is in sight.
+    /// Returns the sizes for a camera whose distance from the nearest fur is `distance_m`, metres, above 0. If nothing
+    /// is in sight, returns the sizes unchanged.
     pub fn at_distance(self, distance_m: f64) -> Self {
         let larger = self.near_m / distance_m;
         Self {

@@ -111,7 +111,7 @@ fn advice_is_ordered_by_savings() {
     assert!(saved.len() == found.advice.len() && saved.len() >= 4, "{:?}", found.advice);
     assert!(saved.iter().all(|saved| *saved > Saved::default()), "{saved:?}");
     assert!(saved.is_sorted_by(|a, b| a >= b), "{saved:?}");
-    // The predicted savings equal those of the same package with the change applied.
+    // The predicted savings equal the difference between the predictions without and with the change applied.
     let fragments = |p: &Prognosis| p.passes.iter().filter_map(|pass| pass.fragments).sum::<u64>() as f64;
     let layers = found.advice.iter().find(|a| a.change.starts_with("slice.layers")).unwrap();
     let sets = [&layers.change, "slice.tile_texels=256", "pack.shell_format=rgba8"];
@@ -147,8 +147,8 @@ fn close_ups_need_more_layers_or_more_distance() {
     assert!(look(&at_gap(20.0, &["slice.layers=64"], not_far_enough)).is_some(), "{away:?}");
 }
 
-/// Checks the up direction for a view almost straight down. Another definition of it than the runtime's would predict a
-/// different picture.
+/// Checks that the camera's up direction is the same as in the runtime, for a view almost straight down. With another
+/// up direction, a different picture would be predicted.
 #[test]
 fn doctor_cameras_match_the_runtime() {
     use pelage_runtime::{Camera, Projection};

@@ -81,8 +81,8 @@ impl GuideInterpolator {
         Some(follow)
     }
 
-    /// Whether hair parts between two guides. This is the case if, at some point, their offsets from their roots differ
-    /// by too much.
+    /// Whether hair parts between two guides. Offsets of points from their roots are compared: at some point, those of
+    /// the two guides differ by more than `PARTING_THRESHOLD` of the mean length.
     pub fn is_parted(&self, a: usize, b: usize) -> bool {
         let limit = PARTING_THRESHOLD * 0.5 * (self.lengths[a] + self.lengths[b]);
         let (one, other) = (&self.shapes[a], &self.shapes[b]);
@@ -116,8 +116,8 @@ mod tests {
 
     #[test]
     fn hair_is_interpolated_between_guides() {
-        // Guides on a grid with smoothly varying directions. Hair anywhere between them must have the direction that
-        // belongs to its position.
+        // Guides on a grid with smoothly varying directions. Hair that grows between them must have the direction given
+        // for its own position.
         let way = |x: f32, z: f32| Vec3::new(0.05 * x, 1.0, 0.05 * z);
         let grid = (0..6).flat_map(|i| (0..6).map(move |j| (i as f32, j as f32)));
         let guides = GuideInterpolator::new(grid.map(|(x, z)| straight(x, z, way(x, z))).collect());
@@ -129,7 +129,7 @@ mod tests {
             assert_eq!(hair[0], Vec3::ZERO);
             assert!(hair[4].distance(way(x, z)) < 0.03, "{hair:?}");
         }
-        // The tip does not jump between neighbouring roots.
+        // Hairs with neighbouring roots have neighbouring tips: the tip moves smoothly with the root.
         let tip = |x: f32| hair(&guides, Vec3::new(x, 0.0, 2.3))[4];
         let jump = (0..400).map(|i| 1.0 + 0.01 * i as f32).map(|x| tip(x).distance(tip(x + 0.01))).fold(0.0, f32::max);
         assert!(jump < 0.006, "{jump}");

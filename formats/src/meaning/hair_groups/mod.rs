@@ -22,7 +22,7 @@ pub const HAIR_COLORS: u32 = 32;
 
 /// Share of the hairs that stray.
 const STRAY_SHARE: f32 = 0.08;
-/// Lateral offset of hairs that do not stray, as a share of that of stray hairs.
+/// Lateral offset of a hair that does not stray, divided by the offset of a stray hair.
 const ORDERLY_STRAY: f32 = 0.12;
 
 /// Hair of a group, generated from the guides.
@@ -96,7 +96,7 @@ impl GrownGroup {
         }
         let places = self::roots(group, group.hairs.min(most), &corners);
         let at = |root: &TrianglePoint| root.position(corners(root.triangle));
-        // The first hairs are an even sample, so they serve as the centres of locks.
+        // The first hairs are distributed evenly over the scalp, so they serve as the centres of locks.
         let locks = (group.hairs / group.lock_hairs.max(1)).clamp(1, places.len().max(1) as u32) as usize;
         let middles = PointGrid::new(places.iter().take(locks).map(at).collect());
         let grow = |(root, number): (&TrianglePoint, u32)| {
@@ -162,7 +162,8 @@ impl Hair {
     }
 }
 
-/// Returns the linear colour of a hair with colour index `color`, at the share `share` of its length.
+/// Returns the linear colour of a hair at a point. `color` is the hair's colour index; `share` is the distance from the
+/// root divided by the hair's length.
 pub fn hair_color(group: &HairGroup, color: u32, share: f32) -> Vec3 {
     let linear = |c: [u8; 3]| Vec3::from(c.map(srgb_to_linear));
     // Gives hairs with consecutive indices different colours.
@@ -170,8 +171,8 @@ pub fn hair_color(group: &HairGroup, color: u32, share: f32) -> Vec3 {
     linear(group.root_color).lerp(linear(group.tip_color), share) * (1.0 + group.color_variation * varied)
 }
 
-/// Returns the radius of a hair at the share `share` of its length, metres. It is constant up to the middle, then
-/// tapers.
+/// Returns the radius of a hair at a point, metres. `share` is the distance from the root divided by the hair's length.
+/// The radius is constant up to the middle, then tapers.
 pub fn hair_radius(group: &HairGroup, share: f32) -> f32 {
     let tapered = (2.0 * share - 1.0).max(0.0);
     group.root_radius_m + (group.tip_radius_m - group.root_radius_m) * tapered * tapered
@@ -223,7 +224,7 @@ fn radical_inverse(base: u32, mut number: u32) -> f32 {
     sum as f32
 }
 
-/// Deterministic hash of `number`, uniform in 0..1 (Mueller's 32-bit hash).
+/// Returns a deterministic hash of the integers in `number`, uniform in 0..1 (Mueller's 32-bit hash).
 pub fn hash_unit<const N: usize>(number: [u32; N]) -> f32 {
     let mixed = number.into_iter().fold(0u32, |sum, part| {
         let x = sum.wrapping_mul(0x9e37_79b9) ^ part;

@@ -42,7 +42,7 @@ impl PointGrid {
         let middle = self.cell(at).clamp(IVec3::ZERO, (self.size - 1).max(IVec3::ZERO));
         let outside = at.distance(at.clamp(self.low, self.low + self.cell_m * self.size.as_vec3()));
         for ring in 0..=self.size.max_element() {
-            // Minimum distance from `at` to any point in a ring.
+            // Lower bound of the distance from `at` to the points in the ring.
             let least = self.cell_m * (ring - 1) as f32 - outside;
             if least > 0.0 && least * least > near[N - 1].0 {
                 break;
@@ -66,7 +66,7 @@ impl PointGrid {
 fn ring_of(middle: IVec3, ring: i32) -> impl Iterator<Item = IVec3> {
     let side = -ring..=ring;
     side.clone().flat_map(move |x| side.clone().map(move |y| (x, y))).flat_map(move |(x, y)| {
-        // Between the faces of the ring, only the two ends of a column belong to it.
+        // Inside the square outline of the ring, only the two end cells of a column along z belong to it.
         let step = if x.abs() == ring || y.abs() == ring || ring == 0 { 1 } else { 2 * ring };
         (-ring..=ring).step_by(step as usize).map(move |z| middle + IVec3::new(x, y, z))
     })

@@ -6,8 +6,8 @@ use glam::Vec3;
 /// Number of samples per curve segment for measuring its length.
 const SAMPLES: usize = 16;
 
-/// Weight of turning angles relative to length when points are distributed: a right angle counts as much as this share
-/// of the whole length.
+/// Weight of turning angles relative to length when points are distributed. Bending by a right angle counts as much as
+/// this share of the curve's whole length.
 const TURN: f32 = 0.25;
 
 /// Returns `count` points of a curve through all points of a polyline. They include both ends, and are denser where the

@@ -38,7 +38,7 @@ fn hairs_follow_the_density_of_the_scalp() {
     assert_eq!(planted.hairs.len(), 4000);
     let posed = planted.posed_guides(corners);
     for hairs in [&planted.hairs[..400], &planted.hairs] {
-        // The second triangle has three times as many hairs, among the first few as among all.
+        // The second triangle must have three times as many hairs as the first, both among the first 400 and among all.
         let second = hairs.iter().filter(|hair| hair.root.triangle == 1).count();
         assert!((second as f32 / hairs.len() as f32 - 0.75).abs() < 0.01, "{second} of {}", hairs.len());
         // Hairs are distributed evenly over the triangle: equally many are near each corner.

@@ -25,10 +25,10 @@ use glam::{Mat3, Quat, Vec3};
 pub const STEPS_PER_S: f32 = 120.0;
 /// Maximum number of steps per frame. If a frame is longer, hair simulates only the time of these steps.
 pub const MOST_STEPS: u32 = 16;
-/// Number of passes over the colliders in which a particle is pushed out of them.
+/// Number of passes in which a particle is pushed out of all colliders.
 const COLLISION_PASSES: u32 = 3;
-/// Cosine of the rotation beyond which tension acts along a segment's current direction instead of its direction at the
-/// start of the step.
+/// Cosine of the angle that limits the direction of tensions. A segment turned by more since the start of the step is
+/// pulled along its current direction, else along its direction at that start.
 const MIN_TURN_COS: f32 = 0.995;
 /// Damping of the springs to the groomed shape, as a share of critical damping.
 const SHAPE_DAMPING: f32 = 0.3;
@@ -45,7 +45,8 @@ const MAX_SPEED: f32 = 25.0;
 pub struct Solver {
     /// Minimum number of steps per second, above 0 (default [`STEPS_PER_S`]).
     pub steps_per_s: f32,
-    /// Maximum number of tension solves in a step. With 0, lengths are only corrected from root to tip (default 16).
+    /// Maximum number of tension solves in a step (default 16). With 0, tensions are not solved, and lengths are only
+    /// corrected from root to tip.
     pub solved: u32,
     /// Relative error of the segment lengths at which solving stops (default 0.0001). The remaining error is corrected
     /// from root to tip.
@@ -81,7 +82,7 @@ pub struct Springs {
     pub shape_hz: f32,
     /// Frequency of the spring to the groomed shape of each segment, Hz. With 0, hair is limp.
     pub bend_hz: f32,
-    /// Share of its tangential speed that hair on a collider loses in 1 / [`STEPS_PER_S`] seconds, 0..=1.
+    /// Share of the tangential speed that hair loses in 1 / [`STEPS_PER_S`] seconds while it touches a collider, 0..=1.
     pub friction: f32,
 }
 
@@ -144,7 +145,7 @@ struct Step<'a> {
 }
 
 impl RootFrame {
-    /// Interpolates linearly; share 0 is `self`, 1 is `other`.
+    /// Interpolates linearly between two root frames: `share` 0 gives `self`, 1 gives `other`.
     pub fn between(self, other: Self, share: f32) -> Self {
         let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
         let axis = |i: usize| mix(self.frame.col(i), other.frame.col(i));
@@ -163,7 +164,7 @@ impl RootFrame {
 }
 
 impl Capsule {
-    /// Interpolates linearly; share 0 is `self`, 1 is `other`.
+    /// Interpolates linearly between two capsules: `share` 0 gives `self`, 1 gives `other`.
     pub fn between(self, other: Self, share: f32) -> Self {
         let mix = |a: Vec3, b: Vec3| a + (b - a) * share;
         let radius_m = self.radius_m + (other.radius_m - self.radius_m) * share;
@@ -254,7 +255,7 @@ impl Solver {
     }
 }
 
-/// Returns the time, in seconds, after which the swing of hair at rest has decayed to a thousandth.
+/// Returns the time, in seconds, after which a swing of undisturbed hair has decayed to a thousandth.
 pub fn rest_s(motion: &GroupMotion) -> f32 {
     let slowed_per_s = motion.drag_per_s + 2.0 * SHAPE_DAMPING * std::f32::consts::TAU * motion.shape_hz;
     // Oscillations decay at half the rate of velocities.
@@ -267,8 +268,10 @@ fn direction(v: Vec3, other: Vec3) -> Vec3 {
     if length > 1e-9 { v / length } else { other }
 }
 
-/// Moves a guide by one step, from `before` to `now`. Segment lengths are those at `whole`. Returns the number of
-/// tension solves.
+/// Moves a guide by one step and returns the number of tension solves.
+///
+/// * `before`, `now`: root at the beginning and at the end of the step
+/// * `whole`: root whose scale determines the segment lengths
 fn advance(
     pearls: &mut [Particle],
     groomed: &GroomedGuide<'_>,
@@ -313,7 +316,8 @@ fn advance(
         pearl.place += velocity * h + pulled * (0.5 * h * (h + step.before_s));
     }
 
-    // Apply the bending springs: each segment turns with the previous one and moves those after it.
+    // Apply the bending springs from root to tip: the groomed shape of each segment is rotated with the previous
+    // segment. A correction also moves all later points.
     let bend = square(springs.bend_hz) * h * h;
     let bend = bend / (1.0 + bend);
     let (mut turn, mut aside) = (Quat::IDENTITY, Vec3::ZERO);
@@ -382,9 +386,9 @@ fn smallest_rotation(from: Vec3, to: Vec3) -> Quat {
 /// Performs one Newton step for the tensions that restore the lengths of all segments. Particles after index `held`
 /// have equal masses; the others do not move.
 ///
-/// Tensions act along the segments' directions at the beginning of the step (SHAKE, Ryckaert 1977), so that hair that
-/// carries its own weight stays in place. If a segment has turned too far, its tension acts along its current
-/// direction.
+/// Tensions act along the segments' directions at the beginning of the step (SHAKE, Ryckaert 1977). Hair that carries
+/// its own weight thus stays in place. If a segment has since turned beyond `MIN_TURN_COS`, its tension acts along its
+/// current direction.
 fn restore_lengths(pearls: &mut [Particle], started: &[Vec3], lengths: &[f32], held: usize) {
     let now = |pearls: &[Particle], k: usize| direction(pearls[k].place - pearls[k - 1].place, Vec3::Y);
     let then = |k: usize| direction(started[k] - started[k - 1], Vec3::Y);

@@ -127,8 +127,8 @@ fn strings_keep_their_length_under_strong_motion() {
     }
 }
 
-/// Measures the alternative to solving for tensions: sweeps that correct one segment at a time leave long strings
-/// stretched.
+/// Measures the alternative to solving for tensions: iterations that correct one segment at a time. They leave long
+/// strings stretched.
 #[test]
 fn sweeps_leave_long_strings_stretched() {
     let (points, length, h) = (64, 0.3f32, 1.0 / 60.0);

@@ -130,8 +130,8 @@ mod tests {
         let large = [DVec2::ZERO, DVec2::new(4.0, 0.0), DVec2::new(0.0, 4.0)];
         let mut count = [0; 10];
         roots.for_each_in(large, |strand, _| count[strand] += 1);
-        // Count whole tiles below the diagonal, and tiles that the diagonal cuts. A root in the middle of a cut tile
-        // belongs to one side only.
+        // Expect strand 9 in six whole tiles below the diagonal and in the four tiles that the diagonal cuts. The root
+        // of strand 7 is on the diagonal in cut tiles, where it belongs to one side only.
         assert!(count[9] == 10 && (6..=10).contains(&count[7]), "{count:?}");
     }
 }

@@ -4,9 +4,9 @@
 //! triangle's own tile gradients. Within a patch, this gives the same line in tile coordinates. Tile coordinates jump
 //! across a patch border, but the comb's frame is continuous there, and the walk keeps its direction in that frame.
 //!
-//! If the directions on both sides of such a border lead back into each other, as nearly parallel sides may, the walk
-//! follows the edge by the component along it. Without a neighbour to continue in, the walk leaves the surface straight
-//! ahead in the plane of its last triangle.
+//! A step nearly parallel to a patch border may point across the border on both of its sides. Each side would then lead
+//! back to the other. In this case the walk follows the edge by the component along it. Without a neighbour to continue
+//! in, the walk leaves the surface straight ahead in the plane of its last triangle.
 
 use super::PlantingMesh;
 use glam::{DVec2, DVec3};
@@ -16,7 +16,7 @@ use std::collections::HashMap;
 const NONE: u32 = u32::MAX;
 /// Maximum number of edges crossed in a single step; a walk that crosses more is going in circles.
 const MAX_CROSSINGS: u32 = 256;
-/// Minimum of twice a triangle's area in tile coordinates, divided by the square of its longest side. Below it, the
+/// Minimum of 2 A / s², where A is the area of a triangle in tile coordinates and s its longest side. Below it, the
 /// coordinates are unusable.
 const LEAST_AREA: f64 = 1e-9;
 
@@ -49,7 +49,7 @@ pub struct WalkEvents {
     pub patch_border: bool,
     /// The walk reached the end of the mesh or of the furred part.
     pub mesh_border: bool,
-    /// The walk followed a border whose two sides lead back into each other.
+    /// The walk followed a patch border along its edge, because the step pointed across the border on both sides.
     pub slid: bool,
     /// The walk crossed too many edges in one step and left the surface.
     pub lost: bool,
@@ -89,7 +89,7 @@ impl<'a> SurfaceWalk<'a> {
             return;
         }
         let mut left = by;
-        // Corner opposite the edge over which the walk entered the triangle.
+        // Corner opposite the edge that the walk crossed to enter the triangle.
         let mut came_over = None;
         for _ in 0..MAX_CROSSINGS {
             let Some([along_u, along_v]) = self.gradients[from.triangle] else { break };
@@ -101,7 +101,7 @@ impl<'a> SurfaceWalk<'a> {
                 crossed.slid = true;
                 change = self.along_edge(from.triangle, k, change);
             }
-            // First edge that the line meets, and the share of the step up to it.
+            // First edge that the step crosses, and the share of the step before that edge.
             let (mut edge, mut share) = (None, 1.0);
             for k in 0..3 {
                 if change[k] < 0.0 && from.weights[k] + change[k] * share < 0.0 {

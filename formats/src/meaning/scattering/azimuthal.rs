@@ -33,7 +33,8 @@ pub struct GlintShape {
     pub width: f64,
     /// Strength. With 1, glints have exactly the light of the caustics that they replace.
     pub scale: f64,
-    /// Range of η′ above 2 over which the glints fade out. At 2, both glints meet and vanish.
+    /// Width of the range of η′, starting at 2, in which the glints fade out. At η′ = 2, the two caustics meet and
+    /// vanish.
     pub fade: f64,
 }
 
@@ -225,8 +226,8 @@ impl Section {
         self.bundles(p).map(move |(at, way)| PathContribution { light: way.light * spread(at), ..way })
     }
 
-    /// Returns the total light that leaves on path `p`, without absorption: ½ ∫ A dh, where A is the share at the
-    /// offset h.
+    /// Returns the total light that leaves on path `p`, without absorption. It is ½ ∫ A dh, where A is the share of the
+    /// light that enters at offset h and leaves on this path.
     pub fn energy(&self, p: u32) -> f64 {
         0.5 * over_section(|gamma| self.share(p, libm::cos(gamma)))
     }

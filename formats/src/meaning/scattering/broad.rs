@@ -1,8 +1,8 @@
 //! Lookup tables for broad light: the light that a fibre scatters, by mean cosine of the light, θo, θj and φ.
 //!
-//! The light is a spherical Gaussian, cut off well below its horizon ([`HORIZON_SINE`]). Light from a sky reaches hair
-//! from above the surface and around its curves, not through the body. A whole Gaussian of that width would shine
-//! through the fibre from below, which is visible in dark fur.
+//! The light is a spherical Gaussian. It is cut off well below its horizon, the plane perpendicular to its axis
+//! ([`HORIZON_SINE`]). Light from a sky reaches hair from above the surface and around its curves, not through the
+//! body. A wide Gaussian without the cutoff would shine through the fibre from below, which is visible in dark fur.
 //!
 //! Around the fibre, the light of each path is a cosine series in n φ, as in
 //! [`super::gaussian_light::BroadlyLitFibre`]. The series depends on θd alone and is computed once for all lights.
@@ -44,8 +44,8 @@ impl BroadSize {
     }
 }
 
-/// Last coordinate on the axis of mean cosines r, which is 1 − √((1 − r) / (1 − [`LEAST_MEAN`])). Narrower light is
-/// treated as having this width: a standard deviation of 8 degrees.
+/// Coordinate of the last texel on the axis of mean cosines. A mean cosine r has the coordinate 1 − √((1 − r) / (1 −
+/// [`LEAST_MEAN`])). Narrower light is treated as light at the last texel, which has a standard deviation of 8 degrees.
 const LAST_MEAN: f64 = 0.83;
 
 /// Sine of the angle below its horizon at which a broad light is cut off. Hair tips see this far around a body of
@@ -86,8 +86,8 @@ pub struct BroadTables {
     eta: f64,
 }
 
-/// Numbers of samples: of cos θd for the paths, of the light's azimuthal sharpness, and of the azimuth at which the
-/// light ends.
+/// Numbers of samples. `SECTIONS`: of cos θd for the light paths. `LIGHTS`: of the light's azimuthal sharpness. `ENDS`:
+/// of the azimuth at which the light is cut off.
 const SECTIONS: usize = 64;
 const LIGHTS: usize = 32;
 const ENDS: usize = 33;
@@ -140,8 +140,8 @@ struct Light<'a> {
     fibre: &'a Fibre,
     around: &'a PathSeries,
     sharpness: f64,
-    /// Terms of the light around the fibre. The first index is the square root of azimuthal sharpness over sharpness,
-    /// the second the azimuth at which the light ends.
+    /// Terms of the light's cosine series around the fibre, for each pair of two quantities. The outer one is √(s /
+    /// `sharpness`), where s is the azimuthal sharpness. The inner one is the azimuth at which the light is cut off.
     terms: Vec<[f64; TERMS]>,
 }
 
@@ -154,7 +154,7 @@ impl<'a> Light<'a> {
         Self { fibre, around, sharpness, terms: (0..LIGHTS * ENDS).map(at).collect() }
     }
 
-    /// Returns the terms of a light that ends at azimuth `end`; `share` is its azimuthal sharpness divided by
+    /// Returns the terms of a light that is cut off at azimuth `end`; `share` is its azimuthal sharpness divided by
     /// `sharpness`.
     fn terms_at(&self, share: f64, end: f64) -> [f64; TERMS] {
         let (light, over) = interpolation_index(share.sqrt(), LIGHTS);
@@ -166,8 +166,8 @@ impl<'a> Light<'a> {
         from_fn(|n| mixed(mixed(a[n], b[n], beyond), mixed(c[n], d[n], beyond), over))
     }
 
-    /// Returns the scattered light of a light about inclination θj, at each azimuth of `cosines`: the four series, and
-    /// all further light.
+    /// Returns the light that the fibre scatters if the axis of the incident light has inclination θj. Each element
+    /// belongs to an azimuth of `cosines`: the light of the four series, and of all further paths.
     fn of_angles(&self, theta_o: f64, theta_j: f64, cosines: &[[f64; TERMS]]) -> Vec<([f64; SERIES], f64)> {
         let sines = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
         let (to, middle) = (sines(theta_o), sines(theta_j));

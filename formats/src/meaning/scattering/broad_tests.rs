@@ -3,7 +3,7 @@ use crate::meaning::scattering::AzimuthalScattering as Section;
 use crate::meaning::scattering::gaussian_light::GaussianLight;
 
 /// Returns the relative RMS error of the tables over views and lights of one sharpness. `expected` returns the
-/// reference value for the index of a fibre, the light's axis and the eye.
+/// reference value; its arguments are the index of a fibre, the light's axis and the direction to the eye.
 fn off(
     tables: &[BroadTables],
     sharpness: f64,
@@ -39,7 +39,7 @@ fn table_image_holds_all_texels() {
     let tables = BroadTables::new(&Fibre::default(), size);
     let (picture, [width, height]) = (tables.image(), BroadTables::image_size(size));
     assert_eq!((picture.len(), width, height), (size.texels(), 8, 15));
-    // Texel with the second mean cosine, the third θo, the fourth φ and the second θj.
+    // Index of the texel with the second mean cosine, the third θo, the fourth φ and the second θj.
     let index = ((3 + 2) * 5 + 3) * 4 + 1;
     assert_eq!(picture[(2 * 5 + 3) * width + 4 + 1], tables.texels[index]);
 }

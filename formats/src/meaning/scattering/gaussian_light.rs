@@ -36,7 +36,8 @@ impl GaussianLight {
 
 /// Number of terms of the cosine series: enough for lights and glints of 8 degrees or more.
 pub(super) const TERMS: usize = 49;
-/// Half-width of the range of integration over the overlap of lobe and light, standard deviations.
+/// Half-width of the interval of integration over light inclinations, in standard deviations of the product of lobe and
+/// light.
 const REACH: f64 = 5.0;
 
 /// Fibre with the data precomputed for Gaussian lights.
@@ -107,7 +108,7 @@ impl BroadlyLitFibre {
         if p == 3 {
             return sigma.map(|sigma| TAU * light[0] * section.rest(sigma));
         }
-        // A bundle that leaves at azimuth φ contributes its light times the light's series at φ.
+        // A bundle that leaves at azimuth φ contributes its own light multiplied by the incident light's series at φ.
         let mut sum = [0.0; 3];
         section.for_each_bundle(p as u32, &mut |phi, width, way| {
             let mut met = 0.0;

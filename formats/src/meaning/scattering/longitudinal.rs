@@ -17,8 +17,9 @@ pub fn gaussian(width: f64, x: f64) -> f64 {
 }
 
 impl Spread {
-    /// Returns Marschner's lobe: a Gaussian of the half angle, halved because the outgoing angle changes twice as much
-    /// as the half angle. As published, without this halving, a fibre without absorption would return twice the light.
+    /// Returns Marschner's lobe: a Gaussian of the half angle. It is halved, because the outgoing angle changes twice
+    /// as much as the half angle. As published, without this factor ½, a fibre without absorption would return twice
+    /// the light.
     pub fn by_half_angle(&self, theta_i: f64, theta_o: f64) -> f64 {
         0.5 * gaussian(self.width, 0.5 * (theta_i + theta_o) - self.shift)
     }

@@ -69,7 +69,7 @@ impl FibreMeans {
                 if p == 2 {
                     for way in ways {
                         let [slant, per_across] = bent(cos, fibre.eta);
-                        // Weight by solid angle, because few directions are along the fibre.
+                        // Weight by solid angle: directions close to the fibre's direction are few.
                         let weight = way.light * cos;
                         asides += weight * (1.0 - way.length * way.length / (16.0 * slant)) / per_across;
                         light += weight;
@@ -137,7 +137,8 @@ fn halves(values: &[f64]) -> [f64; 2] {
         let below = (place as usize).min(values.len() - 2);
         values[below] + (values[below + 1] - values[below]) * (place - below as f64)
     };
-    // Use the trapezoidal rule over both quarter turns, with as many intervals as there are values.
+    // The function is even, so each half turn is twice a quarter turn. Each quarter turn is integrated by the
+    // trapezoidal rule, with as many intervals as there are values.
     let pieces = values.len();
     let quarter = |from: f64| {
         let width = 0.5 * PI / pieces as f64;

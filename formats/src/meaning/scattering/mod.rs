@@ -86,7 +86,8 @@ pub struct Angles {
     pub phi: f64,
 }
 
-/// Squared product of the components normal to the fibre below which a direction is along the fibre and has no azimuth.
+/// Lower limit of |l|² |e|², where l and e are the components normal to the fibre of the directions to light and eye.
+/// Below it, one of the directions is along the fibre, and φ is 0.
 const ALONG: f64 = 1e-12;
 
 impl Angles {
@@ -194,8 +195,9 @@ impl FibreSection {
         }
     }
 
-    /// Divides path `p` into bundles of rays. For each bundle, calls `each` with the exit azimuth, the standard
-    /// deviation of its spread besides roughness, radians, and its contribution.
+    /// Divides path `p` into bundles of rays and calls `each` for every bundle. Its arguments are the exit azimuth, the
+    /// standard deviation of the bundle's spread in radians, and the contribution. The spread due to azimuthal
+    /// roughness is not included.
     pub fn for_each_bundle(&self, p: u32, each: &mut dyn FnMut(f64, f64, PathContribution)) {
         let section = &self.section;
         let glints = self.glints.as_ref().filter(|_| p == 2);

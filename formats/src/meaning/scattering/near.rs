@@ -60,8 +60,8 @@ impl<'a> FibreHit<'a> {
         Self { fibre, scale, to, ends, shares, chances: sums.map(|sum| sum / whole) }
     }
 
-    /// Returns the density of path `p` over directions of light: its lobe about the cone, times its distribution about
-    /// the exit azimuth.
+    /// Returns the probability density with which path `p` scatters into directions of light. It is the path's lobe
+    /// about the cone times its distribution about the exit azimuth.
     fn spread(&self, p: usize, from: (f64, f64), phi: f64) -> f64 {
         let along = self.fibre.spread(p as u32).conserving(from, self.to);
         along * self.ends.get(p).map_or(1.0 / TAU, |end| logistic(self.scale, wrapped(phi - end)))

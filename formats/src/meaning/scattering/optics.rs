@@ -1,7 +1,7 @@
 //! Optics of a smooth dielectric cylinder: refraction, reflection and absorption (Marschner 2003, section 4).
 
-/// Minimum cosine of the difference angle, by whose square the lobes divide. Light closer to the fibre's direction is
-/// treated as at this angle.
+/// Minimum cosine of the difference angle θd, because lobes are divided by its square. Light closer to the fibre's
+/// direction is treated as if it had this cosine.
 pub const LEAST_COS_D: f64 = 0.1;
 
 /// Cross-section of a fibre for light at one difference angle.
@@ -29,8 +29,8 @@ impl Section {
     /// Returns the reflectance for unpolarised light, 0..=1. `cos_gamma` is the cosine of the angle of incidence in the
     /// normal plane of the fibre. Light from inside has the same reflectance.
     pub fn fresnel(&self, cos_gamma: f64) -> f64 {
-        // Use the angle in space. With the angle in the normal plane, the component polarised along it would need
-        // another index, and so another angle of refraction.
+        // Use the angle of incidence in space. With the angle in the normal plane, the component polarised along that
+        // plane would need another effective index. This would give it another angle of refraction.
         let c = self.cos_d * cos_gamma;
         let t = (1.0 - (1.0 - c * c) / (self.eta * self.eta)).max(0.0).sqrt();
         let of = |a: f64, b: f64| if a + b > 0.0 { (a - b) / (a + b) } else { 1.0 };

@@ -15,7 +15,8 @@ use super::{Angles, Fibre, PATHS};
 use core::array::from_fn;
 use core::f64::consts::PI;
 
-/// Weight of the linear term of [`stretched`]. The middle of the axis is stretched by its reciprocal.
+/// Weight of the linear term of [`stretched`]. Around sin θh = 0, the axis is stretched by the reciprocal of this
+/// weight.
 const DRAWN_OUT: f64 = 0.3;
 
 /// Tables of a fibre.
@@ -26,8 +27,8 @@ pub struct ScatteringTables {
     /// Index of refraction.
     pub eta: f64,
     /// Longitudinal factors of the paths, times cos θi. Rows run over tan(θd / 2) from −1 to 1, columns over
-    /// [`stretched`] of sin θh from −1 to 1. The last component is for all light reflected inside more than once; it is
-    /// multiplied by its light per radian, which is the same at every azimuth.
+    /// [`stretched`] of sin θh from −1 to 1. The last component is for all light reflected inside more than once. It
+    /// already contains the light per radian of that path, which is the same at every azimuth.
     pub along: Vec<[f32; PATHS]>,
     /// Light per radian of R, TT and TRT, and path length of TT in the fibre, in radii. Rows run over cos θd from
     /// [`LEAST_COS_D`] to 1, columns over φ / π from 0 to 1.
@@ -74,8 +75,8 @@ impl ScatteringTables {
             let rest = fibre.section(libm::cos(d)).rest(0.0);
             for i in 0..size {
                 let h = libm::asin(unstretched(2.0 * share(i) - 1.0).clamp(-1.0, 1.0));
-                // Angles beyond a quarter turn are not directions. Clamping them extends the lobe evenly, for
-                // interpolation between texels.
+                // θ beyond ±π/2 is not a direction. Clamping it extends the lobe evenly to these texels, for
+                // interpolation.
                 let [from, to] = [h - d, h + d].map(|theta| theta.clamp(-0.5 * PI, 0.5 * PI));
                 let of = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
                 let angles = Angles { from: of(from), to: of(to), phi: 0.0 };
@@ -93,7 +94,7 @@ impl ScatteringTables {
         Self { size, eta: fibre.eta, along, around, means: FibreMeans::new(fibre) }
     }
 
-    /// Returns the coordinates, 0..=1 each, of two directions in the table along the fibre.
+    /// Returns the position, 0..=1 each, in the table along the fibre for the directions of light and eye.
     pub fn along_place(angles: &Angles) -> [f64; 2] {
         let cos_d = angles.cos_d();
         let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
@@ -102,7 +103,7 @@ impl ScatteringTables {
         [stretched(sin_h), half].map(|place| 0.5 + 0.5 * place)
     }
 
-    /// Returns the coordinates, 0..=1 each, of two directions in the table around the fibre.
+    /// Returns the position, 0..=1 each, in the table around the fibre for the directions of light and eye.
     pub fn around_place(angles: &Angles) -> [f64; 2] {
         [angles.phi.abs() / PI, (angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D)]
     }
@@ -112,8 +113,8 @@ impl ScatteringTables {
         [&self.along, &self.around]
     }
 
-    /// Creates tables from the two array layers of a texture; `None` if they are not square, differ in size, or are
-    /// smaller than 2.
+    /// Creates tables from the two array layers of a texture. `None` if they are not square, differ in size, or have
+    /// fewer than 2 texels per edge.
     pub fn of_layers(eta: f64, means: FibreMeans, [along, around]: [Vec<[f32; PATHS]>; 2]) -> Option<Self> {
         let size = along.len().isqrt();
         let same = along.len() == size * size && around.len() == size * size;

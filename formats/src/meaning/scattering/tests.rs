@@ -85,7 +85,7 @@ fn exiting_light_matches_the_analytic_roots() {
                     "{eta} {degrees}"
                 );
             }
-            // The light is continuous where both halves meet.
+            // The light is continuous at φ = 0, where the contributions of both halves of the cross-section meet.
             let back = |phi: f64| section.reflected_inside(phi).map(|way| way.light).sum::<f64>();
             assert!((back(0.0) - back(1e-9)).abs() < 1e-6, "eta {eta}, {degrees} degrees");
             for k in 1..60 {
@@ -93,8 +93,8 @@ fn exiting_light_matches_the_analytic_roots() {
                 let count = section.reflected_inside(phi).count();
                 let inside = section.caustic().is_some_and(|(_, at)| phi < at);
                 let reach = -section.deviation(2, PI / 2.0);
-                // Expect two contributions on this side of the caustic, and one from the other half of the
-                // cross-section, up to its maximum deflection.
+                // The first half of the cross-section contributes only between φ = 0 and the caustic: expect two
+                // contributions beyond −`reach`, else one. From the other half, expect one contribution up to `reach`.
                 let expected = usize::from(inside) * if phi > -reach { 2 } else { 1 } + usize::from(phi <= reach);
                 assert_eq!(count, expected, "eta {eta}, {degrees} degrees, phi {phi}, reach {reach}");
             }
@@ -323,7 +323,7 @@ fn white_fibre_is_invisible_under_uniform_light() {
                 let [offset, numbers @ ..] = even(i);
                 let hit = FibreHit::new(&fibre, scale, [0.0; 3], 2.0 * offset - 1.0, to);
                 drawn += hit.sample(numbers).weight[1];
-                // Repeat with directions that are uniform over the sphere.
+                // Repeat with incident directions distributed uniformly over the sphere.
                 let sin_i = 2.0 * numbers[0] - 1.0;
                 let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
                 found += hit.value(from, TAU * numbers[1] - PI).0[1] * 2.0 * TAU;
@@ -446,8 +446,8 @@ fn gaussian_lights_scatter_as_the_integral_over_their_directions() {
         let off = (found - expected) / light.integral();
         assert!(off.abs() < 2e-5, "{fibre:?} {towards} {degrees}: {found}, expected {expected}");
     }
-    // Under uniform light, a white fibre is as bright as its surroundings. Seen from afar, it gains a little light
-    // where the scales tilt its lobes apart.
+    // Under uniform light, a white fibre is as bright as its surroundings. As a distant fibre, it gains a little light,
+    // because the tilt of the scales separates its lobes.
     let even = GaussianLight { towards: eye, sharpness: 0.0 };
     for fibre in [Fibre::default(), rough, smooth] {
         let found = BroadlyLitFibre::new(&fibre).scatter([0.0; 3], tip, &even, eye)[0];

@@ -52,9 +52,9 @@ pub struct ChoiceLimits {
 pub struct Trial {
     /// Settings in the recipe, each `key=value` as for `pelage bake --set`.
     pub settings: Vec<String>,
-    /// Difference from the reference images, 0 if they are equal. It is the mean FLIP, the lost outline and the lost
-    /// contrast, weighted by the tool that baked. The first tools used the mean FLIP alone. `None` if nothing was
-    /// compared.
+    /// Difference from the reference images; 0 if they are equal. It is a weighted sum of the mean FLIP, the lost
+    /// outline and the lost contrast. The weights depend on the version of the tool. The earliest versions used the
+    /// mean FLIP alone. `None` if nothing was compared.
     pub error: Option<f64>,
     /// Frame time, milliseconds, at least 0; `None` if nothing was timed.
     pub frame_ms: Option<f64>,

@@ -36,8 +36,8 @@ pub struct Manifest {
     /// Warnings: what the bake had to repair, omit or guess.
     pub warnings: Vec<String>,
     /// Far layer; `None` if there is none. It shows all layers above the surface, seen from above. It is stored in one
-    /// more array layer of the shell textures, dry and wet, after the outermost. Since version 3, like the fields
-    /// below.
+    /// more array layer of the shell textures, dry and wet, after the outermost layer. This field and the fields below
+    /// exist since version 3.
     pub coat: Option<FarLayerInfo>,
     /// Levels of detail, finest first; empty if all layers are drawn at any distance.
     pub detail: Vec<DetailLevel>,

@@ -39,7 +39,7 @@ pub struct DetailLevel {
     /// Factor on the fins' opacity, 0..=1. With 0, fins are not drawn.
     pub fins: f32,
     /// Factor on the number of layers that each layer represents, above 0; 1 in the first level. It preserves the mean
-    /// optical depth of the fur, because hair is thinner in the outer layers than in the layers that they represent.
+    /// optical depth of the fur: a drawn layer also represents layers below it, in which hair is thicker.
     pub density: f32,
 }
 

@@ -27,7 +27,7 @@ pub(crate) const KIND: Kind = Kind {
     row: Row { what: "[manifest](#mani-manifest)", how_many: "exactly one", place: "first" },
 };
 
-/// Reads and checks the section at `offset` of a package of that version.
+/// Reads and checks the section at `offset` of a package of format version `version`.
 pub(crate) fn decode(version: u32, offset: u64, bytes: &[u8]) -> Result<Manifest, FormatError> {
     let manifest = match version {
         1 => decode_section::<v1::ManifestV1>(Tag::MANIFEST, offset, bytes)?.into(),

@@ -87,7 +87,7 @@ impl From<ManifestV1> for Manifest {
 }
 
 impl TryFrom<&Manifest> for ManifestV1 {
-    /// Path of the field that version 1 cannot store.
+    /// Message with the path of the field that version 1 cannot store.
     type Error = String;
 
     fn try_from(new: &Manifest) -> Result<Self, String> {

@@ -1,5 +1,5 @@
-//! Decoding of compressed blocks into texels: for readers without a GPU, and for devices that cannot sample blocks, or
-//! only slowly.
+//! Decoding of compressed texture blocks into texels. For readers without a GPU, and for devices that cannot sample
+//! such blocks or sample them slowly.
 
 use super::format::TextureFormat;
 use super::view::TextureView;

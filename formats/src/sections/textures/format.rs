@@ -48,7 +48,7 @@ impl TextureFormat {
         }
     }
 
-    /// Returns the edge length of a block, texels: 1 or 4.
+    /// Returns the edge length of a compressed block, texels: 4, or 1 for uncompressed formats.
     pub fn block_size(self) -> u32 {
         match self {
             Self::Rgba8Srgb | Self::Rgba8Unorm | Self::Rg8Unorm | Self::Rgba16Float => 1,
@@ -56,7 +56,7 @@ impl TextureFormat {
         }
     }
 
-    /// Returns the size of a block, bytes.
+    /// Returns the size of a block, bytes. In uncompressed formats, a block is a texel.
     pub fn block_bytes(self) -> u32 {
         match self {
             Self::Rgba8Srgb | Self::Rgba8Unorm => 4,
@@ -66,8 +66,8 @@ impl TextureFormat {
         }
     }
 
-    /// Returns the size in bytes of the numbers in a texel, 1 or 2. A big-endian machine would have to swap the bytes
-    /// of each.
+    /// Returns the size of one number in a texel, bytes: 1 or 2. A big-endian machine would have to swap the bytes of
+    /// each number.
     pub fn type_size(self) -> u32 {
         if self == Self::Rgba16Float { 2 } else { 1 }
     }

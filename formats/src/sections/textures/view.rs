@@ -78,8 +78,8 @@ impl<'a> TextureView<'a> {
     ///
     /// [`FormatError::Limit`] for sizes above `limits`, [`FormatError::Content`] for everything else.
     pub fn parse(ktx2: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
-        // Use only the crate's types for the header and the level index. Its `Reader` panics on a descriptor with block
-        // dimension 255, and its errors have no position.
+        // From the `ktx2` crate, use only the types of header and level index. The crate's `Reader` panics on a
+        // descriptor with block dimension 255, and its errors have no position.
         let place = FileOffset(offset);
         let header: &[u8; ktx2::Header::LENGTH] = ktx2.first_chunk().ok_or_else(|| {
             place.fail(0, format!("{} bytes, expected a KTX2 header of {}", ktx2.len(), ktx2::Header::LENGTH))

@@ -313,7 +313,7 @@ pub fn furless_manifest() -> Manifest {
     manifest
 }
 
-/// Returns a package of version 3 with those morph targets.
+/// Returns a package of version 3 with the morph targets `morphs`.
 pub fn morphed_package(morphs: &Morphs) -> Result<Vec<u8>, FormatError> {
     let writer = PackageWriter::new(furless_manifest()).mesh(&sample_mesh(true)).animation(&sample_animation());
     writer.morphs(morphs).finish()

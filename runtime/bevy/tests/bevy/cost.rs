@@ -85,7 +85,8 @@ fn frame_cost_is_measured_against_the_runtime_alone() {
     let gpu = Gpu { device: device.clone(), queue, info };
     let animal = in_bevy(&mut stand);
     let mut alone = alone(&gpu);
-    // Interleaves the variants, so that other load affects all alike. The minimum of each is the least disturbed time.
+    // Interleave the variants, so that other load on the machine affects all of them alike. Of each variant, the
+    // minimum time is the one least disturbed.
     let mut fastest = [f64::INFINITY; 4];
     for number in 0..WARM + FRAMES {
         let moment = STEP_S * number as f32;

@@ -44,8 +44,8 @@ fn animal_casts_its_shadow_on_a_bevy_ground() {
     let mean_x = shadow.iter().map(|i| (i % SIZE[0] as usize) as f64).sum::<f64>() / shadow.len() as f64;
     assert!(mean_x > f64::from(SIZE[0]) * 0.55, "the shadow's middle is at {mean_x}");
 
-    // The ball is outside the camera's view, in front of the cascades' first plane towards the sun. It must still cast
-    // a shadow.
+    // The ball is outside the camera's view, and nearer to the sun than the first plane of the cascades. It must still
+    // cast a shadow.
     stand.world().entity_mut(ball).remove::<NotShadowCaster>().insert(Transform::from_xyz(-6.0, 6.0, 0.0));
     let far = stand.picture(&camera);
     stand.world().despawn(ball);

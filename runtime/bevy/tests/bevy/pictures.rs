@@ -120,7 +120,7 @@ fn on_even_paper(model: Handle<PelageModel>) -> Pelage {
     pelage
 }
 
-/// Spawns a camera that draws to a rectangle of another camera's picture.
+/// Spawns a camera that draws to the rectangle `part` of the picture of the camera `whole`.
 fn in_part_of(stand: &mut Stand, whole: &TestCamera, part: (UVec2, UVec2)) -> TestCamera {
     let camera = stand.camera([part.1.x, part.1.y], Msaa::Off, front());
     let viewport = Viewport { physical_position: part.0, physical_size: part.1, ..Default::default() };

@@ -68,7 +68,7 @@ fn set_up(
 ) {
     let Some(loaded) = animals.0.iter().map(|handle| models.get(handle)).collect::<Option<Vec<_>>>() else { return };
     let height_m = loaded.iter().map(|model| 2.0 * model.bounds().half_extents.y).fold(0.0, f32::max);
-    // The first circle leaves room for the block in the middle.
+    // The innermost circle leaves room for the box in the middle.
     let mut stage = Stage { radius_m: 0.4 * height_m, height_m };
     for (number, (handle, model)) in (0u8..).zip(animals.0.iter().zip(loaded)) {
         let (bounds, fur) = (model.bounds(), model.fur_height_m());
@@ -102,7 +102,7 @@ fn set_up(
     let (r, h) = (stage.radius_m, stage.height_m);
     let ground = meshes.add(Plane3d::new(Vec3::Y, 12.0 * r * bevy_math::Vec2::ONE));
     commands.spawn((Mesh3d(ground), MeshMaterial3d(grass)));
-    // Posts around the circles, a block in their middle, and a low wall behind.
+    // Posts around the circles, a box in their middle, and a low wall behind.
     let mut block = |size: Vec3, at: Vec3, turn: f32, material: &Handle<StandardMaterial>| {
         let place = Transform::from_translation(at + 0.5 * size.y * Vec3::Y).with_rotation(Quat::from_rotation_y(turn));
         let mesh = meshes.add(Cuboid::from_size(size));

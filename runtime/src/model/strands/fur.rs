@@ -1,5 +1,5 @@
-//! Fur strands of a package. They are placed on the mesh at load time, because there are many times more than in the
-//! tile.
+//! Fur strands of a package. They are placed on the mesh at load time, because the mesh has many times more strands
+//! than the stored tile.
 
 use super::set::{Strand, StrandSet, StrandSource, SurfacePoint, mean_deviation, steps};
 use crate::error::RuntimeError;
@@ -74,7 +74,7 @@ fn placed_share(strands: f64, most: u32) -> Option<f32> {
     (share >= FEWEST_PLANTED).then_some(share)
 }
 
-/// Returns the smallest selection number (`chance`) in each workgroup of strands.
+/// Returns the smallest selection number of the strands in each workgroup.
 fn least_chances(strands: &[Strand]) -> Vec<f32> {
     let least = |group: &[Strand]| group.iter().map(|strand| strand.selection).fold(1.0, f32::min);
     strands.chunks(WORKGROUP as usize).map(least).collect()
@@ -110,8 +110,9 @@ struct RootedStrand {
 }
 
 impl PlacedStrands {
-    /// Places the strands whose selection number is below `share`. Neighbouring parts of one material are drawn as one.
-    /// Their strands are sorted by that number, so that any share of them is a prefix.
+    /// Places the strands whose selection number is below `share`. Adjacent parts with the same material are merged,
+    /// because they are drawn as one. Within them, strands are sorted by selection number, so that drawing any share of
+    /// them means drawing the first ones.
     fn of(
         package: &Package<'_>,
         mesh: &MeshView<'_>,
@@ -139,7 +140,8 @@ impl PlacedStrands {
             run.sort_by(|a, b| a.strand.selection.total_cmp(&b.strand.selection));
             for RootedStrand { strand, root } in run {
                 let number = strand.of_tile as usize;
-                // The numbers are rescaled, so that any share of the remaining strands is again a uniform sample.
+                // Selection numbers are rescaled to 0..1, so that any share of the remaining strands is again a uniform
+                // sample.
                 out.strands.push(Strand { selection: strand.selection / share, ..strand });
                 for (asides, stands) in [(dry, &mut out.stands), (wet, &mut out.wet_stands)] {
                     let of_strand = asides.get(number * per_strand..(number + 1) * per_strand).unwrap_or_default();

@@ -78,7 +78,7 @@ fn generate_group(
         let first = strands.len() as u32;
         let here = planted.hairs.iter().enumerate().filter(|(_, hair)| part.contains(&hair.root.triangle));
         for (number, hair) in here {
-            // With evenly spaced numbers, any prefix of the hairs is an even sample.
+            // With evenly spaced selection numbers, any prefix of the hairs is an even sample.
             let chance = (number as f32 + 0.5) / planted.hairs.len() as f32;
             strands.push(Strand { color: u32::MAX, of_tile: hair.color, selection: chance, ..Strand::default() });
             roots.push(root(hair, rest));

@@ -51,7 +51,8 @@ pub(crate) enum StrandSource {
 /// Guided hair.
 #[derive(Debug)]
 pub(crate) struct Guided {
-    /// Triangle corners of each guide. Also the weights of the second and third corner at the guide's root, unorm.
+    /// Vertex indices of the root triangle of each guide, and the barycentric weights of the root's second and third
+    /// corner, unorm.
     pub(crate) triangles: wgpu::Buffer,
     /// Guide points at rest, relative to their roots, in the frames of their triangles.
     pub(crate) guides: wgpu::Buffer,
@@ -121,8 +122,8 @@ impl StrandSet {
         }
     }
 
-    /// Returns a range of a part, in whole workgroups, that contains all strands whose selection number is below
-    /// `share`.
+    /// Returns the prefix of the range `part`, in whole workgroups, that contains all strands whose selection number is
+    /// below `share`.
     pub(crate) fn prefix_below(&self, part: &Range<u32>, share: f32) -> Range<u32> {
         let groups = (part.start / WORKGROUP) as usize..part.end.div_ceil(WORKGROUP) as usize;
         let Some(chances) = self.least_chances.get(groups) else { return part.clone() };
@@ -189,7 +190,7 @@ pub(crate) struct Strand {
     pub(crate) groom: u32,
     /// Index of the strand in the tile.
     pub(crate) of_tile: u32,
-    /// Random number in 0..1; a strand is drawn if it is below the drawn share.
+    /// Random number in 0..1. The strand is drawn if this number is below the share of strands that are drawn.
     pub(crate) selection: f32,
     pub(crate) lean: f32,
     pub(crate) fur_height: f32,
@@ -201,7 +202,7 @@ pub(crate) struct Strand {
 pub(crate) struct SurfacePoint {
     /// Vertex indices of the triangle.
     pub(crate) vertices: [u32; 3],
-    /// Barycentric weights of the second and third corner, a quarter of the value as snorm.
+    /// Barycentric weights of the second and third corner; a quarter of each weight is stored, as snorm.
     pub(crate) weights: [i16; 2],
 }
 
@@ -214,7 +215,7 @@ pub(crate) struct StrandConstants {
     pub(crate) count: u32,
     /// Number of points of all dry strands of the tile.
     pub(crate) dry_points: u32,
-    /// Radius of the largest stored value, metres.
+    /// Radius that the largest stored value represents, metres.
     pub(crate) radius: f32,
     /// First strand of the part; the next field is the end of the range.
     pub(crate) first: u32,

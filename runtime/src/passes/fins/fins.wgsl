@@ -5,7 +5,7 @@
 
 struct FinVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Coordinate along the slab, and height: 0 on the mesh surface, 1 at the outermost layer.
+    // x: horizontal coordinate in the fin texture. y: height, 0 on the mesh surface, 1 at the outermost layer.
     @location(0) slab_uv: vec2<f32>,
     @location(1) light_ts: vec3<f32>,
     @location(2) half_ts: vec3<f32>,
@@ -14,7 +14,7 @@ struct FinVarying {
     @location(5) @interpolate(flat, either) slab: u32,
     @location(6) @interpolate(flat, either) opacity: f32,
     @location(7) groom: vec2<f32>,
-    // Hair length relative to the tile's, and the slope that the vertex lean adds at this height.
+    // Hair length relative to that of the hair tile, and the slope that the lean of the vertex adds at this height.
     @location(8) length_slope: vec2<f32>,
     @location(9) place: vec4<f32>,
     @location(10) position_ws: vec3<f32>,
@@ -24,7 +24,7 @@ struct FinVarying {
 }
 
 // Returns the mean baked visibility at a height (formulas 4.9). The mean is used because the package does not store
-// which strands of the tile a slab shows.
+// which strands of the tile are in a fin texture.
 fn baked_at_height(height: f32, kept: f32, length: f32, slope: f32) -> Baked {
     var texel = vec4(1.0);
     if BAKED_SHADOW {

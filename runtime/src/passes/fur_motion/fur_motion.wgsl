@@ -47,8 +47,8 @@ const MOST_LEAN_RAD: f32 = 0.7;
 const FARTHEST: f32 = 2.0;
 // Length below which hair does not move, metres.
 const SHORTEST_M: f32 = 1e-5;
-// Share of its motion that hair loses where it lies flat (formulas 2.7). The next constant is the share that it loses
-// where it is wet.
+// Share of its motion that fur loses where the hair lies flat (formulas 2.7). The next constant is the share that fur
+// loses where it is wet.
 const HELD_BY_LEAN: f32 = 0.5;
 const HELD_BY_WATER: f32 = 0.6;
 
@@ -78,7 +78,8 @@ fn lean_fur(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         if wanted > 1e-4 {
             let angle = wanted / sqrt(1.0 + (wanted / MOST_LEAN_RAD) * (wanted / MOST_LEAN_RAD));
             let axis = normal * cos(angle) + along * (sin(angle) / far);
-            // The axis is transformed from world to model space; normals transform by the transpose.
+            // Transform the leaned normal from world to model space. Normals transform in this direction by the
+            // transposed matrix.
             out.normal = normalize_or(transpose(motion.world_from_model) * axis, v.normal);
             out.tangent = vec4(orthonormal_tangent(v.tangent.xyz, out.normal), v.tangent.w);
         }

@@ -34,8 +34,8 @@ struct HairMotion {
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
 // Per guide: corners of its triangle, and root weights of the second and third corner, unorm.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
-// Per guide: its points in the frame of its triangle. `ballast`: acceleration that keeps them there at rest; w holds
-// the freedom of the guide.
+// Per guide: its groomed points, in the frame of its triangle. The next buffer, `ballast`, holds the acceleration that
+// keeps each point at its groomed position at rest. Its w component holds the freedom of the guide.
 @group(0) @binding(2) var<storage, read> groomed: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read> ballast: array<vec4<f32>>;
 // Per guide: position and velocity of each particle, then the triangle frame (three vectors) and the root of the
@@ -53,7 +53,7 @@ const MOST_POINTS: u32 = 65u;
 // Minimum number of steps per second (formulas 2.6).
 const STEPS_PER_S: f32 = 120.0;
 // Maximum number of solver iterations for the tensions (formulas 2.6). The next constant is the relative length error
-// at which they stop.
+// at which the iterations stop early.
 const SOLVED: u32 = 16u;
 const WITHIN: f32 = 1e-4;
 // Number of passes in which a particle is pushed out of the colliders.
@@ -350,7 +350,7 @@ fn between(a: mat3x3<f32>, b: mat3x3<f32>, share: f32) -> mat3x3<f32> {
     return mat3x3(a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share);
 }
 
-// One thread per guide.
+// Moves the guides, with one thread per guide.
 @compute @workgroup_size(64)
 fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let guide = id.y * groups.x * 64u + id.x;

@@ -31,7 +31,7 @@ struct HairRoot {
 @group(0) @binding(5) var<storage, read_write> posed: array<vec4<f32>>;
 @group(0) @binding(6) var<uniform> constants: StrandConstants;
 
-// Uses one thread per guide point.
+// Poses the guides, with one thread per guide point.
 @compute @workgroup_size(64)
 fn pose_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let index = id.y * groups.x * 64u + id.x;
@@ -49,7 +49,7 @@ fn guide_at(guide: u32, low: u32, high: u32, share: f32) -> vec3<f32> {
     return mix(posed_guides[first + low].xyz, posed_guides[first + high].xyz, share);
 }
 
-// Uses one thread per hair point.
+// Places the points of the hairs, with one thread per point.
 @compute @workgroup_size(64)
 fn pose_hairs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let points = constants.points;

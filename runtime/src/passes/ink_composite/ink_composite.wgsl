@@ -18,16 +18,16 @@ struct Painted {
     @builtin(frag_depth) depth: f32,
 }
 
-// Distance that ink bleeds into the paper, pixels, along x and y: for the wash. The next constant is for lines, which
-// bleed less.
+// Distance that the ink of the wash bleeds into the paper, pixels, along x and y. The next constant is the distance for
+// lines, which bleed less.
 const WASH_RUNS: vec2<f32> = vec2(1.1, 0.6);
 const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
-// Depth offset of a line outside the body, as a share of the distance from its feature to the background.
+// Depth offset of a line outside the body, as a fraction of the distance from its feature to the background.
 const LINE_BEHIND: f32 = 0.05;
-// Weight of the paper's absorption in the density of the wash. The next constant is the weight of its relief.
+// Weight of the paper's absorption in the density of the wash. The next constant is the weight of the paper's relief.
 const ABSORPTION_IN_WASH: f32 = 0.25;
 const RELIEF_IN_WASH: f32 = 0.15;
-// Weight of the paper's relief in its brightness. The next constant is the weight of its tone.
+// Weight of the paper's relief in the brightness of the paper. The next constant is the weight of the paper's tone.
 const RELIEF_IN_PAPER: f32 = 0.035;
 const TONE_IN_PAPER: f32 = 0.3;
 
@@ -93,7 +93,7 @@ fn fs_composite(@builtin(position) position: vec4<f32>) -> Painted {
     if !PICTURE {
         return Painted(vec4(color, 1.0), depth);
     }
-    // Outside the body, only its lines and the bleeding of its wash are painted.
+    // Outside the body, only the lines of the body and the bleeding of its wash are painted.
     let opacity = select(max(line.x, 1.0 - wash), 1.0, here.w > 0.0);
     if opacity <= 0.0 {
         discard;

@@ -1,13 +1,13 @@
 //! uses ink/line_forms, ink/screen
 // Row search of the dilation (formulas 5.2): finds the feature whose line reaches farthest over a pixel. Together with
 // the column search of `ink_stroke`, the result is exact. A line is the union of discs around its features, and the
-// disc test x² + y² <= w² separates into rows and columns. Three dilations by 3 x 3 pixels give the same, but with
-// squares of half width 3 in place of discs.
+// disc test x² + y² <= w² separates into rows and columns. Three dilations by 3 x 3 pixels would be similar, but would
+// draw squares of half width 3 instead of discs.
 
 @group(0) @binding(1) var features: texture_2d<f32>;
 
-// Returns: offset along the row as (x + 128) / 255; reach of the line divided by WIDEST_HALF, 0 for none; share of
-// features within reach in the row, weighted by nearness.
+// Returns: offset along the row as (x + 128) / 255; reach of the line divided by WIDEST_HALF, 0 for none; number of
+// features within reach in the row, weighted by nearness and divided by `ink.reach` + 1.
 @fragment
 fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);

@@ -4,7 +4,8 @@
 
 struct StrokeVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // Coordinates along and up the slab for fins; tile coordinates for shells.
+    // For fins: coordinates in the stroke texture, along the mesh edge and from root to tip. For shells: tile
+    // coordinates.
     @location(0) uv: vec2<f32>,
     @location(1) tint: vec4<f32>,
     @location(2) base_uv: vec2<f32>,
@@ -26,20 +27,20 @@ const LIFT: f32 = 3.0;
 const STROKE_LEAN: f32 = 0.4;
 // Distance that a fin's root extends onto the body, pixels along each axis.
 const ROOT: i32 = 2;
-// Least turn of the surface away from the eye, 1 - |N.E|, at which fins are drawn. The next constant is the turn at
+// Turn of the surface away from the eye, 1 - |N.E|, at which fins begin to appear. The next constant is the turn at
 // which they reach full opacity.
 const TURNED: f32 = 0.6;
 const FULLY_TURNED: f32 = 0.9;
 // Factor from the opacity of a fin to the opacity of its strokes.
 const FIN_STROKES: f32 = 1.5;
-// Range of the surface's turn in which shells rise from below the mesh surface. The next constant is their height at
-// its lower end.
+// Range of the surface's turn away from the eye, 1 - |N.E|, over which shells rise from below the mesh surface. The
+// next constant is the height of the shells at the lower end of this range.
 const SHELLS_RISE: vec2<f32> = vec2(0.25, 0.45);
 const SUNKEN: f32 = -0.1;
-// Range of the surface's turn in which the strokes of shells appear.
+// Range of the surface's turn away from the eye, 1 - |N.E|, over which the strokes of shells appear.
 const SHELLS_APPEAR: vec2<f32> = vec2(0.45, 0.95);
-// Dry brush, as in formulas 5.6 but with separate constants: half width of the edge. The next constant is the weight of
-// the paper's threshold.
+// Dry brush, as in formulas 5.6 but with separate constants. Half width of the edge of dry strokes. The next constant
+// is the weight of the paper's threshold.
 const DRY_EDGE: f32 = 0.15;
 const DRY_PAPER: f32 = 0.85;
 // Range of the gap behind a fin, in fur heights, over which the fin becomes separate from the body.
@@ -48,19 +49,19 @@ const SEPARATE: vec2<f32> = vec2(1.0, 2.0);
 // with height.
 const TUFT_END: vec2<f32> = vec2(0.9, 1.3);
 const TUFT_POINTED: f32 = 0.75;
-// Range of slab rows that fins show. It avoids the seam between roots and tips.
+// Range of rows of the stroke texture that fins show. It avoids the seam between roots and tips.
 const FIN_ROWS: vec2<f32> = vec2(0.1, 0.96);
 // Density of fin strokes without fur weight, and its gain with fur weight.
 const FIN_DENSITY: vec2<f32> = vec2(0.15, 0.35);
-// Range of ink in a fin's stroke texture over which strokes go from none to full.
+// Range of values in a fin's stroke texture over which strokes go from none to full.
 const FIN_INK: vec2<f32> = vec2(0.2, 0.6);
 // Opacity at the root of a fin, and its loss at the tip. The next constant is the dryness at the tip.
 const FIN_OPACITY: vec2<f32> = vec2(0.85, 0.3);
 const FIN_DRY: f32 = 0.4;
 // Density of strokes on shells.
 const SHELL_DENSITY: f32 = 0.5;
-// Range of ink in a shell's stroke texture over which strokes go from none to full: here the lower end, at height 0 and
-// its gain at full height. The next constant is the upper end.
+// Value in a shell's stroke texture at which strokes begin: at height 0, and its increase at full height. The next
+// constant is the value at which strokes are full, in the same form.
 const SHELL_BEGINS: vec2<f32> = vec2(0.25, 0.5);
 const SHELL_FULL: vec2<f32> = vec2(0.6, 0.4);
 // Opacity of shells at height 0, and its loss at full height. The next constant is the dryness at height 0, and its
@@ -122,7 +123,7 @@ fn vs_ink_shells(v: Vertex, @builtin(instance_index) shell: u32) -> StrokeVaryin
     return out;
 }
 
-// Returns the ink on the paper: raised fibres take ink, less from a drier brush (formulas 5.6).
+// Returns the ink on the paper (formulas 5.6). Only raised fibres take ink, and fewer of them if the brush is drier.
 fn ink_on_paper(amount: f32, dry: f32, position: vec2<f32>) -> vec4<f32> {
     let sheet = textureSampleLevel(paper_tile, tile_sampler, position / model.paper_period, 0.0);
     let opacity = amount * smoothstep(-DRY_EDGE, DRY_EDGE, 1.0 - dry - DRY_PAPER * sheet.a);
@@ -141,7 +142,7 @@ fn separation_at(p: vec2<i32>, nearness: f32, reach: f32) -> f32 {
 }
 
 // Returns how far a fin is separate from the body: 0 directly in front of the surface, where the fin would look like a
-// blot. The root extends onto the outline; otherwise paper would show between the two.
+// blot. The root of the fin extends onto the body's outline; otherwise paper would show between root and outline.
 fn separation_from_body(position: vec4<f32>, reach: f32) -> f32 {
     let p = vec2<i32>(position.xy);
     let near = vec4(
@@ -186,7 +187,8 @@ fn fs_ink_shells(in: StrokeVarying) -> @location(0) vec4<f32> {
         discard;
     }
     let eye = direction_to(frame.eye_ws, in.position_ws);
-    // Seen from above, the shells of a stroke would cover each other, so only surfaces that turn away have them.
+    // Seen from above, the shells that make up a stroke would cover each other. Therefore, only surfaces that turn away
+    // from the eye have strokes.
     let turned = 1.0 - abs(dot(normalize_or(in.normal_ws, eye), eye));
     let amount = in.share_height.x * model.fur * smoothstep(SHELLS_APPEAR.x, SHELLS_APPEAR.y, turned);
     let ink = ink_nested(strokes, amount * SHELL_DENSITY);

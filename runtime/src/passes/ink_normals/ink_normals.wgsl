@@ -7,7 +7,7 @@ struct InkVertex {
     // Stored position, independent of the pose; surface textures are attached to it.
     @location(9) rest_position: vec3<f32>,
     @location(10) rest_normal: vec3<f32>,
-    // Half the product of the wash, and its normalised product.
+    // The two terms of the wash (formulas 5.3): half of its product, and its normalised product.
     @location(11) wash: vec2<f32>,
     // Amounts of wash, of full ink and of lines.
     @location(12) load: vec4<f32>,
@@ -16,7 +16,7 @@ struct InkVertex {
 // Software rasterisers pay for each interpolant at every triangle, so there are few.
 struct InkVarying {
     @invariant @builtin(position) position: vec4<f32>,
-    // World-space position; product of the wash.
+    // World-space position; product of the wash (formulas 5.3).
     @location(0) position_product: vec4<f32>,
     // World-space normal; amount of wash.
     @location(1) normal_amount: vec4<f32>,
@@ -64,18 +64,20 @@ const DARK_SURFACE: vec2<f32> = vec2(0.06, 0.42);
 const DARK_INK: vec2<f32> = vec2(0.75, 0.4);
 // Density of full ink, and its variation.
 const FULL_INK: vec2<f32> = vec2(0.88, 0.3);
-// Density of inner fur strokes: factor on the square of the turn away from the eye, and on the square of the wash.
+// Density of inner fur strokes: factor on the square of the turn away from the eye, and factor on the square of the
+// wash.
 const FUR_DENSITY: vec2<f32> = vec2(0.45, 0.5);
 // Opacity of inner fur strokes that face the eye, and its gain where the fur turns away.
 const FUR_OPACITY: vec2<f32> = vec2(0.25, 0.4);
-// Loss of line width beside short and beside long fur. The next constant is the height of such fur, pixels.
+// Loss of line width beside short fur and beside long fur. The next constant holds the heights on screen that count as
+// short and as long, pixels.
 const LINE_BY_FUR: vec2<f32> = vec2(0.3, 0.75);
 const FUR_PX: vec2<f32> = vec2(5.0, 20.0);
 // Range of the tile's pressure channel over which the brush goes from lightest to full pressure. The next constant is
 // the loss of line width at the lightest pressure.
 const PRESSURE_RANGE: vec2<f32> = vec2(0.25, 0.75);
 const PRESSURE_LOSS: f32 = 0.6;
-// Range of the tile's blotches over which the brush goes from wet to dry.
+// Range of the tile's blotch channel over which the brush goes from wet to dry.
 const DRY_BLOTCHES: vec2<f32> = vec2(0.4, 0.8);
 // Stored value for a line width factor of 1, as ink_features expects it.
 const STORED_WIDTH: f32 = 0.25;

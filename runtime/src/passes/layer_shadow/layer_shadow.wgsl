@@ -52,8 +52,8 @@ fn vs_layer_mapped(v: Vertex, @builtin(instance_index) layer: u32) -> MappedLaye
 // that hair.
 fn transmitted_light(in: LayerVarying, kept: f32, wetness: f32) -> vec4<f32> {
     let uv = in.uv_light.xy;
-    // All triangles use one mip level: a level by slant and triangle would double the cost of reads and blur detail
-    // that the maps can hold.
+    // All triangles use the same mip level. A level chosen for each triangle by its slant would double the cost of
+    // reads. It would also blur detail that the maps can hold.
     var alpha = textureSampleLevel(shell_colors, shell_sampler, uv, in.layer, instance.map_level).a;
     if WET {
         alpha = mix(alpha, textureSampleLevel(wet_colors, shell_sampler, uv, in.layer, instance.map_level).a, wetness);

@@ -3,13 +3,13 @@
 
 struct Filter {
     // Distance of the near clip plane of the light's projection; 0 for a distant light, whose depth is linear. The next
-    // field is the far one.
+    // field is the distance of the far clip plane.
     near: f32,
     far: f32,
-    // Width and height of the block of texels that is reduced to one, texels.
+    // Side of the square block of texels that the filter reduces to one texel, texels.
     shrink: i32,
-    // Minimum depth difference, 0..=1, between two surfaces in one texel. The next field, clear_gap, is the minimum
-    // between a texel and its surroundings.
+    // Minimum depth difference, 0..=1, at which two surfaces in one texel count as different. The next field,
+    // clear_gap, is the minimum between a texel and its surroundings.
     least_gap: f32,
     clear_gap: f32,
     reserved0: f32,
@@ -41,8 +41,8 @@ fn even_depth(z: f32) -> f32 {
     return (distance - params.near) / (params.far - params.near);
 }
 
-// Returns two depths for each block: the farthest of its light-facing surfaces, 0 if there is none, and the deepest of
-// its first surfaces.
+// Returns two depths for each block of texels. The first is that of the farthest light-facing surface, 0 if there is
+// none. For the second, the surface nearest to the light is taken in each texel, and of these the deepest.
 @fragment
 fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(farthest)) - 1;
@@ -64,14 +64,15 @@ fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
 // Number of blocks on each side that are searched for surfaces in the shadow of a texel.
 const REACH: i32 = 1;
 
-// Slope of the ramp over depth steps, in units of clear_gap, along which hair over the texel itself replaces the
-// blurred hair: from 1/2 to 3/4. The next constant is its offset.
+// Slope of the ramp from the blurred hair to the hair over the texel itself. The ramp depends on the depth step beside
+// the texel: it begins at half of clear_gap and ends at 3/4. The next constant is the offset of the ramp.
 const STEP_SLOPE: f32 = 4.0;
 const STEP_OFFSET: f32 = 2.0;
 
-// Returns the blurred occlusion. A texel casts a shadow if its farthest light-facing surface is not its nearest one. It
-// also does if a light-facing surface nearby is deeper than any slanted one would be, because an occluder extends
-// beyond the outline of the surface it shades.
+// Returns the blurred occlusion. A texel casts a shadow if its farthest light-facing surface is not its nearest
+// surface. It also casts one if a light-facing surface in this block or a neighbouring one is deeper by more than
+// clear_gap. The two are then not one slanted surface. The second condition is needed because an occluder extends
+// beyond the outline of the surface that it shades.
 @fragment
 fn fs_shrink(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(nearest)) - 1;
@@ -106,9 +107,10 @@ fn fs_stretch(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
     let uv = position.xy / vec2<f32>(textureDimensions(nearest));
     let blurred = textureSampleLevel(shrunk, linear_sampler, uv, 0.0);
     let first = even_depth(textureLoad(nearest, at, 0));
-    // Hair beside the texel that covers deeper surfaces may be behind this one. There, only hair over the texel itself
-    // is certain to be above it. A slanted surface is not a step: clear_gap is the depth that the steepest one gains
-    // over two blocks, and the four gathered blocks span one and a half.
+    // Beside a depth step, blurred hair includes hair over deeper surfaces, which may be behind the surface of this
+    // texel. There, only the hair over the texel itself is certain to be above its surface. A slanted surface must not
+    // count as a step. clear_gap is the depth that the steepest surface gains over two blocks, and the four gathered
+    // blocks span one and a half.
     let firsts = textureGather(1, blocks, linear_sampler, uv);
     let deeper = max(max(firsts.x, firsts.y), max(firsts.z, firsts.w)) - first;
     let own = textureLoad(hair, min(at, vec2<i32>(textureDimensions(hair)) - 1), 0).r;

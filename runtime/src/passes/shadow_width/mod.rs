@@ -56,8 +56,8 @@ pub(crate) struct Filter {
     pub(crate) reserved2: f32,
 }
 
-/// Maximum slope, relative to the plane perpendicular to the light, that counts as one surface. Steeper ones count as a
-/// step.
+/// Maximum slope of a surface, relative to the plane perpendicular to the light. A steeper change of depth counts as a
+/// step between two surfaces.
 const STEEPEST: f32 = 2.5;
 
 /// Step of the filter: fragment entry point, inputs in addition to the constants, and target.
@@ -97,9 +97,10 @@ fn record_filter(frame: &mut Recording<'_>, maps: &ShadowMaps) {
         near,
         far: near + light.range_m,
         shrink: maps.key.params.shrink as i32,
-        // Tolerate rounding between surfaces that touch.
+        // The gap tolerates rounding between surfaces that touch.
         least_gap: 1e-3,
-        // The length is the distance from a texel to the far side of the next block.
+        // The depth that the steepest surface gains from a texel to the far side of the next block, a distance of two
+        // blocks.
         clear_gap: STEEPEST * 2.0 * maps.key.params.shrink as f32 * maps.texel_m() / light.range_m,
         reserved0: 0.0,
         reserved1: 0.0,

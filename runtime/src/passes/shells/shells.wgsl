@@ -6,8 +6,8 @@
 // The layers of the layer-wise maps differ from those drawn.
 override MAPS_BETWEEN: bool = false;
 
-// Ratio of the height of a layer to that of the hair below whose mean colour tints multiply scattered light (formulas
-// 4.13).
+// Divisor from the index of a layer to that of the deeper layer whose mean colour tints the layer's multiply scattered
+// light (formulas 4.13).
 const LAYERS_TO_DEEPER: u32 = 4u;
 
 fn shell_of(v: Vertex, index: u32) -> Shell {
@@ -63,8 +63,8 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     var texel = hair.color;
     var root = in.base_uv;
     if AT_ROOT {
-        // Only the rest of the offset is left: the vertex shader has subtracted the offset common to all hair of this
-        // layer.
+        // Subtract only the rest of the offset: the vertex shader has already subtracted the offset that is common to
+        // all hair of this layer.
         root -= root_aside(vec3(0.0, 0.0, in.along), hair.direction);
         groom = groom_at_root(in.groom, in.base_uv, root);
     }

@@ -28,7 +28,8 @@ struct PlainVarying {
     @invariant @builtin(position) position: vec4<f32>,
     // Tile coordinates, n_dot_e, hair length.
     @location(0) uv_cosine_length: vec4<f32>,
-    // Three vectors: directions, then ambient light. Their w components hold red, green and blue of the diffuse colour.
+    // Three vectors: direction to the light, half vector, ambient light. Their w components hold red, green and blue of
+    // the diffuse colour.
     @location(1) light_red: vec4<f32>,
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,

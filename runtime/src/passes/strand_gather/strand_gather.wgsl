@@ -107,7 +107,7 @@ fn store_light(pixel: u32, key: u32, light: u32) {
 // Maximum size of a segment on screen, pixels. Larger ones fill the picture or are NaN.
 const MOST_PX: f32 = 1e6;
 
-// Uses one thread per segment.
+// Gathers the nearest segments, with one thread per segment.
 @compute @workgroup_size(64)
 fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let piece = id.y * groups.x * 64u + id.x;

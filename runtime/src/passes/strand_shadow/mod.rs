@@ -78,7 +78,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let pieces = strands.points - 1;
         let fewest = if strands.guided().is_some() { FEWEST_GUIDED } else { FEWEST_PIECES };
         let step = strands.steps().rfind(|step| pieces / step >= fewest).unwrap_or(1);
-        // A fixed share makes the map independent of the distance of the eye.
+        // A fixed share of the strands makes the map independent of the distance of the eye.
         let share = strands.shadow_share();
         let thrown = StrandSetDrawing { share, widened: share.recip(), step, ..*set.drawn };
         for (part, of_part) in set.parts(seen.model.parts(), share) {

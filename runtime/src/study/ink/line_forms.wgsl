@@ -2,7 +2,8 @@
 // Line functions in pelage's own form and in the published form of Fang 2006 (formulas 5.2), selected by override
 // constants. Replaces ink/line_forms.wgsl in studies.
 
-// All four dot products must be below the threshold, without a gradual transition.
+// A pixel is a feature only if all four dot products of its normal are below the threshold. The strength then changes
+// in steps instead of gradually.
 override ALL_BELOW: bool = false;
 // The dilation uses squares, not discs.
 override SQUARES: bool = false;

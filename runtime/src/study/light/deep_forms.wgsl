@@ -3,8 +3,8 @@
 // Replaces light/deep_forms.wgsl in studies.
 
 override WHOLE_DEPTH: bool = false;
-// Uses the published spacing, with the last plane a sixteenth before the end. Hair behind it is in no plane, and no
-// plane shadows it.
+// Uses the published spacing, with the last plane a sixteenth of the depth before the end. Hair behind the last plane
+// is in no plane, and no plane shadows it.
 override PRINTED_SPACING: bool = false;
 override ON_AXIS: bool = false;
 

@@ -8,8 +8,9 @@ override CENTRED: bool = true;
 // Computes the key light's factors of eq. (1) per vertex.
 override VERTEX_LIGHTING: bool = false;
 
-// Returns H, or the factors themselves. Only three properties of the hair are known at a vertex: its length, its lean,
-// and the mean direction of its layer, which is the last mip level of the direction texture.
+// Returns the half vector H, or with VERTEX_LIGHTING the key light's factors themselves. At a vertex, only three
+// properties of the hair are known: its length, its lean, and the mean direction of its layer. That direction is the
+// last mip level of the direction texture.
 fn half_or_factors(layer: u32, share: f32, slope: f32, light: vec3<f32>, half: vec3<f32>, wetness: f32) -> vec3<f32> {
     if !VERTEX_LIGHTING {
         return half;
@@ -34,8 +35,8 @@ fn key_fibre(direction: vec3<f32>, light: vec3<f32>, half_or_factors: vec3<f32>,
     return fibre(direction, light, half_or_factors, wetness);
 }
 
-// Returns the direction towards the eye. If the factors are computed per vertex, `half.z` is its azimuth around the
-// normal.
+// Returns the direction towards the eye. If the factors are computed per vertex, `half.z` is the azimuth of this
+// direction around the normal.
 fn eye_of(light: vec3<f32>, half: vec3<f32>, n_dot_e: f32) -> vec3<f32> {
     if VERTEX_LIGHTING {
         let across = sqrt(max(1.0 - n_dot_e * n_dot_e, 0.0));

@@ -173,8 +173,8 @@ fn dragged(answer: &Response, text: impl FnOnce() -> String) -> KnobInput {
     }
 }
 
-/// Formats a number as TOML. A number that is not whole gets a point or an exponent. Six digits are enough for manual
-/// input.
+/// Formats a number as TOML. If the knob's type is not `whole`, the text has a point or an exponent. Six digits are
+/// enough for manual input.
 fn number_text(number: f64, whole: bool) -> String {
     if whole {
         return format!("{:.0}", number.round());

@@ -1,7 +1,7 @@
 //! Shader sources in a module's data: lines of text among other bytes.
 
-/// Replaces comment lines by spaces. A comment line is `//` or `//!` and a space, after nothing but spaces. Every text
-/// keeps its position and length, so that references stay valid; spaces compress to almost nothing.
+/// Replaces comment lines by spaces. A comment line has only spaces before `//` or `//!`, and a space after it. The
+/// position and length of every text stay the same, so that references stay valid. Spaces compress to almost nothing.
 pub fn blank_comments(data: &mut [u8]) {
     // Text before the first end of line, or after the last, may be part of another text.
     let ends = line_ends(data);
@@ -13,7 +13,7 @@ pub fn blank_comments(data: &mut [u8]) {
     }
 }
 
-/// Removes indentation and blank lines between a line that ends in an opening brace and one that begins with the
+/// Removes indentation and blank lines between a line that ends in an opening brace and a line that begins with the
 /// closing brace. Such lines always belong to a single text. The removed spaces are moved behind the last line, so that
 /// the text keeps its position and length. A run of spaces compresses to almost nothing.
 pub fn set_left(data: &mut [u8]) {

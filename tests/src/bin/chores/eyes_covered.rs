@@ -44,7 +44,7 @@ fn measure(workshop: &ChoreFolder, name: &str, model: &[String]) -> anyhow::Resu
             workshop.draw(&marked, SIZE, &[&camera, "--style", style, "--self-shadow", "off", "--soft-shadow", "off"])
         };
         let (pixels, covered, area) = covered(&draw("bare")?, &draw("fur")?);
-        // In this view, eyes at the sides of the head may be invisible.
+        // In this view, eyes at the sides of the head may be invisible. Their cells are then empty.
         let [covered, area] =
             [covered, area].map(|share| if pixels > 0 { format!("{:.2}", 100.0 * share) } else { String::new() });
         rows.push(format!("| {} | {} | {view} | {pixels} | {covered} | {area} |", model[0], eyes.join(", ")));

@@ -562,7 +562,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
 
 const ARGUMENTS: &str = "BEFORE AFTER [-o OUT] [--only WORD], or BEFORE AFTER --bench [--rounds N] [-o OUT]";
 
-/// Binary to compare, and its side.
+/// Binary to compare, and its side of the comparison: before or after.
 struct Binary {
     side: &'static str,
     path: PathBuf,
@@ -659,8 +659,9 @@ struct Pair {
 }
 
 impl Pair {
-    /// Bakes a package with one of the binaries into a folder of OUT. Texels are uncompressed unless the list says
-    /// otherwise: this needs no encoder, and gives equal pictures whether or not a binary decodes at load.
+    /// Bakes a package with one of the binaries into a folder of OUT. Texels are uncompressed unless the options in
+    /// `PACKAGES` say otherwise. Uncompressed texels need no encoder, and their pictures are equal whether or not a
+    /// binary decodes textures at load.
     fn bake(&self, binary: &Binary, folder: &str, name: &str) -> anyhow::Result<PathBuf> {
         let (_, model, options) =
             PACKAGES.iter().find(|p| p.0 == name).with_context(|| format!("no package {name}"))?;
@@ -724,7 +725,8 @@ impl Pair {
         }))
     }
 
-    /// Draws a case with both binaries, and returns the difference. Identical pictures are deleted.
+    /// Draws a case with both binaries, and returns the summed difference of its pictures. Identical pictures are
+    /// deleted.
     fn difference(&self, case: &Case) -> anyhow::Result<ByteDifference> {
         let (before, after) = (self.before.draw(case)?, self.after.draw(case)?);
         ensure!(before.len() == after.len(), "{} pictures before, {} after", before.len(), after.len());
@@ -852,7 +854,7 @@ fn first_difference(before: &Path, after: &Path) -> anyhow::Result<Option<String
     Ok(Some(format!("DIFFERS: {} bytes before, {} after, from byte {first} on", a.len(), b.len())))
 }
 
-/// Times from `pelage bench`, by name, milliseconds.
+/// Names of passes and other steps in the report of `pelage bench`, with their times in milliseconds.
 type PassTimes = Vec<(String, f64)>;
 
 fn pass_times(report: &Value) -> anyhow::Result<PassTimes> {

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 const HEADER_BYTES: u64 = 128;
 
-/// Header bits that say which arrays a file has.
+/// Header bits, one per array: set if the file contains the array.
 const PIECES: u32 = 1;
 const POINTS: u32 = 2;
 const THICKNESS: u32 = 4;

@@ -132,7 +132,8 @@ fn hidden_lines_are_removed() {
     near(lengths(&seen(&before, Vec3::new(0.0, 0.0, 5.0))), [12.0, 4.0, 0.0, 0.0], 0.05);
     let behind = both(cuboid(DVec3::NEG_Z, small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&behind, Vec3::new(0.0, 0.0, 5.0))), [12.0, 0.0, 0.0, 0.0], 0.05);
-    // The cube protrudes by 0.4 m, and one metre of the plate's edge in front of it is a contour.
+    // The cube behind the plate protrudes sideways by 0.4 m. One metre of the plate's edge in front of the cube is a
+    // contour.
     let aside = both(cuboid(DVec3::new(1.4, 0.0, -1.0), small), cuboid(DVec3::ZERO, large));
     near(lengths(&seen(&aside, Vec3::new(0.0, 0.0, 5.0))), [11.0 + 1.8, 1.0, 0.0, 0.0], 0.05);
 }
@@ -190,7 +191,7 @@ fn open_edges_are_border_lines() {
     let params = LineParams::default();
     near(lengths(&seen_with(&square, back, &params, true)), [0.0, 0.0, 0.0, 8.0], 0.05);
     // Two sheets back to back share every edge position but are still two sheets, so none of their inner edges is a
-    // line. At their ends, they are paired as the two sides of a leaf.
+    // line. At the outer edges, their faces are paired as the two sides of a leaf.
     let mut leaf = square.clone();
     leaf.1.extend(square.1.iter().map(|t| [t[0], t[2], t[1]]));
     let found = lengths(&seen(&leaf, front));

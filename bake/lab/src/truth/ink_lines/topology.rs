@@ -108,9 +108,9 @@ impl Topology {
     }
 }
 
-/// Depth tolerance of the visibility test, as a fraction of the mesh surface's radius: anything nearer than an edge by
-/// less does not hide it. The ray meets the faces at the edge itself, up to rounding. Rays are in f64, so a small value
-/// is enough; a larger one would show lines that a fold hides.
+/// Depth tolerance of the visibility test, as a fraction of the mesh surface's radius. A surface hides an edge only if
+/// it is nearer to the eye by more than this. The ray meets the faces at the edge itself, up to rounding. Rays are in
+/// f64, so a small value is enough; a larger one would show lines that a fold hides.
 const SLACK_RADII: f64 = 1e-6;
 /// Depth tolerance of the visibility test, in lengths of the edge. A ray meets a face seen edge-on up to this distance
 /// in front of or behind the face's own border.
@@ -127,8 +127,9 @@ fn position_ids(skin: &PosedMesh) -> Vec<u32> {
     skin.vertices.iter().enumerate().map(place).collect()
 }
 
-/// Returns the edges at one pair of positions. Where more than two faces meet, consistently wound faces with the most
-/// similar normals are paired, so that two touching sheets remain two sheets. Each unpaired face ends there.
+/// Returns the edges formed by the faces at one pair of positions. Where more than two faces meet, consistently wound
+/// faces with the most similar normals are paired. Two touching sheets therefore remain two sheets. A face without a
+/// partner has a border there.
 fn pair(around: &[Side], normals: &[DVec3]) -> Vec<Edge> {
     let turn = around.partition_point(|side| !side.backward);
     let (forward, backward) = around.split_at(turn);

@@ -18,7 +18,8 @@ pub(super) struct MeshLine {
     pub(super) family: Family,
     /// Point beside the line on the visible mesh surface.
     pub(super) inside: DVec3,
-    /// Depth tolerance of the visibility test: anything nearer than the line by less does not hide it, metres.
+    /// Depth tolerance of the visibility test, metres. A surface hides the line only if it is nearer to the eye by more
+    /// than this.
     pub(super) slack_m: f64,
 }
 
@@ -107,8 +108,8 @@ impl Line {
         self.from_px.lerp(self.to_px, share)
     }
 
-    /// Returns the point of the line at parameter `share` in world space. With perspective, the middle in the picture
-    /// is nearer to the eye than the middle of the line.
+    /// Returns the point of the line at parameter `share` in world space. With perspective, parameter 0.5 is the middle
+    /// in the picture; in space, that point is nearer to the eye than the middle of the line.
     fn at_ws(&self, share: f64) -> DVec3 {
         let (near, far) = ((1.0 - share) / self.depths.0, share / self.depths.1);
         self.from.lerp(self.to, far / (near + far))

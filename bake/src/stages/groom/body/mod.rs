@@ -28,21 +28,21 @@ pub(super) use welded_mesh::WeldedMesh;
 
 /// Width of the smoothing over the surface, in body radii.
 const SPREAD: f32 = 0.05;
-/// Range of thickness over which the hair length rises from its minimum to its maximum. Thickness is relative to thick
-/// parts.
+/// Range of thickness over which the hair length rises from its minimum to its maximum. Thick parts have thickness 1.
 const THIN: [f32; 2] = [0.15, 0.65];
 /// Hair length on the thinnest parts relative to the thickest.
 const SHORTEST: f32 = 0.25;
 /// Lean and density on the thinnest parts.
 const THIN_LEAN: f32 = 0.5;
 const THIN_DENSITY: f32 = 1.7;
-/// Groom beside bare parts, with a length relative to hair far from them.
+/// Groom beside bare parts. The length is relative to that of hair far from bare parts.
 const BARE: PartGroom = PartGroom { length: 0.15, lean: 0.5, density: 1.8, by_thickness: 0.0 };
 /// Hair length on the underside of a trunk relative to its back.
 const UNDERSIDE: f32 = 1.1;
 /// Minimum relative difference between the longest and the shortest hair. Bodies that vary less have no distinct parts.
 const LEAST_SPREAD: f32 = 0.1;
-/// Minimum relative thickness of thick parts, and maximum of thin parts, in reports about bodies without named parts.
+/// Minimum relative thickness of parts that are reported as thick, and maximum for thin ones. Reports use them for
+/// bodies without named parts.
 const REPORTED_THICKNESS: [f32; 2] = [0.9, 0.45];
 /// Minimum share of the body's area for a part to be reported.
 const MIN_REPORTED_SHARE: f64 = 0.002;
@@ -101,8 +101,8 @@ impl BodyGroom {
         if high - low < LEAST_SPREAD * high {
             return None;
         }
-        // The underside follows the test above, because even a sphere has one. The factor needs no smoothing, because
-        // normals are smooth.
+        // The underside is lengthened only after the test above, because even a sphere has an underside. The factor
+        // needs no smoothing, because normals are smooth.
         let has_names = has_specific_parts(&parts);
         for (place, length) in length.iter_mut().enumerate() {
             let trunk = if has_names { trunk_weight(&parts[place]) } else { thick[place] };

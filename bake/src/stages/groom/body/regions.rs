@@ -17,7 +17,8 @@ pub(super) fn of_nodes(animation: &Animation) -> Vec<Region> {
         regions.push(match (named, spine.filter(|_| is_numbered)) {
             (_, Some(4 | 5)) => Region::Neck,
             (_, Some(6)) => Region::Head,
-            // The joint "LeftUpLeg" has the child "LeftLeg", and "leg01" has the child "leg02".
+            // A limb below an upper or lower leg is a lower leg: "LeftUpLeg" has the child "LeftLeg", and "leg01" has
+            // the child "leg02".
             (Some(Region::Limb), _) if matches!(parent, Region::UpperLeg | Region::LowerLeg) => Region::LowerLeg,
             (Some(Region::Limb), _) => Region::UpperLeg,
             (Some(found), _) => found,

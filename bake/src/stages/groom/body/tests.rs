@@ -233,7 +233,7 @@ fn thickness_is_the_distance_through_the_body() {
 #[test]
 fn vertices_are_welded_and_distances_are_geodesic() {
     let mesh = barrel_with_rod();
-    // This mesh has the same triangles but shares no vertices.
+    // Mesh with the same triangles, which share no vertices.
     let torn = Mesh {
         positions: mesh.triangles.iter().flatten().map(|v| mesh.positions[*v as usize]).collect(),
         triangles: (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),

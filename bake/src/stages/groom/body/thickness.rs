@@ -14,7 +14,7 @@ use std::time::Duration;
 const RAYS: (usize, usize) = (12, 150_000);
 /// Minimum number of rays per vertex.
 const FEWEST: usize = 4;
-/// Cosine of half the angle of the cone of rays: 50°.
+/// Cosine of the half angle of the cone of rays, 50°.
 const CONE: f32 = 0.642_787_6;
 /// Golden angle, radians. Directions along a spiral with steps of this angle fill a cone evenly.
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
@@ -40,7 +40,7 @@ impl Boundable for Facet {
 
 impl Facet {
     /// Returns the distance at which a ray leaves the body through the triangle (Möller and Trumbore 1997). Returns
-    /// `None` if the ray enters there or misses the triangle.
+    /// `None` if the ray misses the triangle, or enters the body through it.
     fn exit_distance(&self, origin: Vec3, way: Vec3) -> Option<f32> {
         let [a, b, c] = self.corners;
         let (e, f) = (b - a, c - a);
@@ -103,8 +103,8 @@ pub(super) fn thickness(skin: &WeldedMesh) -> Vec<Option<f32>> {
         .collect()
 }
 
-/// Returns the distance at which a ray leaves its own connected component. If it does not, returns the distance at
-/// which it leaves any other; infinite if it hits nothing.
+/// Returns the distance at which a ray leaves `piece`, the connected component where it starts. If it never does,
+/// returns the distance at which it leaves any other component; infinite if it hits nothing.
 fn distance_to_far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3, piece: u32) -> f32 {
     let (mut own, mut any) = (f32::INFINITY, f32::INFINITY);
     let ray = Ray::new(origin.into(), way.into(), 0.0, f32::INFINITY);
@@ -120,7 +120,7 @@ fn distance_to_far_side(tree: &CwBvh, facets: &[Facet], origin: Vec3, way: Vec3,
     if own.is_finite() { own } else { any }
 }
 
-/// Returns unit directions in a cone about z, each for the same solid angle.
+/// Returns unit directions that fill a cone about z evenly.
 fn directions(count: usize) -> Vec<Vec3> {
     let direction = |i: usize| {
         let z = 1.0 - (1.0 - CONE) * (i as f32 + 0.5) / count as f32;

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Limits of the cotangents at edges. Those of degenerate triangles are unbounded. A positive lower limit ensures that
-/// averages over neighbours stay within their range.
+/// Limits of the cotangents that weight edges. Without limits, degenerate triangles would give unbounded cotangents. A
+/// positive lower limit ensures that averages over neighbours stay within their range.
 const COTANGENTS: (f64, f64) = (0.02, 20.0);
 /// Maximum number of solver steps, and relative residual at which the solver stops.
 const SOLVER: (usize, f64) = (100, 1e-4);
