@@ -289,7 +289,10 @@ fn small_compressed_file_cannot_expand_without_bound() {
         packed.doc.show(json!({"attributes": {"POSITION": position}}));
     }
     let (place, reason) = fault(import_bytes(&packed.glb()));
-    assert!(place.starts_with("/bufferViews/1/") && reason.contains("larger than 1073741824 bytes"), "{place}: {reason}");
+    assert!(
+        place.starts_with("/bufferViews/1/") && reason.contains("larger than 1073741824 bytes"),
+        "{place}: {reason}"
+    );
 }
 
 fn imports_without_panic(bytes: &[u8], folder: &Path) -> bool {

@@ -37,7 +37,8 @@ pub struct SampledVolume {
 impl SampledVolume {
     /// Builds the volume of sliced layers.
     ///
-    /// * `height`: height of the outermost layer, widths of the tile ([`pelage_bake::stages::simulate::Strands::height`])
+    /// * `height`: height of the outermost layer, widths of the tile
+    ///   ([`pelage_bake::stages::simulate::Strands::height`])
     ///
     /// # Errors
     ///
