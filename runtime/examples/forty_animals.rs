@@ -55,7 +55,7 @@ fn main() {
             let sky =
                 Light::Directional { towards_light: Vec3::new(0.6, 0.9, -0.2), color: Vec3::new(0.1, 0.13, 0.18) };
             p.fill_lights = vec![sky];
-            // One map covers all animals: it needs more texels than a map for one animal, but fewer layers.
+            // A single map covers all animals: it needs more texels than a map for one animal, but fewer layers.
             (p.shadows.map_size, p.shadows.map_layers, p.shadows.shrink) = (2048, Some(6), 8);
         })
         .with_fur(|fur| fur.detail = Detail::Auto { bias: 1.0 });

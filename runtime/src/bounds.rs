@@ -69,7 +69,7 @@ impl Hull {
             for corner in 0..if *margin > 0.0 { 8 } else { 1 } {
                 let side = Vec3::from([1, 2, 4].map(|bit| if corner & bit == 0 { -1.0 } else { 1.0 }));
                 let clip = clip_from_world * (*point + *margin * side).extend(1.0);
-                // As in `may_be_visible`, a NaN counts as visible.
+                // A NaN counts as visible, as in `may_be_visible`.
                 if clip.w.is_nan() || clip.w <= 1e-6 {
                     return [0, 0, viewport[0], viewport[1]];
                 }

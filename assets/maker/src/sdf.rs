@@ -136,7 +136,7 @@ fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
 fn round_cone_foot(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> (DVec3, f64) {
     let length = (b - a).length();
     if length <= (ra - rb).abs() {
-        // One sphere contains the other.
+        // The larger sphere contains the smaller one.
         return if ra > rb { (a, ra) } else { (b, rb) };
     }
     let axis = (b - a) / length;

@@ -86,13 +86,17 @@ fn shared_arguments<'a>(subcommands: &[&'a Command]) -> Vec<&'a Arg> {
     let mut shared: Vec<&Arg> = Vec::new();
     for arg in all() {
         let text = entry(arg);
-        if all().filter(|other| entry(other) == text).count() >= SHARED_BY
-            && !shared.iter().any(|known| entry(known) == text)
-        {
+        if all().filter(|other| entry(other) == text).count() >= SHARED_BY && !contains(shared.iter().copied(), arg) {
             shared.push(arg);
         }
     }
     shared
+}
+
+/// Returns whether an argument has the same text as one of `arguments`.
+fn contains<'a>(mut arguments: impl Iterator<Item = &'a Arg>, arg: &Arg) -> bool {
+    let text = entry(arg);
+    arguments.any(|other| entry(other) == text)
 }
 
 /// Returns the arguments of a command that the page lists.
@@ -125,11 +129,9 @@ fn section(command: &Command, above: &str, shared: &[&Arg]) -> String {
         text += &format!("\n{}\n", wrap("", &paragraph.split_whitespace().collect::<Vec<_>>().join(" ")));
     }
     text += &format!("\n```\n{}\n```\n\n", synopsis(command, above));
-    let own: Vec<String> = listed(command).map(entry).collect();
-    let (has, lacks): (Vec<&Arg>, Vec<&Arg>) = shared.iter().partition(|arg| own.contains(&entry(arg)));
+    let (has, lacks): (Vec<&Arg>, Vec<&Arg>) = shared.iter().partition(|arg| contains(listed(command), arg));
     let repeats = has.len() > lacks.len();
-    let others: Vec<&Arg> =
-        listed(command).filter(|arg| !repeats || !shared.iter().any(|known| entry(known) == entry(arg))).collect();
+    let others: Vec<&Arg> = listed(command).filter(|arg| !repeats || !contains(shared.iter().copied(), arg)).collect();
     text += &entries(&others);
     if repeats {
         let lacks: Vec<_> = lacks.iter().map(|arg| format!("`{}`", typed_form(arg, false))).collect();

@@ -109,7 +109,7 @@ fn only_surfaces_visible_in_both_frames_count() {
     }
     let found = measure((&now, &grey), (&next, &changed), &Mask::empty(60, 40));
     assert_eq!(found.surface.count, 200, "{found:?}");
-    // Of the visible half, only the column beside the occluding square can mix with it.
+    // Only one column of the visible half, the one beside the occluding square, can mix with it.
     assert!(found.surface.mean().unwrap() < 0.05, "{found:?}");
     assert_eq!(found.lines.mean(), None);
     // A square that leaves the picture is not measured.

@@ -1,7 +1,7 @@
 //! Command line of pelage: one file per subcommand, with shared exit codes and output.
 //!
-//! It is a library so that the laboratory (`bake/lab`) can add `chart` to the command line. The items are not a public
-//! API.
+//! The tool is a library so that the laboratory (`bake/lab`) can add `chart` to the command line. The items are not a
+//! public API.
 
 mod anatomy;
 mod backdrop;

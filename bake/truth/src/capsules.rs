@@ -48,7 +48,7 @@ impl Capsule {
             if rest > 0.0 { -half - rest.sqrt() } else { f64::INFINITY }
         };
         if slant <= 0.0 {
-            // One ball contains the other, so only the larger one is intersected.
+            // The larger ball contains the smaller one, so only the larger one is intersected.
             let enter = if ra > rb { ball(oa, ra) } else { ball(ob, rb) };
             return positive_or_infinity(start + enter);
         }

@@ -71,7 +71,7 @@ fn weights_follow_their_curves() {
     pose.blend(&animation, &[layer(Some(0), 1.0), layer(None, 0.25)]);
     assert_eq!(pose.shifts, [0.75, 0.5625]);
 
-    // One Hermite curve, given by the values and slopes at two keys, drives two targets at once.
+    // A Hermite curve, given by the values and slopes at two keys, drives two targets at once.
     let mut motion = sample().motion;
     let values = vec![9.0, 9.0, 0.0, 1.0, 1.0, 0.0, /* the next key */ 1.0, 0.0, 1.0, 1.0, 9.0, 9.0];
     motion.channels = vec![MorphChannel { interpolation: Interpolation::Cubic, values, ..motion.channels[0].clone() }];

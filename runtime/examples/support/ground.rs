@@ -67,7 +67,7 @@ impl Scene {
             label: Some("application"),
             source: wgpu::ShaderSource::Wgsl(format!("{}{SCENE_WGSL}", receiver::WGSL).into()),
         });
-        // One pipeline draws the picture. Two draw only depth, in the formats that pelage requires.
+        // The first pipeline draws the picture. The other two draw only depth, in the formats that pelage requires.
         let pipeline = |caster: Option<CasterPass>| {
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("application"),

@@ -39,8 +39,8 @@ fn with_coat(far: FarFur) -> vec3<f32> {
     if texel.a < LEAST_ALPHA {
         return far.undercoat;
     }
-    // As in the layers that the far layer replaces, the optical depth is proportional to the share of the hair that
-    // grows.
+    // In the far layer, as in the layers that it replaces, the optical depth is proportional to the share of the hair
+    // that grows.
     let alpha = resampled_opacity(texel.a, far.share);
     // The far layer needs no shadow map: the package stores how light enters it.
     let height = instance.coat_ambient_height;

@@ -59,7 +59,7 @@ fn drawing_parameters_follow_the_level() {
     let full = at(0, 0.0);
     assert!(!full.is_reduced() && full.shell_instances() == (1..16) && full.map_layers == 16);
     let fading = at(0, 0.5);
-    // Of the seven layers that the next level drops, three are gone and the fourth is half gone.
+    // The next level drops seven layers: three are gone, and the fourth is half gone.
     assert!(fading.is_reduced() && fading.detail.layers == 12 && fading.shell_instances() == (0..12));
     assert_eq!((fading.step, fading.gone, fading.detail.fins, fading.map_layers), (1, 3.5, 0.75, 16));
     let half = at(1, 0.0);

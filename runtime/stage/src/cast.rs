@@ -117,7 +117,7 @@ impl Playback {
     ///
     /// # Errors
     ///
-    /// As [`find_clip`].
+    /// The errors of [`find_clip`].
     pub fn named(
         file: &NamedPackage<'_>,
         package: &Package<'_>,
@@ -204,7 +204,7 @@ impl<'a> Cast<'a> {
     ///
     /// # Errors
     ///
-    /// As [`find_morph`].
+    /// The errors of [`find_morph`].
     pub fn morphing(mut self, name: &str, weight: f32) -> Result<Self, StageError> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };

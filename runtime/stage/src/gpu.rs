@@ -81,7 +81,7 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// As [`Self::open`].
+    /// The errors of [`Self::open`].
     #[cfg(not(target_arch = "wasm32"))]
     pub fn describe_adapter() -> Result<String, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -99,7 +99,7 @@ impl Gpu {
     ///
     /// # Errors
     ///
-    /// As [`Self::with`].
+    /// The errors of [`Self::with`].
     pub async fn request(
         instance: &wgpu::Instance,
         surface: Option<&wgpu::Surface<'_>>,

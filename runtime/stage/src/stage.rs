@@ -103,7 +103,7 @@ impl Stage {
     ///
     /// # Errors
     ///
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn set_cast(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
         check(cast, self.params.style.kind())?;
         self.load(cast, time_s)
@@ -216,7 +216,7 @@ impl Stage {
     ///
     /// # Errors
     ///
-    /// As [`Stage::prepare`].
+    /// The errors of [`Stage::prepare`].
     pub fn simulate_frame(&mut self) -> Result<(), StageError> {
         let unlit = self.params.clone().with(|params| {
             params.soft_shadow = false;
@@ -400,7 +400,7 @@ fn require_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), Sta
 fn load_error(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     match error {
         RuntimeError::Package(source) => file.fault(source),
-        // Another adapter may have higher limits.
+        // A different adapter may have higher limits.
         RuntimeError::DeviceLimit { .. } => StageError::NoAdapter(format!("{}: {error}", file.name)),
         RuntimeError::Content { what, reason, .. } => {
             StageError::Input { file: file.name.clone(), place: what, reason }

@@ -1,4 +1,4 @@
-//! Checks the language of the sources: counts banned first words of doc comments, banned phrases, and long lines, per
+//! Checks the language of the sources: counts banned first words of comments, banned phrases, and long lines, per
 //! folder.
 //!
 //! `language.txt` holds the committed counts. The test fails if a count rises. A count that has fallen must be lowered
@@ -8,7 +8,7 @@ use pelage_tests::binary::workspace;
 use pelage_tests::documents::{Document, documents};
 use std::collections::BTreeMap;
 
-/// Words that no doc comment may begin with.
+/// Words that no comment, and no paragraph of one, may begin with.
 const FIRST_WORDS: [&str; 10] = ["What", "Who", "Whoever", "Of", "As", "That", "It", "Its", "One", "Another"];
 
 /// Phrases that comments and documents avoid.
@@ -59,14 +59,15 @@ fn contains_phrase(text: &str, phrase: &str) -> bool {
 fn counts(document: &Document) -> Counts {
     let mut counts = Counts::default();
     let markdown = document.path.ends_with(".md");
-    let mut marker_before = "";
+    let (mut marker_before, mut ends_paragraph) = ("", false);
     for line in document.text.lines() {
         let (marker, text) = if markdown { ("", line) } else { comment(line).unwrap_or_default() };
-        if matches!(marker, "///" | "//!") && marker != marker_before {
-            let first = text.trim_start().split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
+        let text = text.trim_start();
+        if !marker.is_empty() && (marker != marker_before || ends_paragraph) {
+            let first = text.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default();
             counts.first_words += usize::from(FIRST_WORDS.contains(&first));
         }
-        marker_before = marker;
+        (marker_before, ends_paragraph) = (marker, text.is_empty());
         let text = text.to_lowercase();
         if !QUOTING.contains(&document.path.as_str()) && PHRASES.iter().any(|phrase| contains_phrase(&text, phrase)) {
             counts.phrases += 1;
@@ -122,6 +123,7 @@ fn each_rule_finds_its_fault() {
     let document = |path: &str, text: String| Document { path: path.into(), text };
     let found = counts(&document("bake/src/lib.rs", format!("{text}\n//{:121}", "")));
     assert_eq!(found, Counts { first_words: 1, phrases: 1, long_lines: 1 });
+    assert_eq!(counts(&document("a.rs", "// One ball.\n//\n// That is all.".into())).first_words, 2);
     assert_eq!(counts(&document("README.md", "It is dearer.\n".into())).phrases, 1);
     assert_eq!(folder("runtime/stage/src/lib.rs"), "runtime/stage");
     assert_eq!(folder("runtime/src/lib.rs"), "runtime");

@@ -1,16 +1,12 @@
 //! Checks the dependencies of the shaders: a WGSL file that uses declarations of other files must list them in its
 //! first line.
 
+use super::sources::without_comments;
 use pelage_tests::documents::{Document, documents};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Folder of the shaders.
 const SOURCES: &str = "runtime/src/";
-
-/// Returns the source without comments.
-fn code(text: &str) -> String {
-    text.lines().map(|line| line.split_once("//").map_or(line, |(code, _)| code)).collect::<Vec<_>>().join("\n")
-}
 
 /// Returns the identifiers in a source, except members (`.x`) and attributes (`@x`).
 fn identifiers(code: &str) -> impl Iterator<Item = &str> {
@@ -69,7 +65,7 @@ fn providers(user: &str, owners: &BTreeSet<&str>) -> String {
 
 /// Returns the required first line of each shader that uses other files.
 fn first_lines(shaders: &[Document]) -> BTreeMap<&str, String> {
-    let sources: Vec<(&str, String)> = shaders.iter().map(|d| (d.path.as_str(), code(&d.text))).collect();
+    let sources: Vec<(&str, String)> = shaders.iter().map(|d| (d.path.as_str(), without_comments(&d.text))).collect();
     let mut owners = BTreeMap::<&str, BTreeSet<&str>>::new();
     for (path, code) in &sources {
         for name in declared(code) {

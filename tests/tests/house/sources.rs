@@ -53,10 +53,15 @@ fn end_of_braces(code: &str) -> usize {
     code.len()
 }
 
+/// Returns the code without line comments.
+pub fn without_comments(text: &str) -> String {
+    text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
+}
+
 /// Returns the code without comments and without items compiled only for tests.
 fn code_of(text: &str) -> String {
     const TESTS: &str = "#[cfg(test)]";
-    let mut code = text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n");
+    let mut code = without_comments(text);
     while let Some(start) = code.find(TESTS) {
         let rest = &code[start + TESTS.len()..];
         let (semicolon, brace) = (rest.find(';'), rest.find('{'));

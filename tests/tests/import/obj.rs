@@ -329,7 +329,7 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("hard-obj/trimesh_joined_tetrahedra.obj", 8, 2, 1),
     ("hard-obj/trimesh_negative_indices.obj", 12, 1, 1),
     ("hard-obj/trimesh_not_convex.obj", 96, 1, 1),
-    // One of the file's two faces has only two corners.
+    // The file has two faces, and one has only two corners.
     ("hard-obj/trimesh_notenoughindices.obj", 1, 1, 1),
     ("hard-obj/trimesh_polygonfaces.obj", 3, 1, 1),
     ("hard-obj/trimesh_quadknot.obj", 2880, 1, 1),

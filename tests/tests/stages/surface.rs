@@ -51,7 +51,7 @@ fn corners_are_welded_and_the_tile_has_its_size() {
     let s = surface(&square(|x, y| vec2(x, y) * 3.0));
     assert_eq!(s.mesh.positions.len(), 4, "six corners of four places");
     let (a, b) = (s.mesh.triangles[0][0] as usize, s.mesh.triangles[0][1] as usize);
-    // One metre of the mesh surface is four tiles of 0.25 m, whatever the texture coordinates are.
+    // A metre of the mesh surface is four tiles of 0.25 m, whatever the texture coordinates are.
     assert!(((s.tile_uvs[b] - s.tile_uvs[a]).length() - 4.0).abs() < 1e-5);
     for (tangent, normal) in s.tangents.iter().zip(&s.mesh.normals) {
         assert!((tangent.truncate() - Vec3::X).length() < 1e-6 && tangent.w == 1.0, "{tangent}");

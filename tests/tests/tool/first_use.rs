@@ -65,7 +65,7 @@ fn a_mesh_without_area_is_refused() {
         let run = bake(&sandbox, name, &[]);
         assert_refused(&sandbox, &run, &[name, "whole model: none of its 1 triangles has an area", "at rest"]);
     }
-    // One triangle with nonzero area is enough.
+    // A single triangle with nonzero area is enough.
     sandbox.write("one.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n");
     assert_eq!(bake(&sandbox, "one.obj", &[]).code, Some(0));
 }

@@ -441,7 +441,7 @@ fn interrupted_sequence_resumes() {
     let kept = lines();
     assert!(kept < 14);
     let saved = std::fs::read(&journal).unwrap();
-    // One picture was overwritten, and one is missing.
+    // Overwrites one picture and removes another.
     sandbox.write("out/0001.png", b"red");
     std::fs::remove_file(sandbox.path().join("out/0002.png")).unwrap();
 

@@ -1,11 +1,11 @@
 //! Sphere map that widens ink lines (Fang 2006, §2, after Kang 2003): R = α(N·E)E − E with α = N·E, m = sqrt(Rx² + Ry²
 //! + (Rz + 1)²), (u, v) = R/2m + 1/2.
 //!
-//! As published, R is parallel to E. All normals then map to a line, and in the middle of the picture to one point. A
-//! normal perpendicular to the view maps to 0/0. Interpreted as a reflection, R = 2(N·E)N − E gives a map, but one that
-//! is centred on the middle of the picture. Off the middle, the outline is not at the rim of the map. R = (0, 0, −1),
-//! where m is 0, occurs on surfaces that face the eye. pelage uses the normal in the frame perpendicular to the view
-//! direction. There, the distance from the centre is sin(N, E)/2 for any perspective.
+//! In the published form, R is parallel to E. All normals then map to a line, and in the middle of the picture to one
+//! point. A normal perpendicular to the view maps to 0/0. Interpreted as a reflection, R = 2(N·E)N − E gives a map, but
+//! one that is centred on the middle of the picture. Off the middle, the outline is not at the rim of the map. R = (0,
+//! 0, −1), where m is 0, occurs on surfaces that face the eye. pelage uses the normal in the frame perpendicular to the
+//! view direction. There, the distance from the centre is sin(N, E)/2 for any perspective.
 
 use super::kajiya_kay;
 use super::row::{Finding, Row};

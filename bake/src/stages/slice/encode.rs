@@ -47,8 +47,8 @@ pub struct TextureEncoder {
 impl From<BcQuality> for Quality {
     fn from(quality: BcQuality) -> Self {
         match quality {
-            // One step faster than the name in `ctt`: its `Basic` takes 2 µs per texel, 47 s for a 512×512×64 tile on
-            // two cores.
+            // Faster by one step than the name in `ctt`: its `Basic` takes 2 µs per texel, 47 s for a 512×512×64 tile
+            // on two cores.
             BcQuality::Fast => Self::VeryFast,
             BcQuality::Basic => Self::Fast,
             BcQuality::Slow => Self::Basic,

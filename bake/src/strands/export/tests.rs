@@ -195,7 +195,7 @@ fn usda_has_a_prim_for_each_group() {
         assert_eq!(usd_list(prim, "float[] widths"), widths);
         let uv: Vec<f32> = curves.root_uv[strands].iter().flat_map(|uv| [uv.x, 1.0 - uv.y]).collect();
         assert_eq!(usd_list(prim, "float2[] primvars:surface_uv_coordinate"), uv);
-        // As in UsdGeomCurves, the extent is the box around the points, extended by half the largest width.
+        // The extent is that of UsdGeomCurves: the box around the points, extended by half the largest width.
         let [low, high] = [Vec3::min, Vec3::max].map(|f| points.iter().map(|p| p.position_ws).reduce(f).unwrap());
         let extent: Vec<f32> = [low - 1e-4, high + 1e-4].iter().flat_map(Vec3::to_array).collect();
         assert_eq!(usd_list(prim, "float3[] extent"), extent);

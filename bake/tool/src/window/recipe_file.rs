@@ -28,7 +28,7 @@ fn with(text: &str, edits: &[String]) -> Result<String, (String, String)> {
         let (name, value) = edit.split_once('=').ok_or_else(|| fail("found no `=`, expected key=value"))?;
         let (table, key) = name.split_once('.').ok_or_else(|| fail("found no table, expected table.key=value"))?;
         let knob = recipe::keys().find(|knob| knob.name == name).ok_or_else(|| fail("unknown key"))?;
-        // As on the command line, strings need no quotes.
+        // Strings need no quotes, as on the command line.
         let value: toml_edit::Value = value.parse().unwrap_or_else(|_| value.into());
         let at = document.entry(table).or_insert_with(|| Item::Table(Table::new()));
         let at = at.as_table_like_mut().ok_or_else(|| fail("the name before the . is not a table in this file"))?;

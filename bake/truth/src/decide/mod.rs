@@ -6,7 +6,7 @@
 //! setting to measure next, and each measurement corrects the model. The model only decides which settings can be
 //! skipped; the chosen setting was always measured.
 //!
-//! Of settings with equal frame times the one with the smallest package is chosen.
+//! Among settings with equal frame times, the one with the smallest package is chosen.
 //!
 //! Times are noisy. Before the choice, all candidates are timed once more, in turns ([`Judge::retime`]). The choice is
 //! on the Pareto front: of the measured settings within the limits, none is both more accurate and faster.
@@ -258,7 +258,7 @@ pub trait Judge {
     ///
     /// # Errors
     ///
-    /// As [`Self::measure`].
+    /// The errors of [`Self::measure`].
     fn retime(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Self::Error>;
 }
 

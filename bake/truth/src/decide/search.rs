@@ -315,7 +315,7 @@ impl Search<'_> {
         let chosen = self.best();
         let meets = self.excess(chosen) <= 0.0;
         let (next_better, next_cheaper) = (self.neighbour(chosen, Side::Better), self.neighbour(chosen, Side::Cheaper));
-        // Of all better settings that only a limit excludes, the nearest to the limits determines the binding limit.
+        // Among all better settings that only a limit excludes, the nearest to the limits determines the binding limit.
         let side = if self.limits.objective() == Figure::Error { Side::Better } else { Side::Cheaper };
         let kept_out = |i: &usize| self.gains(*i, chosen, side) && self.excess(*i) > 0.0;
         let beyond = (0..self.trials.len()).filter(kept_out).min_by(|a, b| self.excess(*a).total_cmp(&self.excess(*b)));

@@ -13,7 +13,7 @@ use pelage_import::BakeError;
 ///
 /// # Errors
 ///
-/// As [`super::diagnose`].
+/// The errors of [`super::diagnose`].
 pub(super) fn advise(
     package: &Package<'_>,
     view: &PrognosisView,
@@ -117,7 +117,7 @@ fn layers(
 ) -> Option<Advice> {
     let now = manifest.fur.layers;
     let (gap, height) = (found.on_screen.layer_gap_px, found.on_screen.height_px);
-    // One layer per pixel suffices; fewer than four do not look like fur.
+    // A single layer per pixel suffices; fewer than four do not look like fur.
     let enough = (height.ceil() as u32 + 1).max(4);
     if gap >= LEAST_GAP_PX || enough >= now {
         return None;

@@ -75,7 +75,7 @@ fn alone(gpu: &Gpu) -> impl FnMut(f32, bool) {
 }
 
 #[test]
-#[ignore = "measures: cargo test --profile example --test bevy -- --ignored --nocapture beside"]
+#[ignore = "measures: cargo test --profile example --test bevy -- --ignored --nocapture runtime_alone"]
 fn frame_cost_is_measured_against_the_runtime_alone() {
     let mut stand = Stand::new();
     let world = stand.render_world();

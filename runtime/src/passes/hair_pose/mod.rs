@@ -82,7 +82,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             };
             // `hair_motion` poses the guides that move.
             if number == 0 && !set.posed.is_moved(&seen.moved, guided) {
-                // One dispatch poses the guides of all parts.
+                // A single dispatch poses the guides of all parts.
                 guides.push(dispatch("pose_guides", set.strands.points * guided.guide_count));
             }
             hairs.push(dispatch("pose_hairs", set.strands.points * of_part.len() as u32));

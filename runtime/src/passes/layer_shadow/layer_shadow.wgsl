@@ -2,7 +2,7 @@
 // Transmittance of one hair layer, seen from the key light (Yang 2006, sec. 3.1). Blending multiplies it by the
 // transmittance of the layers above; each texel is one light ray.
 
-// As in shells/varying.wgsl, there are no more interpolants than the fur needs.
+// There are, as in shells/varying.wgsl, no more interpolants than the fur needs.
 struct LayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
     // Tile coordinates; N.L; hair length relative to the tile's.

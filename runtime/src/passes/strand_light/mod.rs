@@ -104,7 +104,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let threads = of_part.len() as u32;
             select.push(dispatch("select_strands", threads));
             if number == 0 {
-                // One workgroup scans all parts.
+                // A single workgroup scans all parts.
                 scan.push(dispatch("scan_strands", WORKGROUP));
             }
             light.push(dispatch("light_strands", threads));

@@ -59,7 +59,7 @@ impl Panorama {
     ///
     /// # Errors
     ///
-    /// As [`Panorama::new`].
+    /// The errors of [`Panorama::new`].
     pub fn from_fn((width, height): (u32, u32), radiance: impl Fn(DVec3) -> DVec3) -> Result<Self, StageError> {
         let blank = Self { width, height, pixels: Vec::new(), mended: 0 };
         let count = u64::from(width) * u64::from(height);
