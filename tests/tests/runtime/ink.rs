@@ -88,7 +88,7 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
         lines.rgba.iter().filter(|p| (1..255).contains(&p[0])).count()
     };
     assert!(between(false) > 200, "lines have hard edges");
-    assert_eq!(between(true), 0, "as printed a pixel is ink or not");
+    assert_eq!(between(true), 0, "in the published form, a pixel is ink or not");
 
     // The spheres differ in size: the outline of the smaller one encloses about one pixel.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();

@@ -436,7 +436,7 @@ fn soft_shadow_chart_is_reproducible() {
     // The default must satisfy these bounds.
     assert!(number(0, "rmse") <= 0.08 && number(0, "leak_in_umbra") <= 0.02, "{}", rows[0]);
     assert!(number(1, "rmse") > 1.2 * number(0, "rmse"), "coarse maps: {} and {}", rows[1], rows[0]);
-    assert!(number(2, "rmse") > 2.0 * number(0, "rmse"), "as printed: {} and {}", rows[2], rows[0]);
+    assert!(number(2, "rmse") > 2.0 * number(0, "rmse"), "as published: {} and {}", rows[2], rows[0]);
     assert_reproduced(&sandbox, &rows[0], &["rmse", "rmse_in_shadow", "leak_in_umbra", "penumbra_ratio"]);
 }
 
@@ -462,7 +462,7 @@ fn verlet_chart_is_written() {
     assert!(number(0, "stretch_percent") < 0.01 && number(2, "stretch_percent") > 5.0, "{} {}", rows[0], rows[2]);
     assert_reproduced(&sandbox, &rows[0], &["rms_percent", "largest_percent", "rms_turn", "rms_gallop", "rms_gust"]);
     let svg = std::fs::read_to_string(sandbox.path().join("out/verlet.svg")).unwrap();
-    for text in ["gallop", "7 points: ns", "RMS distance from the truth", "ours, steps a second", "one thread"] {
+    for text in ["gallop", "7 points: ns", "RMS distance from the truth", "ours, steps/s", "one thread"] {
         assert!(svg.contains(text), "no {text:?} in the picture");
     }
 }

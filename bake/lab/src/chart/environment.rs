@@ -140,13 +140,13 @@ impl EnvironmentConfiguration {
                 }
                 MapLighting::Tables(n) => ("a lobe at a time, tables", lobes(*n)),
                 MapLighting::Exact(n) => ("a lobe at a time, exact", lobes(*n)),
-                MapLighting::Printed(n) => ("a lobe at a time, as printed", lobes(*n)),
+                MapLighting::Printed(n) => ("a lobe at a time, as published", lobes(*n)),
                 MapLighting::Samples(n) => ("samples by luminance", n.to_string()),
                 MapLighting::Constant => ("constant ambient light", String::new()),
             },
             Self::Single(_, SingleLighting::Exact) => ("a single light, exact", String::new()),
             Self::Single(_, SingleLighting::Tables) => ("a single light, tables", String::new()),
-            Self::Single(_, SingleLighting::Printed) => ("a single light, as printed", String::new()),
+            Self::Single(_, SingleLighting::Printed) => ("a single light, as published", String::new()),
         }
     }
 

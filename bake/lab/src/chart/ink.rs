@@ -138,10 +138,10 @@ pub fn configurations() -> Vec<InkConfiguration> {
     });
     for threshold in [default.ink.threshold, 0.97] {
         let label = format!("T1 {threshold}");
-        add("as printed", label, printed.clone().with(|ink, _| ink.threshold = threshold));
+        add("as published", label, printed.clone().with(|ink, _| ink.threshold = threshold));
     }
     let any = printed.with(|_, study| study.features = FeatureRule::AnyBelow);
-    add("as printed, any neighbour", String::new(), any.clone());
+    add("as published, any neighbour", String::new(), any.clone());
     add("sphere map alone", "reflection".into(), any.with(|_, study| study.template = false));
     add("sphere map alone", "ours".into(), of(&|_, study| study.template = false));
     add("tied to the screen", String::new(), of(&|_, study| study.anchoring = Anchoring::Screen));
@@ -237,7 +237,7 @@ mod tests {
         for (i, c) in all.iter().enumerate() {
             assert!(all[i + 1..].iter().all(|other| other.look != c.look), "{} {}", c.series, c.label);
         }
-        for series in ["threshold T1", "step of depth", "as printed", "sphere map alone", "tied to the screen"] {
+        for series in ["threshold T1", "step of depth", "as published", "sphere map alone", "tied to the screen"] {
             assert!(all.iter().any(|c| c.series == series), "{series}");
         }
     }

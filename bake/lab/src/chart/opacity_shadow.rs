@@ -110,7 +110,7 @@ pub fn configurations() -> Vec<OpacityShadowConfiguration> {
     let deep = [("deep, 4 slabs", 4), ("deep, 8 slabs", 8), ("deep, 16 slabs", 16)];
     let forms = deep.map(|(series, slabs)| (series, slabs, OpacityForm::Deep)).into_iter().chain([
         ("16 planes over the whole depth", PLANES, OpacityForm::WholeDepth),
-        ("16 planes, spacing as printed", PLANES, OpacityForm::Printed),
+        ("16 planes, spacing as published", PLANES, OpacityForm::Printed),
     ]);
     for (series, slabs, form) in forms {
         for map_size in [256, 512, 1024] {

@@ -89,7 +89,7 @@ pub fn configurations() -> Vec<ScatteringConfiguration> {
     all.extend(sized("azimuth by its cosine", ScatteringForm::CosPhi, &[32, 64, 128, 256]));
     all.extend(sized("one length for all azimuths", ScatteringForm::EvenLengths, &[64]));
     all.extend(sized("all lengths by azimuth", ScatteringForm::AllLengths, &[64, 128]));
-    all.extend(sized("as printed", ScatteringForm::Printed, &[64, 128, 256]));
+    all.extend(sized("as published", ScatteringForm::Printed, &[64, 128, 256]));
     all.push(ScatteringConfiguration { series: "a fit without tables", form: ScatteringForm::Fit });
     all
 }

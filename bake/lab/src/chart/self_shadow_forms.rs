@@ -99,7 +99,7 @@ pub fn configurations(recipe: &Recipe) -> Vec<SelfShadowConfiguration> {
         // In the published form, maps use the layers' full optical depth.
         let shadows = base.with(|s| (s.map_size, s.density) = (map_size, 1.0));
         add(
-            "map size, as printed",
+            "map size, as published",
             format!("{map_size}²"),
             SelfShadowForm::Maps { shadows, slant: SlantForm::Printed },
         );

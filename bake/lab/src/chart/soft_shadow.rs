@@ -140,7 +140,7 @@ pub fn configurations() -> Vec<SoftShadowConfiguration> {
     }
     for (map_size, shrink) in [(256, 4), (512, 4), (512, 8), (1024, 4)] {
         add(
-            "as printed",
+            "as published",
             format!("{map_size}², 1/{shrink}"),
             Method::Printed,
             base.with(|s| (s.map_size, s.shrink) = (map_size, shrink)),

@@ -195,24 +195,24 @@ pub fn configurations() -> Vec<VerletConfiguration> {
     let mut forms = vec![("as the runtime does", String::new(), MotionForm::Ours(ours))];
     for steps in [60u16, 240, 480] {
         let solver = Solver { steps_per_s: steps.into(), ..ours };
-        forms.push(("ours, steps a second", steps.to_string(), MotionForm::Ours(solver)));
+        forms.push(("ours, steps/s", steps.to_string(), MotionForm::Ours(solver)));
     }
     for solved in [1, 2, 3, 6] {
         // A tolerance of 0 forces exactly `solved` solves per step.
         let solver = Solver { solved, within: 0.0, ..ours };
-        forms.push(("ours, solves a step", solved.to_string(), MotionForm::Ours(solver)));
+        forms.push(("ours, solves per step", solved.to_string(), MotionForm::Ours(solver)));
     }
     for sweeps in [1, 2, 4, 8, 16, 32] {
-        forms.push(("sweeps a step", sweeps.to_string(), MotionForm::Sweeps { steps_per_s: 120, sweeps }));
+        forms.push(("sweeps per step", sweeps.to_string(), MotionForm::Sweeps { steps_per_s: 120, sweeps }));
     }
     for steps_per_s in [60, 120, 240, 480] {
-        forms.push(("follow the leader, steps a second", steps_per_s.to_string(), MotionForm::Leader { steps_per_s }));
+        forms.push(("follow the leader, steps/s", steps_per_s.to_string(), MotionForm::Leader { steps_per_s }));
     }
     for steps_per_s in [120, 240, 480, 960, 1920] {
-        forms.push(("XPBD, steps a second", steps_per_s.to_string(), MotionForm::Yielding { steps_per_s }));
+        forms.push(("XPBD, steps/s", steps_per_s.to_string(), MotionForm::Yielding { steps_per_s }));
     }
     for sweeps in [1, 4, 16] {
-        forms.push(("as printed, sweeps a frame", sweeps.to_string(), MotionForm::Printed { sweeps }));
+        forms.push(("published form, sweeps per frame", sweeps.to_string(), MotionForm::Printed { sweeps }));
     }
     forms.push(("truth, straight between frames", String::new(), MotionForm::Straight));
     let all = POINTS.iter().flat_map(|points| forms.iter().map(move |form| (*points, form)));

@@ -254,7 +254,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let rates = (spread(&|drive| drive.printed()), spread(&|drive| drive.ours()));
     out.push(finding(
         "5 s at 30, 60 and 144 frames per second",
-        "largest distance between their points, in guide lengths",
+        "largest distance between corresponding points at two frame rates, in guide lengths",
         rates,
         0.03,
         0.1,
