@@ -25,7 +25,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn table_checksum_equals_the_native_one() {
+    fn single_table_checksum_equals_the_native_one() {
         let bytes: Vec<u8> = (0..1000u32).map(|i| ((i * i) >> 3) as u8).collect();
         assert_eq!(crc32(&[b"123456789"]), 0xcbf4_3926);
         for cut in [0, 1, 24, 999, 1000] {

@@ -42,12 +42,12 @@ impl Reader for SectionReader<'_> {
 /// Decodes a bincode section to its last byte. `offset` is the position of `bytes` in the package.
 ///
 /// Memory stays proportional to `bytes`, which the caller has bounded by [`crate::Limits`]. Serde reserves at most 1
-/// MiB for a list beyond the elements already read. Bincode would allocate whatever length a string states. Therefore
-/// its limit is the smallest of 1, 16 and 256 MiB that the section does not exceed.
+/// MiB for a list beyond the elements already read. Bincode allocates whatever length a string states, up to its limit.
+/// The limit in effect is the smallest of 1, 16 and 256 MiB that the section does not exceed.
 ///
-/// Bincode's limit is a compile-time constant. Each value would instantiate another decoder, which enlarges the
-/// WebAssembly download. Therefore the only decoder has the limit 256 MiB. The difference to the smaller limit is
-/// counted as already read before decoding begins.
+/// Bincode's limit is a compile-time constant, and a decoder for each value would enlarge the WebAssembly download. So
+/// the only decoder has the limit 256 MiB. The difference to the limit in effect is counted as already read before
+/// decoding begins.
 pub(crate) fn decode_section<T: DeserializeOwned>(tag: Tag, offset: u64, bytes: &[u8]) -> Result<T, FormatError> {
     const MOST: usize = 0x1000_0000;
     let step = [0x10_0000, 0x100_0000, MOST].into_iter().find(|step| bytes.len() <= *step);

@@ -181,7 +181,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_become_command_line_words() {
+    fn tables_become_command_line_arguments() {
         let table = toml::toml! { "hair.length_m" = 0.02
         slice = { layers = 12 }
         "color.tip" = "#ffffff" };
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_tried_singly_and_then_together() {
+    fn rejected_values_are_reported_by_key_and_combinations_by_table() {
         let view = ViewRule { size: Some("8".into()), orbit: Some("1,2".into()), ..ViewRule::default() };
         let file = HerdFile { views: vec![view], ..HerdFile::default() };
         let fault = |refused: &'static [&'static str]| {

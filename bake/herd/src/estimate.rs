@@ -21,8 +21,8 @@ const MIB: f64 = 1024.0 * 1024.0;
 
 impl CommandCost {
     /// Estimates the cost of a command that has never run. The models are described in bake/docs/herd.md. They were
-    /// measured with one of two CPU cores and lavapipe, and rounded up. The first run replaces the estimate with
-    /// measured values.
+    /// measured with lavapipe on one core of a machine with two, and rounded up. The first run replaces the estimate
+    /// with measured values.
     ///
     /// * `model_bytes`: size of the model file
     /// * `pixels`: number of pixels of all pictures

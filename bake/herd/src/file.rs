@@ -90,7 +90,8 @@ pub struct RecipeRule {
     pub set: toml::Table,
 }
 
-/// `[[variant]]`: a model that matches variants is baked once for each of them, and not without a variant.
+/// `[[variant]]`: variant of a bake. A model is baked once for each variant that it matches, or once if it matches
+/// none.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variant {
@@ -162,7 +163,7 @@ pub struct Chart {
     pub topic: String,
     /// Patterns of the models to chart; `None` makes one chart without a model.
     pub models: Option<Words>,
-    /// Number of commands that the measurement of the chart's rows is divided among.
+    /// Number of commands among which the rows of the chart are divided.
     pub shares: Option<u32>,
 }
 
@@ -183,7 +184,7 @@ pub struct Sequence {
     pub frames: u32,
     /// Pictures per second.
     pub fps: Option<u32>,
-    /// Number of commands that the pictures are divided among.
+    /// Number of commands among which the pictures are divided.
     pub shares: Option<u32>,
     /// Whether the camera makes one full turn over the sequence.
     #[serde(default)]
@@ -324,8 +325,8 @@ impl HerdFile {
         None
     }
 
-    /// Returns the folders to search for models, relative to the herd file's folder. Each has the key of the first
-    /// patterns that need it.
+    /// Returns the folders to search for models, relative to the herd file's folder. Each is mapped to the key of the
+    /// first patterns that need it.
     pub fn folders(&self) -> BTreeMap<String, String> {
         let of = |(i, models): (usize, &ModelRule)| {
             models.files.0.iter().map(|pattern| (base(pattern), format!("model[{i}].files"))).collect::<Vec<_>>()

@@ -60,7 +60,7 @@ pub struct Settings<'a> {
 }
 
 /// Returns the text of a Ninja build file that runs `tasks`. Inputs that no task makes must already exist. The file has
-/// no target for all tasks: Ninja would check all of its inputs whenever one of them is made.
+/// no target for all tasks: Ninja would check all inputs of that target whenever one of them is made.
 pub fn build_file(tasks: &[&Task], settings: &Settings<'_>) -> String {
     let Settings { tool, cache, own, room } = settings;
     let mut text = format!(

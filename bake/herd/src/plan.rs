@@ -200,7 +200,7 @@ struct Planner<'a, 'p> {
     input: &'a PlanInput<'a>,
     plan: &'p mut Plan,
     model: &'a ModelFile,
-    /// Name that its output files begin with.
+    /// Prefix of the names of all output files.
     called: &'a str,
 }
 
@@ -222,11 +222,11 @@ struct Draft {
     words: Vec<String>,
     inputs: Vec<String>,
     outputs: Vec<String>,
-    /// Base path of its record and depfile in the herd's internal folder.
+    /// Base path of the task's record and depfile in the herd's internal folder.
     place: String,
     /// Whether the command may read files that are not known in advance; it then gets a depfile.
     finds_more: bool,
-    /// Whether it is part of a job that is divided among several machines.
+    /// Whether the task is part of a job that is divided among several machines.
     part: bool,
     pixels: f64,
     samples: f64,

@@ -210,7 +210,11 @@ fn failure_reason(task: &Task, became: Option<&CommandOutcome>) -> String {
             format!("found {}, {} {}", figure("found"), limit["option"].as_str().unwrap_or("limit"), figure("bound"))
         })
         .collect();
-    if limits.is_empty() { format!("{} ended with {}", task.name, became.exit_code) } else { limits.join("; ") }
+    if limits.is_empty() {
+        format!("{} ended with exit code {}", task.name, became.exit_code)
+    } else {
+        limits.join("; ")
+    }
 }
 
 /// Escapes text for HTML.
@@ -400,7 +404,7 @@ mod tests {
         assert_eq!(told[1], (3, 7, "found 0.25000, --max-flip 0.10000".into()));
         let page = report.page("a <herd>", "pelage", &|file| Some(format!("data:{file}"))).unwrap();
         assert!(page.contains("<title>a &lt;herd&gt;") && !page.contains("__HERD"));
-        assert!(!page.contains("</script> is no model"), "what is told ends no script");
+        assert!(!page.contains("</script> is no model"), "an error message must not end the script element");
         let data = page.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next()).unwrap();
         let data: Value = serde_json::from_str(data).unwrap();
         let states: Vec<_> = data["rows"].as_array().unwrap().iter().map(|row| row["state"].clone()).collect();
@@ -408,7 +412,7 @@ mod tests {
         let view = &data["rows"][0]["views"][0];
         assert_eq!((&view["flip"], &view["limit"]), (&json!(0.25), &json!(0.1)));
         assert_eq!(view["picture"], json!({ "src": "data:out/picture0", "file": "picture0" }));
-        assert_eq!(data["rows"][1]["views"][0]["picture"], Value::Null, "what is not of this run is not shown");
+        assert_eq!(data["rows"][1]["views"][0]["picture"], Value::Null, "pictures of an earlier run are not shown");
         assert_eq!((&data["adapter"], &data["tasks"]["missing"]), (&json!("a"), &json!(3)));
     }
 }

@@ -1,5 +1,5 @@
-//! Slurm jobs of a plan. It is divided into stages, and each stage into shards. A stage is an array job, in which each
-//! task runs Ninja on the commands of one shard.
+//! Slurm jobs of a plan. The plan is divided into stages, and each stage into shards. A stage is an array job, in which
+//! each task runs Ninja on the commands of one shard.
 //!
 //! Starting a Slurm task takes about a second, often as long as a command, so a shard contains several commands. Ninja
 //! knows which commands of a shard are done, even after a node failure. No two shards write the same file, and each has

@@ -26,7 +26,7 @@ pub(super) struct SampledImage<'a> {
 
 impl SampledImage<'_> {
     /// Returns the fitted texels and the largest remaining error. `corners` holds the values at the corners of each
-    /// triangle. The target of a sample is the mean of its values there.
+    /// triangle. The target of a sample is the mean of all corner values that belong to it.
     pub(super) fn fitted(&self, corners: &[[Vec4; 3]]) -> (Vec<Vec4>, f32) {
         let targets = self.targets(corners);
         let mut values = targets.clone();

@@ -20,7 +20,7 @@ use pelage_import::mesh::{Image, Mesh, Model, RestPose};
 
 /// Gutter around the charts of a model's own texture coordinates, divided by the image's width.
 const GUTTER: f32 = 1.0 / 128.0;
-/// Maximum number of repeats of the image along each axis that are searched for triangles outside 0..1.
+/// Maximum number of copies of a triangle along each axis: one for each repeat of the image that it spans.
 const MOST_REPEATS: f32 = 16.0;
 
 /// Groom quantity to write.
@@ -359,8 +359,8 @@ fn comb_directions(surface: &Surface) -> Vec<Vec3> {
         let ([own1, own2], [rest1, rest2]) = (edges(&mesh.positions), edges(&rest.positions));
         let across = own1.cross(own2);
         for v in [a, b, c] {
-            // Tangents refer to the mesh before posing, so express them by the triangle's edges and combine the edges
-            // at rest in the same way.
+            // Tangents refer to the mesh before posing. So express each by the triangle's edges before posing, and
+            // combine the edges at rest in the same way.
             let tangent = surface.tangents[v].truncate();
             let share = |x: Vec3, y: Vec3| x.cross(y).dot(across) / across.length_squared();
             let along_u = rest1 * share(tangent, own2) + rest2 * share(own1, tangent);

@@ -88,7 +88,7 @@ fn max_difference(a: &[f32], b: &[f32]) -> f32 {
 }
 
 #[test]
-fn written_maps_read_back_within_one_step_at_every_vertex() {
+fn written_maps_reproduce_vertex_values_within_one_byte_step() {
     for (with_uvs, over) in [(false, "coordinates = \"atlas\"\n"), (true, ""), (true, "coordinates = \"atlas\"\n")] {
         let model = torus(with_uvs);
         let none = MapImages::default();
@@ -106,7 +106,7 @@ fn written_maps_read_back_within_one_step_at_every_vertex() {
 }
 
 #[test]
-fn constants_are_written_as_their_bytes() {
+fn constant_values_fill_the_map_with_their_bytes() {
     let model = torus(true);
     let none = MapImages::default();
     let text = "[groom]\nlength = 0.6\nlean = 0.2\ndensity = 2\n\
@@ -171,7 +171,7 @@ fn image_maps_are_copied_texel_by_texel() {
 }
 
 #[test]
-fn writing_over_missing_texture_coordinates_is_refused() {
+fn writing_a_map_without_texture_coordinates_is_refused() {
     let (model, none, recipe) = (torus(false), MapImages::default(), Recipe::default());
     let input = BakeInput::new("torus.glb", "torus", &recipe, &none);
     let error = groom_map(&input, &model, Quantity::Length, Some(GroomCoordinates::Model), 64).unwrap_err().to_string();
@@ -184,7 +184,7 @@ fn triangles_outside_the_image_are_wrapped() {
     repeated([Vec2::new(-0.2, 1.2), Vec2::new(0.2, 1.2), Vec2::new(0.0, 1.6)], |uvs| found.push(uvs[0]));
     let expected = [Vec2::new(0.8, 0.2), Vec2::new(-0.2, 0.2)];
     assert!(found.len() == 2 && found.iter().zip(expected).all(|(a, b)| a.distance(b) < 1e-6), "{found:?}");
-    repeated([Vec2::NAN; 3], |_| panic!("no coordinates, no place"));
+    repeated([Vec2::NAN; 3], |_| panic!("found a copy of a triangle without coordinates"));
     let mut count = 0;
     repeated([Vec2::ZERO, Vec2::splat(1e9), Vec2::X], |_| count += 1);
     assert_eq!(count, 256);

@@ -1,5 +1,5 @@
-//! Stage `surface`: lays out the hair tile on a model according to the recipe, the shape of the body and the marks in
-//! the model. It records what it chooses for values that the recipe leaves open.
+//! Stage `surface`: lays out the hair tile on a model according to the recipe, the shape of the body and the comb lines
+//! in the model. It records the values that it chooses because the recipe leaves them open.
 
 use crate::decision::Decision;
 use crate::recipe::{
@@ -83,14 +83,14 @@ pub fn lay_out_model<'a>(
     warnings.extend(of_hair);
     let lengths = Lengths::resolve(&filled, &bounds);
     let colored = groom::is_colored(model, &maps, &furred, &recipe.color);
-    // Without any colour source, hair gets a brown root and tip colour, which would tint the colours of marks. If marks
-    // have colours, brown becomes the base colour instead.
+    // Without any colour source, hair gets a brown root and tip colour, which would tint the colours of comb marks. If
+    // comb marks have colours, brown becomes the base colour instead.
     let plain = maps.marks().has_color() && !colored && recipe.color.root.is_none() && recipe.color.tip.is_none();
     let (maps, colored) = if plain { (maps.with_plain_color(HairColors::PLAIN), true) } else { (maps, colored) };
     let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(&filled)).chain(of_tile).collect();
     if plain {
         decisions.push(Decision {
-            what: "colour of unmarked hair",
+            what: "colour of hair without comb marks",
             chosen: "brown, because the model has no colours".into(),
             line: format!("groom.color = {}", in_toml(HairColors::PLAIN)),
         });
@@ -105,7 +105,7 @@ pub fn lay_out_model<'a>(
     decisions.extend(maps.decision(recipe.groom.by_body, lengths.length_m));
     let why = match (plain, colored) {
         _ if pigmented.is_some() => "from the pigments fibre.eumelanin and fibre.pheomelanin",
-        (true, _) => "neutral, because marks colour the hair",
+        (true, _) => "neutral, because comb marks colour the hair",
         (_, true) => "neutral, because the model's own colours show",
         _ => "brown, because the model has no colours",
     };
@@ -128,7 +128,8 @@ pub fn lay_out_model<'a>(
     Ok(Layout { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
 }
 
-/// Reports that lines in the model comb the hair, if the recipe leaves the source of the comb direction open.
+/// Returns the decision to comb hair along the lines drawn in the model; `None` if the recipe decides, or if there are
+/// no lines.
 fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]) -> Option<Decision> {
     if params.comb != CombSource::Auto || drawn.is_empty() || !matches!(comb, Comb::Marks { .. }) {
         return None;
@@ -152,7 +153,7 @@ fn in_toml(color: SrgbColor) -> String {
     format!("\"#{r:02x}{g:02x}{b:02x}\"")
 }
 
-/// Reports the hair colours that `color` leaves open, with the reason for their choice.
+/// Returns a decision for each hair colour that `color` leaves open. `why` is the reason for the choice.
 fn hair_color_decisions(color: &ColorParams, hair: HairColors, why: &'static str) -> impl Iterator<Item = Decision> {
     let open = [
         (

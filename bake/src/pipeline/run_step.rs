@@ -257,8 +257,8 @@ pub(super) fn pack(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
             file: input.file.to_owned(),
             place: "whole model".to_owned(),
             reason: format!(
-                "{what} follows from the model's size: {reason}; set it in the recipe, or see \
-                 model.unit_m"
+                "{what} follows from the model's size: {reason}; set it in the recipe, or \
+                 correct the unit of the model with model.unit_m"
             ),
         },
         other => other,

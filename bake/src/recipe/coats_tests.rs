@@ -17,11 +17,11 @@ fn every_coat_has_a_file_with_different_defaults() {
         let mut said = Recipe::default();
         pelage_params::read(&mut said, coat.toml()).unwrap();
         assert_ne!(said, animal, "{coat:?} changes nothing");
-        assert_eq!(said.hair.coat, Coat::Animal, "{coat:?} names a coat itself");
-        assert_eq!((said.hair.length_m, said.surface.tile_size_m), (None, None), "{coat:?} suits one size alone");
+        assert_eq!(said.hair.coat, Coat::Animal, "{coat:?} sets hair.coat");
+        assert_eq!((said.hair.length_m, said.surface.tile_size_m), (None, None), "{coat:?} sets a length in metres");
         assert_eq!(of(*coat), Recipe { hair: crate::recipe::HairParams { coat: *coat, ..said.hair.clone() }, ..said });
         let others = Coat::ALL.iter().filter(|other| *other != coat);
-        assert!(others.clone().all(|other| other.toml() != coat.toml()), "{coat:?} is another");
+        assert!(others.clone().all(|other| other.toml() != coat.toml()), "{coat:?} equals another coat");
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/recipe/coats");
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().file_name()).collect();

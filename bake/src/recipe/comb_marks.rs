@@ -37,11 +37,11 @@ fn check_mark(mark: &CombMarkParams) -> Result<(), String> {
         return Err("found no `at`, expected a position, [x, y, z] in metres".into());
     }
     if mark.direction == Some([0.0; 3]) {
-        return Err("direction: found [0, 0, 0], expected a direction".into());
+        return Err("direction: found [0, 0, 0], expected a vector that is not zero".into());
     }
     let says = mark.direction.is_some() || mark.color.is_some();
     if !says && [mark.length, mark.density, mark.lean].iter().all(Option::is_none) {
-        return Err("found neither direction nor length, density, lean and color, expected at least one".into());
+        return Err("found none of direction, length, density, lean and color, expected at least one".into());
     }
     Ok(())
 }

@@ -26,8 +26,8 @@ fn comb_marks_survive_a_round_trip() {
 fn comb_mark_errors_name_key_and_reason() {
     for (mark, words) in [
         ("{ name = \"a\", direction = [0, 0, 1] }", "found no `at`"),
-        ("{ name = \"a\", at = [0, 0, 1] }", "found neither direction nor length"),
-        ("{ name = \"a\", at = [0, 0, 1], mirrored = true, reach_m = 1 }", "found neither"),
+        ("{ name = \"a\", at = [0, 0, 1] }", "found none of direction, length"),
+        ("{ name = \"a\", at = [0, 0, 1], mirrored = true, reach_m = 1 }", "found none of"),
         ("{ name = \"a\", at = [0, 0, 1], direction = [0, 0, 0] }", "direction: found [0, 0, 0]"),
         ("{ at = [0, 0, 1], length = 0.5 }", "found no name"),
         ("{ name = \"a\", at = [0, 0, 1], length = 1.5 }", "length: "),

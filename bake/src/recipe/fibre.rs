@@ -21,9 +21,9 @@ params! {
     FibreParams in fibre {
         /// Index of refraction: 1.55 for hair; lower is less glossy.
         eta: f32 = 1.55, in ETA;
-        /// Longitudinal roughness: spread along the fibre of light reflected at its surface, degrees of the half angle.
-        /// 5 is glossy, 10 soft, 20 dull. Transmitted light spreads half as far, and internally reflected light twice
-        /// as far.
+        /// Longitudinal roughness: how far light reflected at the fibre's surface spreads along the fibre, degrees of
+        /// the half angle. 5 is glossy, 10 soft, 20 dull. Transmitted light spreads half as far, and internally
+        /// reflected light twice as far.
         along_deg: f32 = 7.5, in ALONG;
         /// Tilt of the surface reflection towards the root, caused by the fibre's scales, degrees of the half angle.
         /// The second highlight, which has the hair's colour, moves the other way. So higher values separate the two

@@ -52,8 +52,9 @@ params! {
         speed: f32 = InkShading::default().wash_speed, in 0.0..=100.0;
         /// Grey at the centre, b in Fang 2006, §3: 0 black to 1 white. Below 0, the surroundings are black too.
         range: f32 = InkShading::default().wash_range, in -4.0..=4.0;
-        /// Whether the wash depends only on the angle to the centre, as the paper's abstract says, instead of the
-        /// published product.
+        /// Whether the wash depends only on the angle between the surface normal and the direction from the centre, as
+        /// the abstract of Fang 2006 says. Otherwise, it depends on the product in §3, which also contains the
+        /// distance.
         normalised: bool = InkShading::default().normalised;
         /// Weight of the wash texture in the wash: 0 is smooth, 1 as blotchy as the texture.
         grain: f32 = InkShading::default().grain, in SHARE;

@@ -41,7 +41,7 @@ words! {
 words! {
     /// Source of the comb direction.
     CombSource {
-        /// Marks if the recipe or the model has any that set directions, otherwise one direction.
+        /// `marks` if the recipe or the model has any that set directions, otherwise `direction`.
         #[default]
         Auto = "auto",
         /// Same direction everywhere.
@@ -115,8 +115,8 @@ params! {
         /// Number of strands in the tile.
         density: u32 = 600, in 1..=1_000_000;
         /// Hairs per square millimetre where `groom.density` is 1, instead of `hair.density`. A dog's back has about 3
-        /// guard hairs and 40 hairs of underfur. If `surface.tile_size_m` is left out, the tile is made as wide as some
-        /// thousands of strands allow.
+        /// guard hairs and 40 hairs of underfur. If `surface.tile_size_m` is left out, the tile is made narrow enough
+        /// to hold at most 20 000 strands.
         density_mm2: Option<f32> = None, in 1e-6..=1e4;
         /// Length of the longest strand along its curve, metres. If left out, it is chosen from the model's size.
         length_m: Option<f32> = None, in 1e-6..=1e3;
@@ -301,7 +301,7 @@ params! {
         base_color: bool = true;
         /// Whether hair keeps the colour at its root where it hangs over another colour, so that colours blend hair by
         /// hair. The colour is that of the model, `groom.color` or the pattern. The colours of the affected furred
-        /// materials are painted into a texture. If off, the colours of layers end where they end on the mesh surface.
+        /// materials are painted into a texture. If off, colours of layers change where those of the surface do.
         at_root: bool = true;
         /// Image of a fur pattern, projected through the model at rest, by which the hair's colour is multiplied. It
         /// needs no texture coordinates. The path is relative to the recipe's folder.
@@ -333,7 +333,7 @@ pub struct HairColors {
 impl HairColors {
     /// Hair colours for a model without any colour: brown.
     pub const BROWN: Self = Self { gain: 1.0, root: SrgbColor::hex(0x4a_36_24), tip: SrgbColor::hex(0xe8_d2_ac) };
-    /// Apparent colour of fur with [`Self::BROWN`] hair. On a model without colours but with coloured marks, it is the
+    /// Apparent colour of fur with [`Self::BROWN`] hair. If a model has no colours but its comb marks do, this is the
     /// base colour, combined with [`Self::NEUTRAL`] hair.
     pub const PLAIN: SrgbColor = SrgbColor::hex(0xa8_8c_68);
     /// Hair colours for a model with colours; roots are darkened only by the hairs' shadows. The gain makes fur as
@@ -457,7 +457,7 @@ params! {
     /// `[visibility]`: light that reaches the hair past other strands, computed by ray casting and stored in a texture.
     /// It needs no shadow map.
     VisibilityParams in visibility {
-        /// Whether the package has the visibility texture. It adds half the size of the hair data. It also saves
+        /// Whether the package has the visibility texture. It increases the size of the hair data by half, but saves
         /// rendering a map per layer when light or pose change.
         enabled: bool = true;
         /// Number of ray directions per point of a strand. More directions reduce noise and increase the bake time in

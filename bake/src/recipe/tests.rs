@@ -84,7 +84,7 @@ fn errors_name_line_key_found_and_expected() {
 }
 
 #[test]
-fn set_takes_bare_strings_and_reports_the_key() {
+fn set_accepts_unquoted_strings_and_reports_the_key() {
     let mut recipe = Recipe::default();
     for assignment in
         ["hair.style=messy", "color.tip = #ff8000", "model.bare=Eye*", "hair.length_m=2e-2", "hair.lean=1"]
@@ -98,7 +98,7 @@ fn set_takes_bare_strings_and_reports_the_key() {
     recipe.set("model.bare=[\"a\", \"b\"]").unwrap();
     assert_eq!(recipe.model.bare, Some(vec!["a".to_owned(), "b".to_owned()]));
     recipe.set("model.bare=[]").unwrap();
-    assert_eq!(recipe.model.bare, Some(Vec::new()), "everything furred, which is not what leaving it out says");
+    assert_eq!(recipe.model.bare, Some(Vec::new()), "an empty list differs from an unset key");
     assert_eq!(Recipe::parse("r", &recipe.to_toml()).unwrap(), recipe);
     assert_eq!(Recipe::parse("r", "").unwrap().model.bare, None);
     let before = recipe.clone();
@@ -128,7 +128,7 @@ fn validate_names_the_key() {
 }
 
 #[test]
-fn validate_looks_at_every_table() {
+fn validate_checks_every_table() {
     // Each entry sets a value far out of range in a table. All tables are covered, because `detail` was once forgotten.
     type Spoil = fn(&mut Recipe);
     let wrong: [(&str, Spoil); 16] = [

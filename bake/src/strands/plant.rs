@@ -7,7 +7,7 @@
 //! the lean. Both are interpolated between the corners of the triangle. So the reference fills the same volume as the
 //! layers.
 //!
-//! * The radius of a strand is that of the tile in metres, whatever the length map.
+//! * The radius of a strand is that of the tile in metres, whatever the value of the length map.
 //! * The colour of a strand is its own colour times that of the mesh surface at its root.
 //! * If the groom grows only a share of the hair, each strand occurs with that probability. If the hair is partly wet,
 //!   each strand is wet with that probability.
@@ -52,8 +52,8 @@ pub struct GroomReport {
     pub crossed_mesh_border: u64,
     /// Number of strands that slide along a border of patches, because both sides lead towards it.
     pub slid_along_border: u64,
-    /// Number of strands that left the mesh surface after crossing edges endlessly, as around a corner that all patches
-    /// lead to.
+    /// Number of strands that left the mesh surface because they crossed too many edges in one step, for example around
+    /// a corner that all patches lead to.
     pub lost: u64,
     /// Number of roots where the mesh surface is cut away.
     #[serde(rename = "dropped_cut_out")]
@@ -100,7 +100,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
         fail(format!("strands cannot be grown from it: {error}; expected the recipe that `pelage bake` writes"))
     })?;
     let (Some(length_m), Some(tile_size_m)) = (recipe.hair.length_m, recipe.surface.tile_size_m) else {
-        let what = "it has neither hair.length_m nor surface.tile_size_m, expected both as `pelage bake` resolves them";
+        let what = "hair.length_m or surface.tile_size_m is missing, expected both, as `pelage bake` writes them";
         return Err(fail(what.into()));
     };
     let furred: Vec<&str> = manifest.materials.iter().filter(|m| m.furred).map(|m| m.name.as_str()).collect();
@@ -141,7 +141,7 @@ pub fn grow_on(skin: &PosedMesh, hair: &TileHair, tile_size_m: f64) -> Result<(C
     let furred: Vec<usize> = (0..skin.triangles.len()).filter(|t| walk.is_furred(*t)).collect();
     let expected = furred.iter().map(|t| area(*t)).sum::<f64>() * hair.strands.len() as f64;
     if expected.is_nan() || expected > MAX_STRANDS {
-        let reason = format!("about {expected:.0} strands on the whole skin, expected at most {MAX_STRANDS:.0}");
+        let reason = format!("about {expected:.0} strands on the whole mesh, expected at most {MAX_STRANDS:.0}");
         return Err(BakeError::Params { what: "hair.density", reason });
     }
     let roots = (0..hair.strands.len()).filter_map(|i| {

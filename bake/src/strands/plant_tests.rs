@@ -118,7 +118,7 @@ fn every_root_lies_in_exactly_one_triangle() {
         let found = roots.len();
         roots.sort_unstable();
         roots.dedup();
-        assert_eq!(roots.len(), found, "a root stands twice");
+        assert_eq!(roots.len(), found, "a root occurs twice");
         // The sheet covers two by two tiles, half open. Each strand of the tile occurs four times, and strands on the
         // outer rim are counted once.
         assert_eq!(report.strands, u64::from(4 * 16 * side * side), "{report:?}");

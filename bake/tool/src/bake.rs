@@ -53,14 +53,15 @@ pub struct BakeArgs {
     #[command(flatten)]
     limits: LimitArgs,
     /// Write the full recipe of this bake, with comments and all chosen values, as a starting point. Baking the same
-    /// model with it gives the same package, byte for byte; the package therefore has no evidence of how limits chose
+    /// model with it gives the same package, byte for byte. So the package does not record how values were chosen for
+    /// limits
     #[arg(long, value_name = "R.toml")]
     write_recipe: Option<PathBuf>,
 }
 
 impl BakeArgs {
-    /// Returns the description of the bake for the cache; `None` if it is not cached. A bake with limits depends on
-    /// measurements, which vary. A written recipe names images relative to its own folder.
+    /// Returns the description of the bake for the cache. `None` if it is not cached: a bake with limits depends on
+    /// measurements, which vary, and a written recipe names images relative to its own folder.
     pub fn job(&self) -> Option<Job> {
         if !self.limits.limits().is_empty() || self.write_recipe.is_some() {
             return None;
@@ -70,8 +71,8 @@ impl BakeArgs {
     }
 }
 
-/// Limits of a bake. If any is given, layers, tile and fins are chosen by measurement, and the recipe's values are
-/// ignored.
+/// Limits of a bake. If any is given, layers, tile and fins are chosen by measurement, and the recipe's values for them
+/// are ignored.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct LimitArgs {
     /// Choose the cheapest layers, tile and fins whose error against the reference images is at most this. The error
@@ -147,8 +148,8 @@ impl RecipeArgs {
         }
     }
 
-    /// Adds the file that the value came from to an error of a stage, which names only the recipe key. Without a
-    /// recipe, that is the model.
+    /// Adds the source of the value to an error of a stage, which names only the recipe key. The source is the recipe
+    /// file or `--set`. Without both, it is the model.
     pub fn with_source(&self, model: &str, error: BakeError) -> BakeError {
         let BakeError::Params { what, reason } = error else { return error };
         let set = self.set.iter().any(|assignment| assignment.split('=').next().is_some_and(|key| key.trim() == what));

@@ -90,7 +90,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
     let mut scene = stage_of(file, &view, || Ok(gpu.clone()))?;
     let mut pictures = Vec::new();
     for number in 0..count {
-        output.progress(&format!("walking, {} of {count}", number + 1));
+        output.progress(&format!("drawing the walk, {} of {count}", number + 1));
         scene.set_time(seconds * number as f32 / count as f32);
         let path = folder.join(format!("{number:04}.png"));
         picture_series::draw(&mut scene, &path)?;

@@ -44,7 +44,7 @@ impl Exit {
         (
             Self::Differences,
             "differences or faults found",
-            "`validate` found faults, `compare` a difference above a limit, or `chart stability` a broken bound.",
+            "`validate` found faults, or `compare` or `chart stability` found a value beyond its limit.",
         ),
     ];
 

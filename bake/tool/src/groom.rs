@@ -100,8 +100,8 @@ pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
     map.warnings.iter().for_each(|warning| output.note(&format!("warning: {warning}")));
     if map.misses_by > COARSE {
         output.note(&format!(
-            "note: {} texels are too few to separate all vertices: the worst one reads back off by {:.3} of the range; \
-             --texels {} separates more",
+            "note: {} texels are too few to separate all vertices: the worst one is read back with an error of \
+             {:.3} of the range; --texels {} separates more",
             args.texels,
             map.misses_by,
             2 * args.texels

@@ -197,7 +197,7 @@ fn choice_rows(choice: &Choice, row: &mut dyn FnMut(&str, String)) {
     ];
     let limits: Vec<_> = limits.into_iter().filter_map(|(name, limit)| Some(format!("{name} {}", limit?))).collect();
     let binding = if choice.binding.is_empty() { "none" } else { &choice.binding };
-    row("limits", format!("{}; {binding} binds", limits.join(", ")));
+    row("limits", format!("{}; binding limit: {binding}", limits.join(", ")));
     let marks =
         [(Some(choice.chosen), "chosen"), (choice.next_better, "next better"), (choice.next_cheaper, "next cheaper")];
     for (i, trial) in (0..).zip(&choice.trials) {
@@ -225,7 +225,7 @@ fn table(name: &str, r: &InspectResult<'_>) -> String {
     row(
         "fur",
         format!(
-            "{} layers of {n}x{n} texels, {} strands, tile {:.1} mm, height {:.1} mm, {} patches, {} fins",
+            "{} layers of {n}x{n} texels, {} strands, tile {:.1} mm, height {:.1} mm, patches: {}, fins: {}",
             r.layers,
             r.strands,
             mm(r.tile_size_m),
@@ -250,7 +250,10 @@ fn table(name: &str, r: &InspectResult<'_>) -> String {
         row("section", format!("{}, {}", s.tag, human_bytes(s.bytes)));
     }
     if let Some(FarLayerInfo { height, light_straight, .. }) = r.coat {
-        row("coat", format!("drawn at {height:.2} of the height, {light_straight:.2} of the key light reaches it"));
+        row(
+            "far layer",
+            format!("drawn at {height:.2} of the fur height, {light_straight:.2} of the key light reaches it"),
+        );
     }
     for level in r.detail {
         let drawn = match level.step {

@@ -110,7 +110,8 @@ fn argument(short: &'static ShortForm) -> Arg {
         .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
     let arg = match short.key.split_once('.') {
         Some(("ink", _)) => arg.help_heading("Ink style"),
-        // A build without the published forms accepts their flags, so that it can report which build has them.
+        // A build without the published formulas still accepts their flags, so that the error can name the build that
+        // has them.
         Some(("study", _)) => arg.help_heading(LABORATORY).hide(short.knob().is_none()),
         _ => arg,
     };

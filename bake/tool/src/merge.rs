@@ -10,8 +10,8 @@ use pelage_truth::TracedPart;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Combine the parts of a reference image traced by `pelage reference --part K/N`; gives the same bytes as in one
-/// piece
+/// Combine the parts of a reference image traced by `pelage reference --part K/N`; the result has the same bytes as the
+/// image traced in one piece
 #[derive(Clone, Debug, clap::Args)]
 pub struct MergeArgs {
     /// All parts of one picture, in any order

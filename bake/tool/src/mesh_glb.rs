@@ -193,7 +193,7 @@ impl Glb<'_> {
             return Err(self.fail(&at, reason));
         }
         if self.document.pointer(&format!("{at}/sparse")).is_some() {
-            return Err(self.fail(&format!("{at}/sparse"), "expected an accessor that is not sparse"));
+            return Err(self.fail(&format!("{at}/sparse"), "found a sparse accessor, expected one that is not sparse"));
         }
         let view = format!("/bufferViews/{}", self.number(&format!("{at}/bufferView"))?);
         let start = self.number_or(&format!("{view}/byteOffset"), 0)?;

@@ -46,8 +46,9 @@ enum ProgressDisplay {
     Lines(#[expect(dead_code, reason = "reports progress until it is dropped")] ProgressPrinter),
 }
 
-/// Progress templates: `DOING` for work that the command does not count, `STEPS` with a bar for work that it counts.
+/// Progress template for work whose steps the command does not count.
 const DOING: &str = "{spinner} {msg} {elapsed}{left}";
+/// Progress template for work whose steps the command counts.
 const STEPS: &str = "{bar:30} {msg} {elapsed}{left}";
 
 impl Output {

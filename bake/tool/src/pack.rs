@@ -76,7 +76,7 @@ fn report_leftovers(args: &PackArgs, bytes: &[u8], output: &Output) {
     unused.sort();
     for name in unused {
         output.note(&format!(
-            "note: {}: not named in {}, left out",
+            "note: {}: not packed, because {} does not name it",
             args.folder.join(name).display(),
             unpacked::MANIFEST
         ));

@@ -94,8 +94,8 @@ impl PictureArgs {
 /// Tile width on screen below which its repetition may be visible, pixels.
 const PERIOD_PX: f64 = 96.0;
 
-/// Returns the texels along a side of a tile, if one hair is one texel wide and `hair_px` pixels. The tile is just
-/// large enough that its repetition is not visible.
+/// Returns the width in texels of the smallest tile whose repetition is not visible. A hair is one texel wide, which is
+/// `hair_px` pixels on screen.
 ///
 /// * `hair_px`: width of a hair, pixels
 fn texels_of_period(hair_px: f64) -> u32 {
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn tile_texels_follow_from_the_period_in_pixels() {
         assert_eq!(texels_of_period(0.5), 256, "96 px at two texels a pixel");
-        assert_eq!(texels_of_period(4.0), 64, "a hair is wide");
-        assert_eq!((texels_of_period(0.01), texels_of_period(0.0)), (512, 512), "nobody sees it repeat");
+        assert_eq!(texels_of_period(4.0), 64, "the minimum, for wide hairs");
+        assert_eq!((texels_of_period(0.01), texels_of_period(0.0)), (512, 512), "the maximum, for very thin hairs");
     }
 }

@@ -66,7 +66,7 @@ pub struct PictureSeries {
     pub count: usize,
     /// Pictures per second.
     pub fps: u32,
-    /// Last moment to which the hair was simulated; `None` before the simulation starts.
+    /// Index of the last moment to which hair was simulated; `None` before the simulation starts.
     pub lived: Option<i64>,
 }
 

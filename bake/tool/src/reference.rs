@@ -40,19 +40,19 @@ pub struct ReferenceArgs {
     #[arg(long, alias = "spp", value_name = "N", default_value_t = 64,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     samples: u32,
-    /// How hair is lit: as `render` lights it, or `exact`, with light passing between fibres. Packages with
+    /// How hair is lit: `package`, as `render` lights it, or `exact`, with light passing between fibres. Packages with
     /// `shading.model = "marschner"` are always `exact`, except with `--scattering off`
     #[arg(long, value_name = "HOW", default_value = "package")]
     fibre: FibreLighting,
-    /// Maximum number of times that light meets hair or mesh surface, for light passing between fibres; 1 is light from
-    /// the lights by a single fibre [default: 64]
+    /// Maximum number of times that a light path meets hair or mesh surface, for light passing between fibres; with 1,
+    /// only light scattered by a single fibre reaches the eye [default: 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     bounces: Option<u32>,
     /// Threads to use; does not change the picture [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Trace only part K of N, from 1, all of equal cost, into a .part file; `pelage merge` combines all parts into the
-    /// picture, bit for bit as in one piece
+    /// Trace only part K of N, counted from 1, into a .part file. All parts have equal cost. `pelage merge`
+    /// combines them into the picture, which has the same bytes as one traced in one piece
     #[arg(long, value_name = "K/N", value_parser = parse_part)]
     part: Option<Part>,
     #[command(flatten)]
@@ -125,7 +125,9 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     };
     let transparent = matches!(view.look.picture.background, None | Some(Background::Transparent));
     if write == Format::Exr && !transparent {
-        return Err(Failure::Usage("--background: an .exr stores transparency, expected it to be left out".into()));
+        return Err(Failure::Usage(
+            "--background: found with an .exr, which stores transparency; expected no --background".into(),
+        ));
     }
     require_parent(&args.output)?;
     let file = package_file::read(&args.package)?;
@@ -237,7 +239,7 @@ fn report(
         covered_pixels: picture.covered(),
     };
     let text = format!(
-        "{}\n{} strands in {} segments, {} each, grown in {grown_s:.1} s; {:.1} million rays in {seconds:.1} s, \
+        "{}\n{} strands in {} segments, {} per strand, grown in {grown_s:.1} s; {:.1} million rays in {seconds:.1} s, \
              {mrays_per_s:.2} million per second",
         args.output.display(),
         groom.strands,
@@ -306,7 +308,7 @@ fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     let given = FAST_PATH.iter().find(|entry| refused(entry)).map(|(flag, _)| *flag);
     match given.or(args.frames.map(|_| "frames")) {
         Some(flag) => Err(Failure::Usage(format!(
-            "--{flag} applies to `render` only: the reference has neither layers nor maps, expected it to be left out"
+            "--{flag} applies to `render` only: a reference image has neither layers nor shadow maps; leave it out"
         ))),
         None => Ok(()),
     }

@@ -170,8 +170,8 @@ fn numbered(
     }
     let mut journal = Journal::<JournalEntry>::open(journal.to_owned(), &key.finish(), restart)?;
     if journal.others() > 0 {
-        let what = "another scene, view, tool or adapter are drawn again";
-        output.note(&format!("{} pictures of {what}", journal.others()));
+        let what = "scene, view, tool or adapter have changed";
+        output.note(&format!("pictures to draw again: {}, because {what}", journal.others()));
     }
     let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
     // Old pictures are read without the I/O trace, because it must contain only the inputs.

@@ -227,7 +227,7 @@ mod tests {
     use pelage_bake::strands::{CurvePoint, PosedMaterial};
 
     #[test]
-    fn traced_pixels_are_encoded_as_a_canvas() {
+    fn traced_pixels_are_encoded_like_rendered_ones() {
         let pixels = vec![[0.0; 4], [0.5, 0.25, 0.0, 0.5], [2.0, 0.5, 0.0, 1.0], [0.1, 0.1, 0.1, 1.0]];
         let picture = TracedPicture { width: 2, height: 2, pixels, ..TracedPicture::default() };
         let straight = encode(&picture, None);

@@ -75,8 +75,7 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     }
     let replaceable = !exists || is_replaceable(&target).map_err(fail(folder, "read"))?;
     if !replaceable && !force {
-        let text =
-            "it has files that belong to no unpacked package; name another folder, or use --force to write among them";
+        let text = "it has files that `unpack` did not write; name another folder, or use --force to write among them";
         return Err(fail(folder, "replace")(io::Error::new(io::ErrorKind::DirectoryNotEmpty, text)));
     }
     require_parent(&target)?;

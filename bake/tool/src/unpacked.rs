@@ -299,8 +299,8 @@ fn check_texture(file: &str, bytes: &[u8]) -> Result<(), BakeError> {
     let named = Manifest { textures: vec![TextureEntry { name: NAME.into() }], ..Manifest::default() };
     let write = |manifest, section| assemble(FORMAT_VERSION, manifest, [section]);
     let Err(error) = write(named, Content::Texture(bytes.into())) else { return Ok(()) };
-    // Manifest that determines the byte offset of the texture in the test package: an unknown section after a manifest
-    // of the same length has the same offset. A name in a list has eight bytes of length, then its letters.
+    // Find where the texture begins in that package: write another package with the same bytes as an unknown section,
+    // after a manifest of the same length. The list entry takes eight bytes for its length, then its letters.
     let same_length = Manifest { generator: " ".repeat(8 + NAME.len()), ..Manifest::default() };
     let same = write(same_length, Content::Bytes(Tag(*b"same"), bytes.into())).unwrap_or_default();
     let base = Package::open(&same, &Limits::default()).ok().and_then(|p| p.sections().get(1).map(|s| s.offset));

@@ -170,7 +170,7 @@ fn skin(z: f64, material: PosedMaterial) -> PosedMesh {
 }
 
 #[test]
-fn skin_is_bare_or_an_undercoat() {
+fn bare_skin_is_lambertian_and_furred_skin_is_shaded_as_undercoat() {
     let bare = PosedMaterial { base_color: Vec4::new(0.5, 0.5, 0.5, 0.6), ..PosedMaterial::default() };
     let furred = PosedMaterial { furred: true, ..bare.clone() };
     let upright = pelage_bake::stages::simulate::Strands {

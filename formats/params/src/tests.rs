@@ -176,7 +176,7 @@ fn deprecated_names_are_read_and_written_as_current_ones() {
 }
 
 #[test]
-fn parsed_tables_are_read_as_text_is() {
+fn parsed_tables_are_read_like_text() {
     let read_before = |text: &str| {
         let mut look = Look::default();
         read_table(&mut look, &text.parse::<toml::Table>().unwrap()).map(|()| look)

@@ -12,7 +12,7 @@ const OFFSET: f32 = -128.0 / 127.0;
 /// +v, z away from the surface.
 ///
 /// * Two-component formats hold x and y; z is computed for unit length. Hair that points towards the surface is stored
-///   reversed: equation (1) cannot tell T from −T. The result has unit length, also between texels.
+///   reversed, because Yang 2006, eq. (1), lights T and −T equally. The result has unit length, also between texels.
 /// * Four-component formats hold x, y and z in red, green and blue; alpha is 1. Texels are unit vectors; between
 ///   texels, and in smaller mip levels, the length decreases where directions disagree. The length is kept here as a
 ///   measure of confidence in the direction.

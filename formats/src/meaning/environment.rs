@@ -45,7 +45,7 @@ pub struct Sun {
 }
 
 impl LightLobe {
-    /// Range of lobe widths, degrees. A narrower light is a sun; a wider one is constant.
+    /// Range of lobe widths, degrees. Narrower light is stored as the sun, wider light as constant light.
     pub const WIDTHS: core::ops::RangeInclusive<f32> = 4.0..=120.0;
 
     /// Returns the lobe as a spherical Gaussian with radiance 1 at its centre.

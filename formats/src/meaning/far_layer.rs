@@ -13,8 +13,8 @@ pub fn far_layer_light(path: f32, base: f32, slope: f32) -> f32 {
 /// Returns the coefficients `base` and `slope` for which [`far_layer_light`] matches `coat.light_straight` at path 1
 /// and `coat.light_slanted` at path 4.
 ///
-/// This form is exact for fur that hides everything behind it. Hair is then visible to the same depth as light enters.
-/// t is the mean of T^(ρp) over the transmittance T, which equals 1 / (1 + ρp).
+/// The form 1 / (base + slope · path) is exact for fur that hides everything behind it. Hair is then visible as deep as
+/// light enters. The mean of T^(ρ · path) over the transmittance T, 0..1, is 1 / (1 + ρ · path).
 pub fn far_layer_light_coefficients(coat: &FarLayerInfo) -> [f32; 2] {
     // Clamp to 0.001, because zero light has no reciprocal.
     let [straight, slanted] = [coat.light_straight, coat.light_slanted].map(|t| t.max(1e-3).recip());

@@ -12,9 +12,9 @@ pub fn layer_height(layer: u32, layers: u32) -> f32 {
     layer as f32 / (layers - 1) as f32
 }
 
-/// Returns how many of the `baked` layers are represented by layer `layer`, in 1..`baked`, at a level of detail with
-/// step `step`. It represents itself and the layers below it, down to the next drawn layer. 0 if the level does not
-/// draw it; a level of step 0 draws no layers.
+/// Returns how many of the `baked` layers the layer `layer`, in 1..`baked`, represents at a level of detail with step
+/// `step`: itself and the layers below it, down to the next drawn layer. 0 if the level does not draw it; a level of
+/// step 0 draws no layers.
 pub fn represented_layers(layer: u32, baked: u32, step: u32) -> u32 {
     if step == 0 || !(baked - 1 - layer).is_multiple_of(step) { 0 } else { step.min(layer) }
 }
@@ -35,9 +35,9 @@ fn lowest(baked: u32, step: u32) -> u32 {
     (baked - 2) % step + 1
 }
 
-/// Returns the progress of a layer in 1..`baked`, 0..=1, during the transition from a level with step `step` to the
-/// next. `gone` is the number of the [`detail_pairs`] layers that have been removed; a fraction means that the next one
-/// is fading.
+/// Returns how far the transition of a layer in 1..`baked` to the next level has progressed, 0..=1. `step` is the step
+/// of the current level. `gone` is the number of the [`detail_pairs`] layers that have been removed; a fraction means
+/// that the next one is fading.
 ///
 /// Layers are removed one after another, from the surface outwards. Each gives its opacity to the next drawn layer
 /// above; all others stay as they are. So the transition passes through every layer count between the two levels.

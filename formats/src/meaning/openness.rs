@@ -3,7 +3,8 @@
 
 use glam::Vec3;
 
-/// Directions not hidden by the body, at rest, from the hair tips at a surface point, or from the bare surface.
+/// Directions in which the body at rest does not hide the surroundings from the hair tips at a surface point. On a bare
+/// surface, the surface itself takes the place of the tips.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Openness {
     /// Share of all directions that is open, 0..=1; 0.5 above a plane.

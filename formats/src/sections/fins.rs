@@ -42,7 +42,7 @@ impl<'a> Package<'a> {
                 return Err(FormatError::MissingSection { tag: Tag::FINS, index: 0, reason });
             }
             (None, Some((_, section))) => {
-                let reason = "fins, expected none where the manifest's fur.fins is none".into();
+                let reason = "found fins, expected none because the manifest has no fur.fins".into();
                 return Err(FormatError::Content { tag: Tag::FINS, offset: section.offset, reason });
             }
         };

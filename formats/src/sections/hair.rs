@@ -62,7 +62,7 @@ pub struct HairGroup {
     pub hairs: u32,
     /// Points of a hair, 2..=65.
     pub points: u32,
-    /// Points of a stored guide, 2..=65; [`crate::meaning::hair_groups::smoothed`] computes the others.
+    /// Points of a stored guide, 2..=65; [`crate::meaning::hair_groups::smoothed`] interpolates between them.
     pub guide_points: u32,
     /// Seed of all random variation.
     pub seed: u32,
@@ -164,7 +164,7 @@ impl HairGroup {
                 return Some(format!("{} guides, expected at most {MOST_GUIDES}", self.guide_roots.len()));
             }
             if self.hairs > 0 && self.scalp.is_empty() {
-                return Some("hairs without a triangle to grow on, expected one or more".into());
+                return Some("found hairs but no triangle in scalp, expected one or more".into());
             }
             let over = |(_, [b, c]): &(u32, [u16; 2])| u32::from(*b) + u32::from(*c) > 65535;
             if let Some(at) = self.guide_roots.iter().position(over) {

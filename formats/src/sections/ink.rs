@@ -57,8 +57,8 @@ impl<'a> Package<'a> {
             let view = self.image_texture(index)?;
             if view.layers != layers || view.format.components() != 4 || view.format.is_srgb() {
                 let reason = format!(
-                    "is {} in {} layers, expected a format with four components, not sRGB, in {layers} layers for \
-                     {what} of the ink style",
+                    "has format {} and layer count {}, expected four components, not sRGB, and layer count {layers} \
+                     for {what} of the ink style",
                     view.format.name(),
                     view.layers
                 );

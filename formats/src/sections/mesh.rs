@@ -39,7 +39,7 @@ impl<'a> Package<'a> {
             if parts == 0 {
                 return Ok(None);
             }
-            let reason = format!("the manifest has {parts} parts of its indices");
+            let reason = format!("the manifest lists parts of the mesh: {parts}, expected 0 without a mesh");
             return Err(FormatError::MissingSection { tag: Tag::MESH, index: 0, reason });
         };
         let counts = self.cached(index, || {

@@ -134,7 +134,10 @@ impl Morphs {
         let ends = (self.first.first(), self.first.last());
         let rises = self.first.windows(2).all(|w| w[0] <= w[1]);
         if !rises || ends != (Some(&0), u32::try_from(self.deltas.len()).ok().as_ref()) {
-            return Err(format!("first does not rise from 0 to {}, the number of deltas", self.deltas.len()));
+            return Err(format!(
+                "first is invalid, expected it to ascend from 0 to {}, the number of deltas",
+                self.deltas.len()
+            ));
         }
         for (i, delta) in self.deltas.iter().enumerate() {
             if delta.target as usize >= targets {

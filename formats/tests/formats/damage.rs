@@ -197,7 +197,7 @@ fn fin_contents_are_checked() {
     let bare =
         || Manifest { parts: vec![Part { material: 0, first_index: 0, index_count: 12 }], ..Manifest::default() };
     let bare = || Manifest { materials: vec![sample_manifest().materials.remove(1)], ..bare() };
-    assert!(finish(bare(), &[sample_fins()]).contains("expected none where the manifest's fur.fins is none"));
+    assert!(finish(bare(), &[sample_fins()]).contains("expected none because the manifest has no fur.fins"));
     assert!(finish(bare(), &[sample_fins(), sample_fins()]).contains("a second section of this tag"));
     let uneven = FinData { part_counts: vec![1], ..sample_fins() };
     assert!(finish(bare(), &[uneven]).contains("the parts have 1 fins, expected 3"));
@@ -390,21 +390,21 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.shading.back_light_range = 0.0), "shading.back_light_range is 0");
     refused(with(|m| m.shading.diffuse[2] = f32::INFINITY), "shading.diffuse is inf");
     refused(with(|m| m.fur.color_texture = 8), "fur.color_texture is 8, expected less than the 8");
-    refused(with(|m| m.fur.tile_size_m = 0.0), "fur.tile_size_m is 0");
+    refused(with(|m| m.fur.tile_size_m = 0.0), "fur has tile_size_m 0");
     refused(with(|m| m.fur.tile_texels = 0), "fur.tile_texels is 0");
     refused(with(|m| m.materials[0].base_color_texture = Some(9)), "materials[0].base_color_texture is 9");
     refused(with(|m| m.materials[1].groom_texture = Some(8)), "materials[1].groom_texture is 8");
     refused(with(|m| m.fur.wet.as_mut().unwrap().direction_texture = 8), "fur.wet.direction_texture is 8");
     refused(with(|m| m.fur.fins.as_mut().unwrap().color_texture = 8), "fur.fins.color_texture is 8");
     refused(with(|m| m.fur.fins.as_mut().unwrap().slabs = 0), "fur.fins is 8x4 texels in 0 slabs");
-    refused(with(|m| m.fur.layers = 0), "fur.layers is 0 but fur.wet, fur.fins or a coat is present");
+    refused(with(|m| m.fur.layers = 0), "fur.layers is 0 but fur.wet, fur.fins or coat (far layer) is present");
     refused(with(|m| m.coat.as_mut().unwrap().height = f32::NAN), "coat.height is NaN, expected 0..=1");
     refused(with(|m| m.coat.as_mut().unwrap().light_slanted = 0.75), "coat.light_slanted is 0.75, expected 0..=0.5");
-    refused(with(|m| m.coat = None), "detail[2].step is 0, expected above 0 in a package without a coat");
+    refused(with(|m| m.coat = None), "detail[2].step is 0, expected above 0 in a package without far layer");
     refused(with(|m| m.detail[0].step = 2), "detail[0].step is 2, expected 1");
     refused(with(|m| m.detail[1].step = 4), "detail[1].step is 4, expected 2");
     refused(with(|m| m.detail[1].step = 0), "detail[1].step is 0, expected 2");
-    refused(with(|m| m.detail.truncate(2)), "detail[1].full_px is 12, expected it and gone_px to be 0 in the last");
+    refused(with(|m| m.detail.truncate(2)), "detail[1].full_px is 12, expected 0 for full_px and gone_px in the last");
     refused(with(|m| m.detail[1].full_px = 20.0), "detail[1].full_px is 20, expected more than 0 and at most 18");
     refused(with(|m| m.detail[0].full_px = f32::INFINITY), "detail[0].full_px is inf");
     refused(with(|m| m.detail[0].gone_px = 25.0), "detail[0].gone_px is 25, expected 0 to full_px, 24");
@@ -432,7 +432,7 @@ fn manifest_contents_are_checked() {
     refused(choice(|c| c.next_better = Some(9)), "choice.next_better is 9");
     refused(with(|m| m.materials[1].alpha_cutoff = Some(f32::NAN)), "materials[1].alpha_cutoff is NaN");
     refused(with(|m| m.parts[0].material = 2), "parts[0].material is 2");
-    refused(with(|m| m.parts[1].first_index = 6), "parts[1] has 3 indices from 6");
+    refused(with(|m| m.parts[1].first_index = 6), "parts[1] has index_count 3 and first_index 6");
     refused(with(|m| m.parts[1].index_count = 4), "parts[1] has 4 indices");
     refused(with(|m| m.textures[0].name = "../x".into()), "textures[0].name is \"../x\"");
     refused(with(|m| m.textures[2].name = "Shell_Color".into()), "is taken");
@@ -488,24 +488,24 @@ fn textures_must_fit_their_use() {
         finish(1, ktx2_file(format, 4, 4, 3, 1, 0)).unwrap();
     }
     for (k, texture, expected) in [
-        (0, ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0), "\"shell_color\" is 4x4 texels in 2 layers, expected 4x4 in 3"),
-        (0, ktx2_file(Bc7Srgb, 8, 4, 3, 1, 0), "\"shell_color\" is 8x4 texels"),
-        (1, ktx2_file(Rg8Unorm, 2, 2, 3, 1, 0), "\"shell_direction\" is 2x2 texels"),
+        (0, ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0), "\"shell_color\" has 4x4 texels and layer count 2, expected 4x4 and 3"),
+        (0, ktx2_file(Bc7Srgb, 8, 4, 3, 1, 0), "\"shell_color\" has 8x4 texels"),
+        (1, ktx2_file(Rg8Unorm, 2, 2, 3, 1, 0), "\"shell_direction\" has 2x2 texels"),
         (0, ktx2_file(Rg8Unorm, 4, 4, 3, 1, 0), "\"shell_color\" is rg8unorm, expected four components"),
         (
             1,
             ktx2_file(Rgba8Srgb, 4, 4, 3, 1, 0),
             "\"shell_direction\" is rgba8unorm-srgb, expected a format that is not",
         ),
-        (3, ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0), "\"wet_color\" is 4x4 texels in 2 layers, expected 4x4 in 3"),
+        (3, ktx2_file(Bc7Srgb, 4, 4, 2, 1, 0), "\"wet_color\" has 4x4 texels and layer count 2, expected 4x4 and 3"),
         (4, ktx2_file(Rgba8Srgb, 4, 4, 3, 1, 0), "\"wet_direction\" is rgba8unorm-srgb"),
-        (5, ktx2_file(Bc7Srgb, 8, 4, 1, 1, 0), "\"fin_color\" is 8x4 texels in 1 layers, expected 8x4 in 2"),
+        (5, ktx2_file(Bc7Srgb, 8, 4, 1, 1, 0), "\"fin_color\" has 8x4 texels and layer count 1, expected 8x4 and 2"),
         (5, ktx2_file(Bc5Unorm, 8, 4, 2, 1, 0), "\"fin_color\" is bc5-rg-unorm, expected four components"),
         (6, ktx2_file(Rgba8Srgb, 8, 4, 2, 1, 0), "\"fin_direction\" is rgba8unorm-srgb"),
-        (7, ktx2_file(Rgba8Srgb, 4, 4, 0, 1, 0), "\"groom\" is rgba8unorm-srgb in 1 layers"),
-        (7, ktx2_file(Rg8Unorm, 4, 4, 2, 1, 0), "\"groom\" is rg8unorm in 2 layers"),
-        (2, ktx2_file(Rg8Unorm, 4, 4, 0, 1, 0), "\"base-color\" is rg8unorm in 1 layers"),
-        (2, ktx2_file(Rgba8Srgb, 4, 4, 2, 1, 0), "\"base-color\" is rgba8unorm-srgb in 2 layers"),
+        (7, ktx2_file(Rgba8Srgb, 4, 4, 0, 1, 0), "\"groom\" has format rgba8unorm-srgb and layer count 1"),
+        (7, ktx2_file(Rg8Unorm, 4, 4, 2, 1, 0), "\"groom\" has format rg8unorm and layer count 2"),
+        (2, ktx2_file(Rg8Unorm, 4, 4, 0, 1, 0), "\"base-color\" has format rg8unorm and layer count 1"),
+        (2, ktx2_file(Rgba8Srgb, 4, 4, 2, 1, 0), "\"base-color\" has format rgba8unorm-srgb and layer count 2"),
     ] {
         let error = finish(k, texture).unwrap_err();
         assert_eq!(error.section(), Some(Tag::TEXTURE));

@@ -66,7 +66,7 @@ fn invalid_hair_groups_are_refused_with_the_reason() {
         (|g| g.length_variation = 1.0, "length_variation is 1"),
         (|g| g.reach_m = 0.0, "reach_m is 0"),
         (|g| g.scalp[0].0 = 1 << 20, "triangle 1048576, expected less than"),
-        (|g| g.scalp.clear(), "hairs without a triangle"),
+        (|g| g.scalp.clear(), "found hairs but no triangle"),
         (|g| g.guide_roots[1].1 = [40000, 40000], "guide 1: weights sum to more than 1"),
         (|g| g.guide_offsets.truncate(5), "guide_offsets has 5 entries, expected 6"),
     ];

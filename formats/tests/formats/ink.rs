@@ -107,7 +107,7 @@ fn ink_contents_are_checked() {
         (with(&|d| d.info.paper_texture = 4), "section KTX2 number 4 is missing"),
         (
             with(&|d| d.info.stroke_texture = 3),
-            "in 2 layers, expected a format with four components, not sRGB, in 1 layers for stroke",
+            "layer count 2, expected four components, not sRGB, and layer count 1 for stroke",
         ),
     ] {
         let error = package(&data, texture).unwrap_err().to_string();

@@ -36,7 +36,7 @@ fn invalid_morphs_are_refused_with_the_reason() {
         (|m| m.motion.channels[0].count = 1, "channels[0] has 2 keys and 4 numbers, expected at least one key and 2"),
         (|m| m.motion.channels[0].times[1] = 1.0, "channels[0].times[1] is 1, expected more than"),
         (|m| m.first.truncate(5), "first has 5 entries, expected one for each of 5 vertices, plus one"),
-        (|m| m.first[1] = 4, "first does not rise from 0 to 3"),
+        (|m| m.first[1] = 4, "expected it to ascend from 0 to 3"),
         (|m| m.deltas[2].target = 2, "deltas[2].target is 2, expected less than 2"),
         (|m| m.deltas[1].tangent[2] = f32::INFINITY, "deltas[1] is"),
     ];

@@ -95,7 +95,7 @@ impl ReferencePane {
             None => p.doing.clone(),
         });
         let words: Vec<String> = samples.into_iter().chain(doing).collect();
-        if words.is_empty() { "traced once the view stands still".into() } else { words.join("; ") }
+        if words.is_empty() { "tracing starts when the view stops moving".into() } else { words.join("; ") }
     }
 
     fn is_whole(&self) -> bool {

@@ -178,7 +178,7 @@ fn invalid_comb_settings_are_refused_with_key_and_reason() {
     let sandbox = sandbox(|_, _| {});
     for (set, words) in [
         ("groom.coordinates=w", "box"),
-        ("surface.comb_marks=[{ name = \"a\", at = [0, 0, 0] }]", "found neither direction nor"),
+        ("surface.comb_marks=[{ name = \"a\", at = [0, 0, 0] }]", "found none of direction, length"),
         ("surface.comb_marks=[{ name = \"a\", length = 1 }]", "found no `at`"),
         ("surface.comb_marks=[{ name = \"a\", at = [0, 0, 0], length = 2 }]", "length: "),
     ] {

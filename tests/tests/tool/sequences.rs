@@ -466,7 +466,7 @@ fn interrupted_sequence_resumes() {
         (
             &["--background", "1,2,3"][..],
             0,
-            format!("{kept} pictures of another scene, view, tool or adapter are drawn again"),
+            format!("pictures to draw again: {kept}, because scene, view, tool or adapter have changed"),
         ),
         (&["--fps", "23"], 0, format!("{kept} pictures of another")),
         (&["--restart"], 0, String::new()),

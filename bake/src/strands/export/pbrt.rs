@@ -22,7 +22,7 @@ pub fn write_pbrt(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     let names = plain_names(curves, |name| allowed(name, |c| !c.is_control() && !"\"\\".contains(c)));
     for (group, name) in curves.groups().iter().zip(names) {
         let mean = mean_color(curves.points_of(group));
-        writeln!(out, "\n# group {name}: {} strands\nAttributeBegin", group.strands.len())?;
+        writeln!(out, "\n# group {name}, number of strands: {}\nAttributeBegin", group.strands.len())?;
         write!(out, "MakeNamedMaterial \"strands/{name}\" \"string type\" \"diffuse\" ")?;
         writeln!(out, "\"rgb reflectance\" [{} {} {}]", mean.x, mean.y, mean.z)?;
         writeln!(out, "NamedMaterial \"strands/{name}\"")?;

@@ -128,7 +128,7 @@ fn pbrt_has_a_block_and_a_material_for_each_group() {
     let names = ["coat", "a _b__", "coat_2"];
     assert_eq!(blocks.len(), 3, "{text}");
     for ((block, name), pieces) in blocks.iter().zip(names).zip([1, 3, 2]) {
-        assert!(block.starts_with(&format!("# group {name}: 1 strands\nAttributeBegin\n")), "{block}");
+        assert!(block.starts_with(&format!("# group {name}, number of strands: 1\nAttributeBegin\n")), "{block}");
         assert!(
             block.contains(&format!("\nMakeNamedMaterial \"strands/{name}\" \"string type\" \"diffuse\" ")),
             "{block}"

@@ -23,7 +23,9 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
     let (file, room) = herd.write_ninja(jobs, memory_bytes)?;
     if room.too_large > 0 {
         let (needs, has) = (human_bytes(room.too_large), human_bytes(memory_bytes));
-        output.note(&format!("note: one command is expected to need {needs}, but all commands together have {has}"));
+        output.note(&format!(
+            "note: one command is expected to need {needs}, but only {has} are available for all commands"
+        ));
     }
     let mut ran = NinjaOutput::default();
     ninja(herd, &file, jobs, &mut ran, output)?;

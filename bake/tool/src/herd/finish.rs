@@ -32,7 +32,7 @@ fn failures_file(own: &str) -> String {
     format!("{own}/failures.json")
 }
 
-/// Returns the file that contains the key of the report's inputs, in the herd's internal folder.
+/// Returns the file that contains the hash of the report's inputs, in the herd's internal folder.
 fn key_file(own: &str) -> String {
     format!("{own}/report.key")
 }
@@ -134,7 +134,7 @@ pub fn finish(herd: &Herd, ran: &NinjaOutput, output: &mut Output) -> Result<Exi
     print_summary(herd, counts, &failures, ran, &page, output)
 }
 
-/// Returns a key of the parts of the plan that the report shows.
+/// Returns a hash of the parts of the plan that the report shows.
 fn plan_key(herd: &Herd) -> Result<String, Failure> {
     let shown: Vec<_> = herd.plan.tasks.iter().map(|task| (&task.name, &task.words)).collect();
     let text = serde_json::to_vec(&(&herd.title, &herd.plan.rows, shown, &herd.tool));

@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn free_memory_is_read() {
+    fn available_memory_is_parsed_from_meminfo() {
         assert_eq!(available("MemTotal: 9 kB\nMemAvailable:    2048 kB\n"), Some(2 << 20));
         assert_eq!(available(""), None);
         assert!(free_bytes() > 1 << 20 && cores() >= 1);

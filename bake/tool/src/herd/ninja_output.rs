@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct NinjaOutput {
     /// Names of the commands that were run.
     pub tasks: BTreeSet<String>,
-    /// Last lines that each failed command printed, by its output files as Ninja lists them.
+    /// Last lines that each failed command printed. The key is the list of its output files, as Ninja prints it.
     failed: BTreeMap<String, Vec<String>>,
     /// Output files of the failed command whose lines are being read.
     open: Option<String>,

@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Returns the error message if the tool rejects a command line.
+/// Function that returns the error message if the tool rejects a command line.
 pub type Refusal<'a> = dyn Fn(&[String]) -> Option<String> + 'a;
 
 /// Herd as found on disk.

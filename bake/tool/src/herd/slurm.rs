@@ -62,14 +62,14 @@ pub fn run(herd: &Herd, args: &RunArgs, output: &mut Output) -> Result<Option<Ni
             jobs.push(job);
         }
         shards.extend(open.iter().map(|shard| format!("{files}/{}-{}.done", stage.name, shard.number)));
-        // Each stage waits for the jobs before it; at their end, its inputs exist or have failed.
+        // Each stage waits until the jobs before it have ended. By then, its inputs exist, or could not be made.
         before.clone_from(&jobs);
         ids.extend(jobs);
     }
     saved_state::write(&logs_file(herd), &logs)?;
     if args.detach {
         let tasks: usize = open.iter().flatten().map(|shard| shard.tasks.len()).sum();
-        let text = format!("submitted {} jobs, {} shards: {}", ids.len(), shards.len(), ids.join(" "));
+        let text = format!("submitted jobs: {}; shards: {}; job numbers: {}", ids.len(), shards.len(), ids.join(" "));
         output.result(&text, &HerdResult::Submitted { jobs_submitted: ids, shards: shards.len(), tasks })?;
         return Ok(None);
     }
@@ -161,7 +161,7 @@ fn answer(command: &mut Command) -> Result<String, Failure> {
     let name = command.get_program().to_string_lossy().into_owned();
     let fail = |source| io_error(Path::new(&name), "run", source);
     let said = command.output().map_err(|source| match source.kind() {
-        ErrorKind::NotFound => fail(Error::new(ErrorKind::NotFound, "not found, expected a machine of a Slurm farm")),
+        ErrorKind::NotFound => fail(Error::new(ErrorKind::NotFound, "not found, expected a machine with Slurm")),
         _ => fail(source),
     })?;
     if said.status.success() {
@@ -185,7 +185,7 @@ fn wait(herd: &Herd, ids: &[String], shards: &[String], output: &mut Output) -> 
     let mut failed = 0;
     while !ids.is_empty() {
         let done = shards.iter().filter(|shard| herd.path(shard).exists()).count();
-        output.progress_of(done, shards.len(), "shards on the farm");
+        output.progress_of(done, shards.len(), "shards on the cluster");
         let queue = answer(Command::new("squeue").args(["--noheader", "--format=%i", "--jobs", &ids.join(",")]));
         match queue {
             Ok(queue) if queue.trim().is_empty() => break,

@@ -19,8 +19,9 @@ use serde_json::{Value, json};
 
 /// Name of the JSON file.
 pub const JSON: &str = "hair.json";
-/// Keys of a group in JSON: `OFFSETS` is omitted, because the `.hair` file replaces it; the other is added.
+/// Key of a group that the JSON file omits, because the `.hair` file replaces it.
 const OFFSETS: &str = "guide_offsets";
+/// Key that the JSON file adds to a group: its list of [`ExactGuide`].
 const EXACT: &str = "exact";
 
 /// Stored integers of a guide that cannot be recovered from the `.hair` file.

@@ -83,8 +83,8 @@ pub fn deserialize<T: DeserializeOwned>(file: &str, at: &str, value: Value) -> R
     })
 }
 
-/// Compares the keys of `found` with those of `known`, the same value after a round trip. An additional key is a
-/// misspelling; a missing key would be read as null.
+/// Checks that `found` has exactly the keys of `known`, the same value after parsing and writing. A key that only
+/// `found` has is misspelt. A key that only `known` has would be read as null.
 pub fn known_keys(file: &str, at: &str, found: &Value, known: &Value) -> Result<(), BakeError> {
     let fail =
         |key: &str, reason: String| BakeError::Input { file: file.to_owned(), place: format!("{at}/{key}"), reason };

@@ -31,7 +31,9 @@ fn with(text: &str, edits: &[String]) -> Result<String, (String, String)> {
         // Strings need no quotes, as on the command line.
         let value: toml_edit::Value = value.parse().unwrap_or_else(|_| value.into());
         let at = document.entry(table).or_insert_with(|| Item::Table(Table::new()));
-        let at = at.as_table_like_mut().ok_or_else(|| fail("the name before the . is not a table in this file"))?;
+        let at = at
+            .as_table_like_mut()
+            .ok_or_else(|| fail("the part before the . is a value in this file, expected a table"))?;
         knob.was.iter().for_each(|old| drop(at.remove(old)));
         match at.get_mut(key).and_then(Item::as_value_mut) {
             Some(old) => {

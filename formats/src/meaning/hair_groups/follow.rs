@@ -81,8 +81,8 @@ impl GuideInterpolator {
         Some(follow)
     }
 
-    /// Whether hair parts between two guides. Offsets of points from their roots are compared: at some point, those of
-    /// the two guides differ by more than `PARTING_THRESHOLD` of the mean length.
+    /// Whether hair parts between two guides: at some point, their offsets from their roots differ by more than
+    /// `PARTING_THRESHOLD` of the mean length.
     pub fn is_parted(&self, a: usize, b: usize) -> bool {
         let limit = PARTING_THRESHOLD * 0.5 * (self.lengths[a] + self.lengths[b]);
         let (one, other) = (&self.shapes[a], &self.shapes[b]);

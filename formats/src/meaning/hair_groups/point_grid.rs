@@ -66,7 +66,7 @@ impl PointGrid {
 fn ring_of(middle: IVec3, ring: i32) -> impl Iterator<Item = IVec3> {
     let side = -ring..=ring;
     side.clone().flat_map(move |x| side.clone().map(move |y| (x, y))).flat_map(move |(x, y)| {
-        // Inside the square outline of the ring, only the two end cells of a column along z belong to it.
+        // In a column along z that is inside the ring's outline in x and y, only the two end cells belong to the ring.
         let step = if x.abs() == ring || y.abs() == ring || ring == 0 { 1 } else { 2 * ring };
         (-ring..=ring).step_by(step as usize).map(move |z| middle + IVec3::new(x, y, z))
     })

@@ -27,8 +27,8 @@ pub const STEPS_PER_S: f32 = 120.0;
 pub const MOST_STEPS: u32 = 16;
 /// Number of passes in which a particle is pushed out of all colliders.
 const COLLISION_PASSES: u32 = 3;
-/// Cosine of the angle that limits the direction of tensions. A segment turned by more since the start of the step is
-/// pulled along its current direction, else along its direction at that start.
+/// Cosine of the angle that selects the direction of a tension. If a segment has turned by more since the start of the
+/// step, its tension acts along its current direction, else along its direction at that start.
 const MIN_TURN_COS: f32 = 0.995;
 /// Damping of the springs to the groomed shape, as a share of critical damping.
 const SHAPE_DAMPING: f32 = 0.3;
@@ -184,7 +184,7 @@ impl Capsule {
 pub struct Frame<'a> {
     /// Duration, seconds.
     pub seconds: f32,
-    /// Duration of one step of the previous frame, seconds; that of this frame's steps if there was none.
+    /// Duration of a step of the previous frame, seconds. Without a previous frame, that of a step of this frame.
     pub before_s: f32,
     /// Gravitational acceleration, m/s².
     pub gravity: Vec3,
@@ -220,7 +220,7 @@ impl Solver {
 
     /// Moves a guide by one frame.
     ///
-    /// * `pearls`: one for each point of the guide
+    /// * `pearls`: particles, one for each point of the guide
     /// * `before`, `now`: root of the guide on the surface, at the beginning and at the end of the frame
     pub fn advance_frame(
         &self,

@@ -130,7 +130,7 @@ fn strings_keep_their_length_under_strong_motion() {
 /// Measures the alternative to solving for tensions: iterations that correct one segment at a time. They leave long
 /// strings stretched.
 #[test]
-fn sweeps_leave_long_strings_stretched() {
+fn correcting_segments_one_by_one_leaves_long_strings_stretched() {
     let (points, length, h) = (64, 0.3f32, 1.0 / 60.0);
     let piece = length / (points - 1) as f32;
     let mut now: Vec<f32> = (0..points).map(|k| piece * k as f32).collect();

@@ -1,8 +1,9 @@
 //! Lookup tables for broad light: the light that a fibre scatters, by mean cosine of the light, θo, θj and φ.
 //!
 //! The light is a spherical Gaussian. It is cut off well below its horizon, the plane perpendicular to its axis
-//! ([`HORIZON_SINE`]). Light from a sky reaches hair from above the surface and around its curves, not through the
-//! body. A wide Gaussian without the cutoff would shine through the fibre from below, which is visible in dark fur.
+//! ([`HORIZON_SINE`]). Light from a sky reaches hair from above the surface and around the curves of the body, but not
+//! through the body. A wide Gaussian without the cutoff would shine through the fibre from below, which is visible in
+//! dark fur.
 //!
 //! Around the fibre, the light of each path is a cosine series in n φ, as in
 //! [`super::gaussian_light::BroadlyLitFibre`]. The series depends on θd alone and is computed once for all lights.
@@ -86,10 +87,11 @@ pub struct BroadTables {
     eta: f64,
 }
 
-/// Numbers of samples. `SECTIONS`: of cos θd for the light paths. `LIGHTS`: of the light's azimuthal sharpness. `ENDS`:
-/// of the azimuth at which the light is cut off.
+/// Number of samples of cos θd, for the light paths.
 const SECTIONS: usize = 64;
+/// Number of samples of the light's azimuthal sharpness.
 const LIGHTS: usize = 32;
+/// Number of samples of the azimuth at which the light is cut off.
 const ENDS: usize = 33;
 /// Number of cosine series: R, TT, TRT, and TT as attenuated by an absorption of [`REFERENCE_SIGMA`] per radius.
 const SERIES: usize = 4;
@@ -140,8 +142,8 @@ struct Light<'a> {
     fibre: &'a Fibre,
     around: &'a PathSeries,
     sharpness: f64,
-    /// Terms of the light's cosine series around the fibre, for each pair of two quantities. The outer one is √(s /
-    /// `sharpness`), where s is the azimuthal sharpness. The inner one is the azimuth at which the light is cut off.
+    /// Terms of the light's cosine series around the fibre. The index is `ENDS` · i + j. Here i is the sample of √(s /
+    /// `sharpness`), where s is the azimuthal sharpness, and j that of the azimuth at which the light is cut off.
     terms: Vec<[f64; TERMS]>,
 }
 

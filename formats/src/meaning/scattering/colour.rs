@@ -30,7 +30,8 @@ pub fn absorption(color: [f64; 3], around: f64) -> [f64; 3] {
     })
 }
 
-/// Returns the colour of deep fur whose fibres have absorption `absorption` per radius. Inverse of [`absorption`].
+/// Returns the colour of deep fur, given the absorption of its fibres per radius. Inverse of the function
+/// [`absorption`].
 pub fn color(absorption: [f64; 3], around: f64) -> [f64; 3] {
     let depth = depth(around);
     absorption.map(|sigma| libm::exp(-depth * sigma.max(0.0).sqrt()))

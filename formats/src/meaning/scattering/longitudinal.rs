@@ -38,7 +38,7 @@ impl Spread {
 
 impl Spread {
     /// Returns sine and cosine of the outgoing inclination, rotated by the tilt. A tilt of the half angle by α rotates
-    /// it by 2 α.
+    /// the inclination by 2 α.
     pub fn tilted(&self, (sin_o, cos_o): (f64, f64)) -> (f64, f64) {
         let (sin, cos) = (libm::sin(2.0 * self.shift), libm::cos(2.0 * self.shift));
         (sin_o * cos - cos_o * sin, (cos_o * cos + sin_o * sin).abs())

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 
 /// Absorption per radius at which mean path lengths are exact.
 pub const REFERENCE_SIGMA: f64 = 0.5;
-/// Numbers of inclinations in the fit, and of azimuths for each inclination.
+/// Number of inclinations in the fit.
 const ROWS: usize = 24;
+/// Number of azimuths for each inclination in the fit.
 const PHIS: usize = 48;
 
 /// Properties of a fibre that need no table.

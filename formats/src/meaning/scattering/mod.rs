@@ -222,8 +222,8 @@ impl FibreSection {
         0.5 * left / core::f64::consts::TAU
     }
 
-    /// Returns the light per radian that is reflected inside more than once, without absorption. Its path length is the
-    /// effective length at absorption `sigma`.
+    /// Returns the light per radian that is reflected inside more than once, without absorption. The path length of the
+    /// result is the effective length at absorption `sigma`.
     pub fn mean_rest(&self, sigma: f64) -> PathContribution {
         mean_of(self.rest(0.0), self.rest(sigma), sigma)
     }
@@ -246,8 +246,8 @@ impl FibreSection {
         phis.iter().map(mean).collect()
     }
 
-    /// Returns the total light of path `p` towards azimuth `phi`, without absorption. Its path length is the effective
-    /// length at absorption `sigma`.
+    /// Returns the total light of path `p` towards azimuth `phi`, without absorption. The path length of the result is
+    /// the effective length at absorption `sigma`.
     pub fn mean_contribution(&self, p: u32, phi: f64, sigma: f64) -> PathContribution {
         let (mut light, mut left) = (0.0, 0.0);
         self.contributions(p, phi, &mut |way| {

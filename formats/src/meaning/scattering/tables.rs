@@ -98,7 +98,7 @@ impl ScatteringTables {
     pub fn along_place(angles: &Angles) -> [f64; 2] {
         let cos_d = angles.cos_d();
         let sin_h = (0.5 * (angles.from.0 + angles.to.0) / cos_d.max(1e-9)).clamp(-1.0, 1.0);
-        // The sign of the difference shows which direction is closer to the tip.
+        // The sign of sin θo − sin θi shows which of the two directions is closer to the tip.
         let half = (1.0 - cos_d * cos_d).max(0.0).sqrt().copysign(angles.to.0 - angles.from.0) / (1.0 + cos_d);
         [stretched(sin_h), half].map(|place| 0.5 + 0.5 * place)
     }

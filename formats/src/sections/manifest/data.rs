@@ -300,14 +300,14 @@ impl Manifest {
             }
             if f.tile_size_m <= 0.0 || f.height_m < 0.0 {
                 return Err(format!(
-                    "fur.tile_size_m is {}, expected > 0; fur.height_m is {}, expected >= 0",
+                    "fur has tile_size_m {} and height_m {}, expected tile_size_m > 0 and height_m >= 0",
                     f.tile_size_m, f.height_m
                 ));
             }
         } else if f.wet.is_some() || f.fins.is_some() || self.coat.is_some() {
-            return Err("fur.layers is 0 but fur.wet, fur.fins or a coat is present, expected none of them without \
-                 fur"
-            .into());
+            return Err("fur.layers is 0 but fur.wet, fur.fins or coat (far layer) is present, expected none of \
+                 them without fur"
+                .into());
         }
         if let Some(wet) = &f.wet {
             texture("fur.wet.color_texture".into(), wet.color_texture)?;
@@ -346,7 +346,7 @@ impl Manifest {
             }
             if p.first_index != next || p.index_count % 3 != 0 {
                 return Err(format!(
-                    "parts[{i}] has {} indices from {} on, expected a multiple of 3 from {next} on",
+                    "parts[{i}] has index_count {} and first_index {}, expected a multiple of 3 and first_index {next}",
                     p.index_count, p.first_index
                 ));
             }

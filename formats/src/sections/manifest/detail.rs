@@ -76,7 +76,7 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
         };
         let coat = last && i > 0 && level.step == 0;
         if coat && !has_coat {
-            return Err(format!("detail[{i}].step is 0, expected above 0 in a package without a coat"));
+            return Err(format!("detail[{i}].step is 0, expected above 0 in a package without far layer (coat)"));
         }
         if !coat && level.step != step {
             return Err(format!("detail[{i}].step is {}, expected {step}, or 0 in the last level", level.step));
@@ -84,7 +84,7 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
         // 2^32 is not a valid step, but exceeds every number of layers, so the chain ends before it.
         step = step.checked_mul(2).unwrap_or(0);
         if last && (level.full_px != 0.0 || level.gone_px != 0.0) {
-            return fail("full_px", level.full_px, "it and gone_px to be 0 in the last level".into());
+            return fail("full_px", level.full_px, "0 for full_px and gone_px in the last level".into());
         }
         // NaN is outside every range.
         let falls = level.full_px > 0.0 && level.full_px <= ceiling;
@@ -92,7 +92,7 @@ pub(super) fn check(levels: &[DetailLevel], layers: u32, has_coat: bool) -> Resu
             return fail(
                 "full_px",
                 level.full_px,
-                format!("more than 0 and at most {ceiling}, the gone_px of the level before"),
+                format!("more than 0 and at most {ceiling} (in the first level any number, else the previous gone_px)"),
             );
         }
         if !(level.gone_px >= 0.0 && level.gone_px <= level.full_px) {

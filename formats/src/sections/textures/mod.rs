@@ -145,7 +145,7 @@ impl<'a> Package<'a> {
             let found = (view.width, view.height, view.layers);
             if found != size {
                 let reason = format!(
-                    "is {}x{} texels in {} layers, expected {}x{} in {} layers, as in the manifest's {whose}",
+                    "has {}x{} texels and layer count {}, expected {}x{} and {}, as in the manifest's {whose}",
                     found.0, found.1, found.2, size.0, size.1, size.2
                 );
                 return Err(self.texture_fault(index, &reason));
@@ -174,8 +174,8 @@ impl<'a> Package<'a> {
         if view.layers != 1 || view.format.components() != 4 {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(
-                "is {format} in {layers} layers, \
-                 expected four components in one layer as base colour of materials[{material}]"
+                "has format {format} and layer count {layers}, \
+                 expected four components and layer count 1 for the base colour of materials[{material}]"
             );
             return Err(self.texture_fault(index, &reason));
         }
@@ -193,8 +193,8 @@ impl<'a> Package<'a> {
         if view.layers != 1 || view.format.is_srgb() {
             let (layers, format) = (view.layers, view.format.name());
             let reason = format!(
-                "is {format} in {layers} layers, expected one layer in a format that is not sRGB for the groom of \
-                 materials[{material}]"
+                "has format {format} and layer count {layers}, expected a format that is not sRGB and layer count 1 \
+                 for the groom of materials[{material}]"
             );
             return Err(self.texture_fault(index, &reason));
         }
