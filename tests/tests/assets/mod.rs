@@ -137,7 +137,7 @@ fn committed_models_match_their_generators() {
         let made = model.to_glb().unwrap();
         assert!(
             committed == made,
-            "{} differs from what the code makes ({} and {} bytes); run `cargo run -p pelage-assets`",
+            "{} differs from the generated model ({} and {} bytes); run `cargo run -p pelage-assets`",
             path.display(),
             committed.len(),
             made.len()
@@ -150,7 +150,11 @@ fn committed_patterns_match_their_generators_and_tile() {
     for (name, made) in patterns::all() {
         let path = folder("patterns").join(format!("{name}.png"));
         let committed = image::open(&path).unwrap().into_rgb8();
-        assert!(committed == made, "{} differs from what the code makes; run make_assets", path.display());
+        assert!(
+            committed == made,
+            "{} differs from the generated image; run `cargo run -p pelage-assets`",
+            path.display()
+        );
         // Patterns must tile: opposite borders must fit together almost as well as neighbouring rows and columns
         // inside.
         let step = |x0: u32, x1: u32| -> f64 {
@@ -311,10 +315,10 @@ fn surfaces_are_closed_and_face_outwards() {
 
     let mut torn = coat.clone();
     torn.triangles.pop();
-    assert!(!is_closed_manifold(&torn), "the check must see a missing triangle");
+    assert!(!is_closed_manifold(&torn), "the check must detect a missing triangle");
     let mut turned = coat.clone();
     turned.triangles[0].swap(0, 1);
-    assert!(!is_closed_manifold(&turned), "the check must see a turned triangle");
+    assert!(!is_closed_manifold(&turned), "the check must detect a flipped triangle");
 }
 
 #[test]
@@ -374,11 +378,11 @@ fn charts_are_right_handed_even_and_in_scale() {
     for uv in &mut mirrored.uvs {
         uv[0] = -uv[0];
     }
-    assert_eq!(report(&mirrored).flipped_triangles, mirrored.triangles.len(), "the check must see mirrored charts");
+    assert_eq!(report(&mirrored).flipped_triangles, mirrored.triangles.len(), "the check must detect mirrored charts");
 }
 
 #[test]
-fn tube_seams_are_whole_tiles_apart() {
+fn texture_coordinates_at_tube_seams_differ_by_whole_tiles() {
     for model in [shapes::torus(), shapes::knot()] {
         let p = &model.primitives[0];
         let mut seen: BTreeMap<PositionKey, [f64; 2]> = BTreeMap::new();
@@ -454,7 +458,7 @@ fn foot_path(model: &Model, gait: &str, (joint, tip): Foot, seconds: f64, steps:
 }
 
 #[test]
-fn feet_on_the_ground_move_at_its_speed() {
+fn planted_feet_move_at_the_speed_of_the_ground() {
     for (model, gait, feet, [metres, seconds]) in animals() {
         let high = model.primitives[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
         for foot in feet {
@@ -464,7 +468,13 @@ fn feet_on_the_ground_move_at_its_speed() {
             let down: Vec<f64> = (0..48).filter(|&k| low(k + 47) && low(k) && low(k + 1)).map(|k| path[k][1]).collect();
             let (slow, fast) = down.iter().fold((f64::MAX, f64::MIN), |m, v| (m.0.min(*v), m.1.max(*v)));
             let (mean, ground) = (down.iter().sum::<f64>() / down.len() as f64, metres / seconds);
-            assert!(down.len() >= 6, "{} {gait}: joint {} is down in {} of 48 steps", model.name, foot.0, down.len());
+            assert!(
+                down.len() >= 6,
+                "{} {gait}: joint {} is on the ground in {} of 48 steps",
+                model.name,
+                foot.0,
+                down.len()
+            );
             assert!(
                 (mean / ground - 1.0).abs() < 0.08 && slow > 0.7 * ground && fast < 1.3 * ground,
                 "{} {gait}: joint {} goes at {slow} to {fast}, mean {mean} m/s on a ground of {ground}",

@@ -1,5 +1,5 @@
 //! Checks documents against the code and against each other.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_bake::recipe::Recipe;
 use pelage_runtime::PassId;
@@ -63,7 +63,11 @@ fn every_cited_formula_exists() {
     let all = documents(&["rs", "wgsl", "md", "toml"]).into_iter().filter(|d| d.path != "tests/src/documents.rs");
     for document in all {
         for section in cited_formulas(&document.text) {
-            assert!(sections.contains(&section), "{} cites formulas {section}, which {SHEET} has not", document.path);
+            assert!(
+                sections.contains(&section),
+                "{} cites formulas {section}, which {SHEET} does not have",
+                document.path
+            );
             cited += 1;
         }
     }

@@ -111,7 +111,7 @@ fn language_faults_only_become_fewer() {
     assert_eq!(
         committed,
         counted,
-        "{}: a count rose (mend it), or fell (write the new one)\n{counted}",
+        "{}: a count rose (fix the text), or fell (write the new count)\n{counted}",
         path.display()
     );
 }

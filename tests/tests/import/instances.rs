@@ -60,7 +60,7 @@ fn integer_rotations_are_read_and_mirroring_keeps_the_outside() {
     })
     .model();
     assert_near(model.mesh.positions[1], [0.0, -1.0, 10.0]);
-    assert!(face_normal(&model, 0).z > 0.0, "it faces where it did");
+    assert!(face_normal(&model, 0).z > 0.0, "the triangle must face the same way");
 }
 
 #[test]

@@ -50,7 +50,7 @@ fn square_with_all_attributes_is_read() {
 }
 
 #[test]
-fn indices_count_from_either_end() {
+fn positive_and_negative_obj_indices_are_read() {
     let forward = model(&format!("{SQUARE}f 1 2 3\nv 5 5 5\nf 1 3 4\n"));
     let backward = model(&format!("{SQUARE}f -4 -3 -2\nv 5 5 5\nf -5 -3 -2\n"));
     assert_eq!(forward.mesh, backward.mesh);
@@ -192,7 +192,7 @@ fn obj_errors_name_the_line() {
 #[test]
 fn extension_decides_only_for_ambiguous_contents() {
     let named = |name: &str, bytes: &[u8]| {
-        let mut none = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
+        let mut none = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("unexpected request for {uri}") };
         import(name, bytes, &mut none, &ImportOptions::default())
     };
     let text = format!("# made by hand\n\n{SQUARE}f 1 2 3\n");
@@ -377,8 +377,8 @@ fn every_obj_of_the_test_data_is_read_as_expected() {
 
 /// Compares valid files with the result of `tobj`: positions, texture coordinates and triangles.
 #[test]
-fn tobj_agrees_on_sound_files() {
-    let Some(data) = data("tobj_agrees_on_sound_files") else { return };
+fn importer_and_tobj_agree_on_valid_files() {
+    let Some(data) = data("importer_and_tobj_agree_on_valid_files") else { return };
     for name in [
         "static/bunny.obj",
         "static/spot.obj",

@@ -58,7 +58,7 @@ fn outline_strokes_have_the_requested_width() {
     let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
     let radius = features.iter().map(place).sum::<f32>() / features.len() as f32;
     assert!(features.iter().all(|p| (place(p) - radius).abs() < 1.5), "features off the outline");
-    // The ring has at least one pixel per pixel of its circumference, less where its steps are diagonal.
+    // The ring has about one pixel per pixel of its circumference, and fewer where its steps are diagonal.
     let ring = 2.0 * std::f32::consts::PI * radius;
     assert!((0.85 * ring..1.9 * ring).contains(&(features.len() as f32)), "{} features on {ring}", features.len());
 
@@ -76,7 +76,10 @@ fn outline_strokes_have_the_requested_width() {
     }
     let templated = lines(6.0).len();
     let free = with(|ink, study, debug| (debug.ink, study.template, ink.swell) = (InkDebugView::Lines, false, 4.0));
-    assert!(dark(&draw_package(gpu, &free, &sphere())).len() > 2 * templated, "without template the rim fills");
+    assert!(
+        dark(&draw_package(gpu, &free, &sphere())).len() > 2 * templated,
+        "without the template, the rim must be filled"
+    );
 }
 
 #[test]
@@ -88,7 +91,7 @@ fn edges_of_lines_are_soft_and_specks_are_left_out() {
         lines.rgba.iter().filter(|p| (1..255).contains(&p[0])).count()
     };
     assert!(between(false) > 200, "lines have hard edges");
-    assert_eq!(between(true), 0, "as printed a pixel is ink or not");
+    assert_eq!(between(true), 0, "in the published form, a pixel is ink or not");
 
     // The spheres differ in size: the outline of the smaller one encloses about one pixel.
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
@@ -275,8 +278,8 @@ fn stroke_variation_is_anchored_to_the_surface() {
 }
 
 #[test]
-fn printed_sphere_map_misses_the_outline() {
-    let Some(gpu) = gpu("printed_sphere_map_misses_the_outline") else { return };
+fn published_sphere_map_misses_the_outline() {
+    let Some(gpu) = gpu("published_sphere_map_misses_the_outline") else { return };
     let shown = |form| {
         let params = with(|ink, study, debug| {
             (debug.ink, study.template, study.sphere_map, ink.swell) = (InkDebugView::Lines, false, form, 2.0);

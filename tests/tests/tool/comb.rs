@@ -1,5 +1,5 @@
 //! Tests with the real binary: comb marks in recipes, comb lines in models, and images projected in space.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::Vec3;
 use pelage_formats::{AttributeVertex, GeometryVertex, Limits, Package};

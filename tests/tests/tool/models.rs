@@ -1,6 +1,6 @@
 //! Tests of `bake`, `render` and `bench` with the real binary: bad models and recipes, all difficult glTF files of the
 //! test data, missing adapters.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_needs::data;
 use pelage_tests::binary::{Run, Sandbox, run_to_end, walk, workspace};
@@ -143,7 +143,7 @@ fn bad_models_are_refused() {
 }
 
 #[test]
-fn texture_coordinates_are_asked_for_only_where_they_are_used() {
+fn texture_coordinates_are_required_only_where_they_are_used() {
     let sandbox = Sandbox::new();
     let mut document = triangle();
     document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");

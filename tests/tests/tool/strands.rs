@@ -1,6 +1,6 @@
 //! Tests of individual strands with the real binary: they are closer to the traced picture than layers, and
 //! reproducible.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};

@@ -365,8 +365,8 @@ impl SkySource {
 
 text_field!(
     SkySource,
-    expected "the path of a .hdr, .exr or .toml, a colour such as \"0.2,0.3,0.5\", or two, \"above/below\"; append \
-         \":90\" to turn it",
+    expected "the path of a .hdr, .exr or .toml file, a colour such as \"0.2,0.3,0.5\", or two colours \
+         \"above/below\"; append \":90\" to rotate the sky by 90 degrees",
     control Control::Text,
     read |raw| SkySource::of_text(string(raw)?),
     write |source| toml::Value::String(source.text()).to_string()

@@ -1,10 +1,10 @@
-#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use crate::Look;
 
 /// Reads a scene file that contains `text`. Its packages do not exist.
 fn read(text: &str) -> Result<LoadedScene, StageError> {
-    let nothing = |path: &str| Err(format!("{path}: cannot read: it is not there"));
+    let nothing = |path: &str| Err(format!("{path}: cannot read: it does not exist"));
     SceneFile::parse("nowhere/a.toml", text.into())?.load(&nothing)
 }
 
