@@ -394,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn clips_loop_or_hold() {
+    fn clips_restart_or_hold_their_last_pose() {
         let playing = Playback { clip: 2, duration_s: 2.0, start_s: 0.5, speed: 2.0, looped: true };
         let at = |playing: Playback, time_s| playing.moment(time_s);
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(playing, t)), [0.5, 1.5, 0.5, 1.5]);

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn speed_has_no_jumps() {
+    fn track_speed_is_continuous() {
         let track = track(&[(0.0, 0.0), (1.0, 3.0), (1.5, 2.0), (4.0, 2.5)]);
         for t in [1.0_f32, 1.5] {
             let (before, after) = (track.at(t) - track.at(t - 1e-3), track.at(t + 1e-3) - track.at(t));

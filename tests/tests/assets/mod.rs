@@ -179,7 +179,7 @@ fn model_sizes_are_as_documented() {
     let [low, high] = bounds(coat);
     assert!(low.y.abs() < 0.003, "the hare stands on the ground: {}", low.y);
     assert!((0.42..0.50).contains(&(high.y - low.y)), "{}", high.y - low.y);
-    assert!(high.z > 0.1, "it faces +Z");
+    assert!(high.z > 0.1, "the hare must face +Z");
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn pony_and_head_are_symmetric() {
         let skin = whole_skin(model);
         let places: BTreeSet<PositionKey> = skin.positions.iter().map(|p| key(*p)).collect();
         let lonely = skin.positions.iter().filter(|p| !places.contains(&key(DVec3::new(-p.x, p.y, p.z)))).count();
-        assert_eq!(lonely, 0, "{}: vertices without a twin", model.name);
+        assert_eq!(lonely, 0, "{}: vertices without a mirror image", model.name);
     }
 }
 
@@ -294,7 +294,7 @@ fn hills_are_ordered_in_depth_and_the_path_is_flat() {
     let [left, right] = bounds(path);
     assert!(left.x < -30.0 && right.x > 30.0);
     for p in &part(hills(), "ground").positions {
-        assert!(p.z < 0.0 || p.y < 1e-6, "{p} stands before the path");
+        assert!(p.z < 0.0 || p.y < 1e-6, "{p} is in front of the path");
         assert!(p.z.abs() > 1.6 || p.y.abs() < 1e-6, "{p} is not flat");
     }
     // The foot of a ridge must be below the ground, because a gap would be visible otherwise.
@@ -364,7 +364,7 @@ fn hare_triangles_are_well_shaped() {
 }
 
 #[test]
-fn charts_are_right_handed_even_and_in_scale() {
+fn charts_are_right_handed_with_even_density_and_correct_scale() {
     for model in [hare(), &shapes::torus(), &shapes::knot()] {
         let r = report(&model.primitives[0]);
         assert_eq!(r.flipped_triangles, 0, "{}", model.name);

@@ -265,7 +265,7 @@ fn unsupported_extensions_are_named_with_a_workaround() {
 }
 
 #[test]
-fn syntax_faults_give_the_byte() {
+fn syntax_errors_give_the_byte_offset() {
     let at = |bytes: &[u8]| fault(import_bytes(bytes)).0;
     assert_eq!(at(b""), "byte 0");
     assert_eq!(at(b" \n "), "byte 0");

@@ -343,7 +343,7 @@ fn vertex_colours_are_read_in_every_format() {
 }
 
 #[test]
-fn node_transforms_compose_and_mirroring_keeps_the_outside() {
+fn node_transforms_compose_and_mirroring_keeps_faces_outward() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let normal = doc.floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
@@ -409,7 +409,7 @@ fn default_scene_selects_the_nodes() {
 }
 
 #[test]
-fn unit_scales_static_models() {
+fn model_unit_scales_static_models() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let node = doc.show(json!({"attributes": {"POSITION": position}}));

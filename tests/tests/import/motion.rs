@@ -63,7 +63,7 @@ fn inverse_bind_matrices_undo_the_bind_pose() {
 }
 
 #[test]
-fn unit_scales_animated_models_through_an_extra_root() {
+fn model_unit_scales_animated_models_through_an_extra_root() {
     let doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
     let model = import("m", &doc.glb(), &mut |_, _| unreachable!(), &ImportOptions { unit_m: 0.5 }).unwrap();
     assert_sound(&model);
@@ -186,7 +186,7 @@ fn mirrored_moving_rigid_parts_are_flipped() {
 }
 
 #[test]
-fn every_interpolation_keeps_its_keys() {
+fn keys_of_every_interpolation_are_kept() {
     let mut doc = rigid();
     clip(&mut doc, 1, "scale", "STEP", &[0.5, 1.], &[1., 1., 1., 2., 2., 2.]);
     // The clip is one second of a cubic spline from 0 to 1 in x with zero tangents. At half the time, x is 0.5.

@@ -33,7 +33,7 @@ fn refused(text: &str) -> (String, String) {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
-fn square_with_all_attributes_is_read() {
+fn obj_square_with_all_attributes_is_read() {
     let m = model(&format!(
         "{SQUARE}vt 0 0\nvt 1 0\nvt 1 0.75\nvt 0 1\nvn 0 0 1\no box\ng side\nusemtl skin\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
     ));
@@ -135,7 +135,7 @@ fn texture_coordinates_need_all_corners_of_a_part() {
 }
 
 #[test]
-fn unit_scales_obj_models() {
+fn model_unit_scales_obj_models() {
     let m = with_files(&format!("{SQUARE}f 1 2 3\n"), &[], &ImportOptions { unit_m: 0.01 }).unwrap();
     assert_eq!(m.mesh.positions[2], Vec3::new(0.01, 0.01, 0.0));
     let far = with_files("v 0 0 0\nv 1e38 0 0\nv 0 1 0\nf 1 2 3\n", &[], &ImportOptions { unit_m: 1e6 });

@@ -182,10 +182,10 @@ fn level_changes_do_not_pop_while_the_camera_recedes() {
              {with:.5} with, {switched:.5} switched at once",
             level.full_px, level.gone_px
         );
-        assert!(with < 1.5 * without, "step {}: {with} against {without}", level.step);
+        assert!(with < 1.5 * without, "step {}: FLIP {with} with levels, {without} without", level.step);
         assert!(
             switched > 1.25 * with,
-            "step {}: {switched} against {with}: the measure does not detect the switch",
+            "step {}: FLIP {switched} when switched at once, {with} when faded: the switch was not detected",
             level.step
         );
     }
@@ -225,8 +225,8 @@ fn small_animals_use_fewer_layers_and_passes() {
 }
 
 #[test]
-fn near_and_far_copies_share_a_frame() {
-    let Some(gpu) = gpu("near_and_far_copies_share_a_frame") else { return };
+fn near_and_far_instances_are_drawn_in_one_frame() {
+    let Some(gpu) = gpu("near_and_far_instances_are_drawn_in_one_frame") else { return };
     let mut stage = Stage::new(gpu, &baked("hare"));
     let params = stage.params(0.3, AUTO);
     let away = Mat4::from_translation(Vec3::new(-0.62, -0.28, -0.73) * 20.0);

@@ -121,7 +121,7 @@ fn lines_in_metres_are_thinner_with_distance() {
     // At twice the distance, the perimeter is half as long; the width is halved only if it is in metres.
     let metres = area(0.45, LineWidth::Metres(0.012)) / area(0.9, LineWidth::Metres(0.012));
     let pixels = area(0.45, LineWidth::Pixels(8.0)) / area(0.9, LineWidth::Pixels(8.0));
-    assert!(metres > 1.4 * pixels, "metres shrink by {metres}, pixels by {pixels}");
+    assert!(metres > 1.4 * pixels, "area ratio {metres} for widths in metres, {pixels} in pixels");
 }
 
 #[test]
@@ -291,7 +291,7 @@ fn published_sphere_map_misses_the_outline() {
     let features = dark(&draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Lines), &sphere())).len();
     assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
     // The published form maps all normals to one point, so no rim remains, only the feature lines.
-    assert!(printed < safe, "printed {printed}, safe {safe}");
+    assert!(printed < safe, "published form {printed}, safe form {safe}");
 }
 
 #[test]

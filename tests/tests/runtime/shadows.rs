@@ -260,8 +260,8 @@ fn shadow_maps_are_redrawn_only_on_changes() {
 
 /// Checks that two frames with different lights in one submission have separate maps.
 #[test]
-fn a_frame_keeps_its_maps() {
-    let Some(gpu) = gpu("a_frame_keeps_its_maps") else { return };
+fn frames_in_one_submission_have_separate_shadow_maps() {
+    let Some(gpu) = gpu("frames_in_one_submission_have_separate_shadow_maps") else { return };
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let slanted = above().with(|p| p.light = towards(Vec3::new(1.0, 0.0, 0.4)));

@@ -294,8 +294,8 @@ fn hair_behind_an_object_leaves_it_lit() {
 }
 
 #[test]
-fn the_applications_post_darkens_the_fur() {
-    let Some(gpu) = gpu("the_applications_post_darkens_the_fur") else { return };
+fn post_of_the_application_casts_a_shadow_on_the_fur() {
+    let Some(gpu) = gpu("post_of_the_application_casts_a_shadow_on_the_fur") else { return };
     let mut stage = Stage::new(gpu);
     let post = Cuboid { low: Vec3::new(-0.22, 0.0, -0.02), high: Vec3::new(-0.18, 0.4, 0.02), color: Vec3::ONE };
     let scenes =

@@ -258,7 +258,7 @@ mod modes {
     }
 
     #[test]
-    fn comb_marks_decide_near_their_positions() {
+    fn comb_marks_set_the_hair_direction_near_their_positions() {
         let mark = |name: &str, at: Vec3, direction: Vec3| CombMark {
             name: name.into(),
             places: vec![(at, direction)],

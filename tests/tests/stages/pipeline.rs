@@ -270,7 +270,7 @@ fn every_edge_has_one_fin() {
 }
 
 #[test]
-fn fins_can_be_left_out_and_their_depth_given() {
+fn fins_can_be_disabled_and_their_depth_set() {
     let mut without = fur_recipe("torus");
     without.set("fins.enabled=false").unwrap();
     let bytes = bake("torus", &without).unwrap().package;

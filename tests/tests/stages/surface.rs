@@ -47,7 +47,7 @@ fn square(uv: impl Fn(f32, f32) -> Vec2) -> Model {
 }
 
 #[test]
-fn corners_are_welded_and_the_tile_has_its_size() {
+fn equal_corners_are_merged_and_the_tile_has_the_requested_size() {
     let s = surface(&square(|x, y| vec2(x, y) * 3.0));
     assert_eq!(s.mesh.positions.len(), 4, "the six corners have four positions");
     let (a, b) = (s.mesh.triangles[0][0] as usize, s.mesh.triangles[0][1] as usize);

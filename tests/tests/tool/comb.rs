@@ -130,7 +130,7 @@ fn length_and_color(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
 }
 
 #[test]
-fn mark_values_hold_at_their_position_and_fade() {
+fn comb_mark_values_apply_at_their_position_and_fade_out() {
     let sandbox = sandbox(|_, _| {});
     let recipe = "[color]\nat_root = false\n[groom]\nlength = 0.8\n[surface]\ncomb_marks = [\n\
         { name = \"top\", at = [0, 0.16, 0.2], length = 0.2, reach_m = 0.2 },\n\

@@ -247,7 +247,7 @@ fn bad_render_and_bench_requests_are_refused() {
     let ink = ["--style", "ink", "--size", "48x32", "--json"];
     let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
     let object = schema::parse_success(&run, "render");
-    assert_eq!(object["covered_pixels"], 48 * 32, "paper is everywhere: {object}");
+    assert_eq!(object["covered_pixels"], 48 * 32, "paper must cover the whole picture: {object}");
     let ran = |object: &Value| {
         let passes = object["passes"].as_array().unwrap().clone();
         passes.into_iter().filter(|p| p["ran"] == true).map(|p| p["name"].clone()).collect::<Vec<_>>()

@@ -389,7 +389,7 @@ fn hair_swings_in_sequences() {
     // Frame rates that divide the simulation rate must give identical bytes; others give nearly the same picture.
     assert!(sandbox.read("a/3.png") == sandbox.read("b/6.png"), "12 and 24 pictures a second");
     let (rate, swing) = (difference(&sandbox, "a/3.png", "e/4.png"), difference(&sandbox, "a/3.png", "c/3.png"));
-    assert!(swing > 0.5 && rate < 0.15 * swing, "another rate differs by {rate}, stiff hair by {swing}");
+    assert!(swing > 0.5 && rate < 0.15 * swing, "another frame rate differs by {rate}, stiff hair by {swing}");
     // In a single picture, hair must be at rest.
     rendered(&sandbox, &[&view[..], &["--time", "0.25", "-o", "still.png"]].concat());
     assert_eq!(difference(&sandbox, "still.png", "c/3.png"), 0.0);

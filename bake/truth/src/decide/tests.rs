@@ -92,7 +92,11 @@ fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
             let figure = limits.objective() as usize;
             let (ours, least) = (decision.chosen().measured.figures(), best.measured.figures());
             assert!(limits.excess(ours) <= 0.0, "{limits:?}");
-            assert!(ours[figure] <= 1.1 * least[figure], "{limits:?}: {:?} instead of {best:?}", decision.chosen());
+            assert!(
+                ours[figure] <= 1.1 * least[figure],
+                "{limits:?}: chose {:?}, expected {best:?}",
+                decision.chosen()
+            );
         }
     }
     assert!(
@@ -182,7 +186,7 @@ fn limits_are_positive_numbers() {
 }
 
 #[test]
-fn equal_times_are_decided_by_size() {
+fn settings_with_equal_times_are_chosen_by_size() {
     // Judge whose error and time do not depend on the texels.
     struct TexelBlindJudge;
     impl Judge for TexelBlindJudge {

@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_counted_once() {
+    fn pixels_on_shared_edges_are_counted_once() {
         let mut raster = Raster::new(64, 32);
         assert_eq!(
             square(&mut raster, 1.0, 1.0, 1.0, DrawMode::Opaque).pixels,

@@ -68,7 +68,7 @@ fn changes(found: &Prognosis) -> Vec<&str> {
 fn advice_is_given_only_when_it_applies() {
     let (near, pixels) = (6.0, 600);
     let plain = prognosis(0, &[], pixels, near, 1);
-    assert_eq!(plain.advice, [], "all is well, {:?}", plain.on_screen);
+    assert_eq!(plain.advice, [], "expected no advice: {:?}", plain.on_screen);
     let advised = |sets: &[&str], pixels, distance_m, texels| {
         let found = prognosis(texels, sets, pixels, distance_m, 1);
         for advice in &found.advice {

@@ -18,7 +18,7 @@ fn short(flag: &str) -> &'static ShortForm {
 }
 
 #[test]
-fn every_short_form_sets_a_knob_of_its_own() {
+fn every_short_form_sets_a_different_knob() {
     let all: Vec<_> = SHORT_FORMS.iter().chain([&SAMPLES]).collect();
     for (i, short) in all.iter().enumerate() {
         let elsewhere = cfg!(not(feature = "study")) && short.key.starts_with("study.");
@@ -33,7 +33,7 @@ fn every_short_form_sets_a_knob_of_its_own() {
 }
 
 #[test]
-fn flags_keep_accepting_their_words() {
+fn flags_still_accept_their_values() {
     let mut look = Look::default();
     for (flag, word) in [
         ("size", "64X32"),

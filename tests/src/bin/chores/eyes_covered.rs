@@ -129,7 +129,7 @@ mod tests {
     use image::{Rgb, RgbImage};
 
     #[test]
-    fn covered_green_pixels_count_and_highlights_do_not() {
+    fn hidden_eye_pixels_count_as_covered_and_highlights_do_not() {
         let picture = |pixels: [[u8; 3]; 4]| RgbImage::from_fn(4, 1, |x, _| Rgb(pixels[x as usize]));
         let bare = picture([[0, 200, 0], [0, 200, 0], [204, 209, 217], [0, 0, 0]]);
         assert_eq!(covered(&bare, &bare), (2, 0.0, 0.0));
