@@ -29,7 +29,7 @@ pub fn lab() -> PathBuf {
 fn folder() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
-        let test = std::env::current_exe().unwrap_or_else(|e| panic!("no path of the test: {e}"));
+        let test = std::env::current_exe().unwrap_or_else(|e| panic!("the path of the test is unknown: {e}"));
         // The running program is `<target>/<profile>/deps/<test>` or `<target>/<profile>/<chore>`.
         let folder = test.ancestors().skip(1).find(|f| f.file_name() != Some(OsStr::new("deps")));
         let folder = folder.unwrap_or_else(|| panic!("{} has no profile folder", test.display()));

@@ -63,10 +63,7 @@ impl Desktop {
             .unwrap_or_else(|e| panic!("Xvfb: {e}"));
         let mut line = String::new();
         let said = server.stdout.take().map(|out| BufReader::new(out).read_line(&mut line));
-        assert!(
-            said.is_some_and(|read| read.is_ok()) && !line.trim().is_empty(),
-            "Xvfb does not say which display it is"
-        );
+        assert!(said.is_some_and(|read| read.is_ok()) && !line.trim().is_empty(), "Xvfb does not report its display");
         Self { server, display: format!(":{}", line.trim()) }
     }
 
@@ -138,7 +135,10 @@ impl ViewerWindow<'_> {
             self.assert_alive();
             std::thread::sleep(Duration::from_millis(15));
         }
-        panic!("{names:?} did not happen; what did: {}", std::fs::read_to_string(&self.events).unwrap_or_default());
+        panic!(
+            "none of the events {names:?} arrived; events so far: {}",
+            std::fs::read_to_string(&self.events).unwrap_or_default()
+        );
     }
 
     /// Asserts that the window is open and that its stderr mentions no panic.
@@ -149,7 +149,7 @@ impl ViewerWindow<'_> {
     pub fn assert_alive(&mut self) {
         let ended = self.child.try_wait().unwrap_or_else(|e| panic!("{e}"));
         let said = || std::fs::read_to_string(&self.errors).unwrap_or_default();
-        assert!(ended.is_none(), "the window is gone ({ended:?}): {}", said());
+        assert!(ended.is_none(), "the window has closed ({ended:?}): {}", said());
         assert!(!said().contains("panicked") && !said().contains("internal error"), "{}", said());
     }
 

@@ -199,6 +199,6 @@ pub fn read_map(gpu: &Gpu, texture: &wgpu::Texture, layer: u32) -> Vec<[f32; 4]>
         wgpu::TextureFormat::Depth32Float => {
             texels.chunks_exact(4).map(|t| [bytemuck::pod_read_unaligned(t), 0.0, 0.0, 0.0]).collect()
         }
-        other => panic!("{other:?} is no format of a shadow map"),
+        other => panic!("found {other:?}, expected the format of a shadow map"),
     }
 }

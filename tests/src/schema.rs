@@ -149,7 +149,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn violations_are_found() {
+    fn schema_violations_are_found() {
         let schema = json!({
             "type": "object",
             "required": ["list"],

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn specks_are_short_parts_and_adrift_pixels_touch_no_body() {
+    fn specks_are_short_parts_and_detached_pixels_touch_no_body() {
         let mask = drawn(&["########", "........", "..##....", "........", ".#......"]);
         // The bounding boxes have diagonals of 8.06 (long line), 2.24 (dash) and 1.41 (dot) pixels.
         let found = specks(&mask, 2.0);

@@ -31,10 +31,11 @@ const LIPS: usize = 5;
 /// Hair whorl; hair is combed away from it.
 const WHORL: DVec3 = DVec3::new(0.0, 0.42, -0.07);
 
-/// Centre of the left eye, and its radius.
+/// Centre of the left eye, metres.
 const EYE_AT: DVec3 = DVec3::new(0.0315, 0.2645, 0.0622);
+/// Radius of an eye, metres.
 const EYE_RADIUS: f64 = 0.0127;
-/// Radius of the lids' outer side.
+/// Radius of the lids' outer side, metres.
 const LID_RADIUS: f64 = 0.0143;
 
 /// Half the width of the opening between the lids, and its heights above and below the line between its corners,

@@ -28,6 +28,7 @@ const EYE: usize = 5;
 const POLL: DVec3 = DVec3::new(0.0, 1.225, 0.6);
 /// Unit direction along the face, from the poll to the nose.
 const ALONG: DVec3 = DVec3::new(0.0, -0.743, 0.669_294_4);
+/// Unit direction out of the forehead.
 const OUT: DVec3 = DVec3::new(0.0, 0.669_294_4, 0.743);
 
 /// Returns a point of the head from its head coordinates, metres: sideways, along the face from the poll, and out of

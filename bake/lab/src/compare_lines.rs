@@ -1,4 +1,4 @@
-//! Distance between drawn lines and those that should be there.
+//! Distance between drawn lines and true lines.
 //!
 //! Precision is the fraction of drawn pixels near a true line. Recall is the fraction of the true lines' pixels near a
 //! drawn one (Rijsbergen 1979). Near means within a number of pixels, measured exactly from centre to centre. A drawn
@@ -95,7 +95,7 @@ fn share_near(of: &Mask, to: &Mask, near_px: f64) -> (Option<f64>, usize) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn upright(x0: u32, width: u32) -> Mask {

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use glam::{DVec3, Vec3, Vec4};
 use pelage_bake::strands::{PosedMaterial, PosedMesh, PosedVertex};
@@ -85,7 +85,7 @@ fn surface_textures_do_not_flicker_and_screen_textures_do() {
     let screen = measure((&now, &grey), (&next, &picture(there, there)), &lines);
     for (glued, screen, share) in [(glued.surface, screen.surface, 0.3), (glued.lines, screen.lines, 0.03)] {
         let (glued, screen) = (glued.mean().unwrap(), screen.mean().unwrap());
-        assert!(screen > 0.05 && glued < share * screen, "{glued} on the surface, {screen} on the screen");
+        assert!(screen > 0.05 && glued < share * screen, "flicker {glued} on the surface, {screen} on the screen");
     }
     // Pixels at the square's border mix with the background; elsewhere, only the error of bilinear interpolation
     // remains.

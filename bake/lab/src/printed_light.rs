@@ -145,7 +145,8 @@ fn fit_trt(section: &FibreSection, width: f64, middle: f64, all: f64) -> [Circul
     one(1.0 / (mixed * mixed))
 }
 
-/// Smooth fibre with a given absorption per radius, with the light of all difference angles fitted.
+/// Smooth fibre with a given absorption per radius, and the fitted distributions of its light for all difference
+/// angles.
 #[derive(Clone, Debug)]
 pub struct PrintedLight {
     fibre: Fibre,

@@ -130,7 +130,10 @@ mod tests {
                         (0..50).map(|k| distance_to_hull(capsule, origin + way * (enter * f64::from(k) / 50.0)));
                     assert!(before.fold(f64::INFINITY, f64::min) > -1e-9, "{capsule:?}, ray {i}");
                     assert!(!capsule.intersect(origin, -way).is_finite());
-                    assert!(!capsule.intersect(origin + way * (enter + 1e-9), way).is_finite(), "from within");
+                    assert!(
+                        !capsule.intersect(origin + way * (enter + 1e-9), way).is_finite(),
+                        "a ray from inside must miss"
+                    );
                 } else {
                     misses += 1;
                     let nearest = (0..400).map(|k| distance_to_hull(capsule, origin + way * (f64::from(k) / 60.0)));
@@ -138,7 +141,7 @@ mod tests {
                 }
             }
         }
-        assert!(hits > 300 && misses > 300, "{hits} hits and {misses} misses say little");
+        assert!(hits > 300 && misses > 300, "{hits} hits and {misses} misses are too few");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
 use image::Rgba;
@@ -69,7 +69,12 @@ fn background_affects_only_transparent_pixels() {
     let mut outline = a.clone();
     outline.pixels_mut().for_each(|p| p.0[3] = if p.0[3] > 0 { p.0[3] } else { 40 });
     let flip = |over| compare(&a, &outline, over).unwrap().0.flip.mean;
-    assert!(flip([255; 3]) > 1.5 * flip([20; 3]), "black haze shows on white: {} {}", flip([255; 3]), flip([20; 3]));
+    assert!(
+        flip([255; 3]) > 1.5 * flip([20; 3]),
+        "black haze must be visible on white: {} {}",
+        flip([255; 3]),
+        flip([20; 3])
+    );
     let opaque = |shift| {
         let mut b = strokes(64, 48, shift);
         b.pixels_mut().for_each(|p| p.0[3] = 255);

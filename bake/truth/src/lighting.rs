@@ -4,10 +4,11 @@
 //! of the strand, h its exact height as a fraction of the fur's height. V is the visibility of the light past all
 //! strands and the mesh surface: 0 or 1 for one point of the light.
 //!
-//! **Furred surface.** Between the hairs the undercoat is visible, which the bake paints as layer 0: hair of the roots'
-//! colour, too short to be seen singly. Each sample of it is lit as the root of a random strand of the tile, so that
-//! the mean over samples is the mean over strands. Where the groom thins hair out or shortens it to zero, bare surface
-//! shows in proportion. Without the undercoat pale surface would shine through the fur, which no package shows.
+//! **Furred surface.** Between the hairs, the undercoat is visible: hair of the roots' colour, too short to be seen
+//! singly, which the bake paints as layer 0. Each sample of the undercoat is lit as the root of a random strand of the
+//! tile, so that the mean over samples is the mean over strands. Where the groom thins hair out or shortens it to zero,
+//! bare surface is visible in proportion. Without an undercoat, pale surface would be visible through the fur, unlike
+//! in any package.
 //!
 //! **Bare surface** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C
 //! + kd · C · max(N·L, 0) · V.

@@ -171,7 +171,7 @@ fn window_sums(values: &[[f64; 3]], width: usize, height: usize) -> Vec<[f64; 3]
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use pelage_bake::noise::uniform;
 
@@ -246,7 +246,7 @@ mod tests {
 
     /// Checks that the ring extends by the fur's height on both sides of the outline, and at least two pixels.
     #[test]
-    fn the_ring_is_as_wide_as_the_fur() {
+    fn likeness_ring_is_as_wide_as_the_fur() {
         let solid = disc(|_, r| (0.3, if r < 20.0 { 1.0 } else { 0.0 }));
         for (fur_px, width) in [(5.0, 5.0), (0.0, 2.0)] {
             let inside = ring(&solid, f64::max(fur_px, LEAST_RING_PX));

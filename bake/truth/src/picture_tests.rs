@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use crate::{Lens, TrueLight};
 use glam::{Vec3, Vec4};
@@ -86,7 +86,7 @@ fn random_strands_transmit_exponentially() {
         }
         let found = 1.0 - covered(&trace(&scene(curves), &lighting(), 128, 16)) / 4.0;
         let truth = f64::exp(-tau);
-        assert!((found - truth).abs() < 0.012, "τ {tau}: {found} comes through, expected {truth}");
+        assert!((found - truth).abs() < 0.012, "τ {tau}: transmittance {found}, expected {truth}");
     }
 }
 
@@ -311,7 +311,7 @@ fn traced_picture_does_not_depend_on_thread_count() {
 }
 
 #[test]
-fn an_empty_scene_is_empty() {
+fn empty_scene_gives_an_empty_picture() {
     let picture = trace(&scene(Curves::default()), &lighting(), 4, 4);
     assert!(picture.pixels.iter().all(|p| *p == [0.0; 4]) && picture.rays.shadow == 0);
 }
@@ -331,9 +331,9 @@ fn sample_portions_add_up_and_a_trace_can_be_cancelled() {
     mixed.mix(&part(2..8).unwrap(), [0.25, 0.75]);
     assert_eq!(mixed.rays, whole.rays);
     for (a, b) in mixed.pixels.iter().flatten().zip(whole.pixels.iter().flatten()) {
-        assert!((a - b).abs() < 1e-5, "{a} is not {b}");
+        assert!((a - b).abs() < 1e-5, "found {a}, expected {b}");
     }
-    assert!(part(0..2).unwrap() != part(2..4).unwrap(), "each part has samples of its own");
+    assert!(part(0..2).unwrap() != part(2..4).unwrap(), "parts must have different samples");
     let broken =
         scene.portion(&camera(), &lighting(), (40, 40), &Portion::of_samples(0..8), &mut |_, _| ControlFlow::Break(()));
     assert_eq!(broken, None);
@@ -356,7 +356,7 @@ fn row_portions_have_the_pixels_of_the_whole() {
             told = (done, all);
             ControlFlow::Continue(())
         });
-        let traced = traced.expect("nobody breaks off");
+        let traced = traced.expect("nothing cancels the trace");
         let squares = part.squares(size);
         let count: u64 = squares.iter().map(Square::pixels).sum();
         assert_eq!(told, (count, count));

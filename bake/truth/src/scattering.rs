@@ -38,7 +38,7 @@ impl TrueScattering {
     /// Adds a run named `name` with another fibre. It begins where the last run ends and stops before strand `end`.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn with_run(mut self, name: &str, end: u32, fibre: Fibre) -> Result<Self, BakeError> {
         self.runs.push((name.to_owned(), end, self.fibres.len()));
         self.fibres.push(near(fibre)?);
@@ -83,7 +83,7 @@ fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 

@@ -5,8 +5,9 @@ use crate::stage::motion;
 use pelage_formats::ClipLayer;
 use pelage_runtime::Motion;
 
-/// Plays a clip and cross-fades to others. Independent of models: keep one per character. Notify it of clips and of
-/// passing time, and set its [`Animator::motion`] on the character's instance.
+/// Plays a clip and cross-fades to others. Independent of models: keep one per character. Call [`Animator::play`] for
+/// each new clip, and [`Animator::advance`] as time passes. Set the result of [`Animator::motion`] on the character's
+/// instance.
 ///
 /// A clip requested during a fade starts from the current blended pose, so that the motion is continuous.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,7 +105,7 @@ mod tests {
     fn layers(animator: &Animator) -> Vec<ClipLayer> {
         match animator.motion() {
             Motion::Blend(layers) => layers,
-            other => panic!("{other:?} is no blend"),
+            other => panic!("found {other:?}, expected a blend"),
         }
     }
 
@@ -132,7 +133,7 @@ mod tests {
         assert!((run.time_s - 0.5).abs() < 1e-6, "0.1 + 2 * 0.2: {run:?}");
         animator.advance(0.2);
         assert!(!animator.is_fading());
-        assert!(matches!(animator.motion(), Motion::Clip { clip: 1, .. }), "the walk is forgotten");
+        assert!(matches!(animator.motion(), Motion::Clip { clip: 1, .. }), "the finished fade must drop the walk");
     }
 
     #[test]
@@ -144,7 +145,7 @@ mod tests {
         let before = layers(&animator);
         animator.play(Some(LAND), 0.3);
         let after = layers(&animator);
-        assert_eq!((&after[..2], after[2].share), (&before[..], 0.0), "nothing jumps");
+        assert_eq!((&after[..2], after[2].share), (&before[..], 0.0), "the pose must not jump");
         animator.advance(0.3);
         assert_eq!(animator.motion(), Motion::Clip { clip: 2, time_s: 0.3 });
         assert!(!animator.is_over());

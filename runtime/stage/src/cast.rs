@@ -113,7 +113,7 @@ impl Actor {
 impl Playback {
     /// Returns looped playback of the named clip, from its beginning and at speed 1. `None` without a name.
     ///
-    /// * `package`: `file`, opened
+    /// * `package`: the opened `file`
     ///
     /// # Errors
     ///
@@ -152,7 +152,7 @@ impl<'a> Cast<'a> {
     /// Creates copies of one package's model, side by side on a grid. All are at the same time of the named clip
     /// (`None`: at rest). Without `camera`, [`frame_actors`] makes one that shows all of them.
     ///
-    /// * `package`: `file`, opened
+    /// * `package`: the opened `file`
     /// * `aspect`: width of the picture divided by its height
     ///
     /// # Errors
@@ -394,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn clips_loop_or_hold() {
+    fn clips_restart_or_hold_their_last_pose() {
         let playing = Playback { clip: 2, duration_s: 2.0, start_s: 0.5, speed: 2.0, looped: true };
         let at = |playing: Playback, time_s| playing.moment(time_s);
         assert_eq!([0.0, 0.5, 1.0, -0.5].map(|t| at(playing, t)), [0.5, 1.5, 0.5, 1.5]);
@@ -407,7 +407,7 @@ mod tests {
     #[test]
     fn models_face_their_heading_or_their_path() {
         let nose = |place: &Placement, t| place.transform(t).transform_vector3(Vec3::Z);
-        let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "{a} is not {b}");
+        let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "found {a}, expected {b}");
         assert_eq!(Placement::fixed(Vec3::ZERO).transform(3.0), Mat4::IDENTITY);
         let turned = Placement { heading_deg: Some(Track::fixed(90.0)), scale: 2.0, ..Placement::fixed(Vec3::Y) };
         near(nose(&turned, 0.0), 2.0 * Vec3::X);

@@ -21,7 +21,7 @@ const MIN_MATCH_WEIGHT: f32 = 0.5;
 /// For a clip, the outermost vertices of each joint are posed at twenty times per second. The other vertices stay
 /// between them, except where the surface bends at a joint.
 ///
-/// * `package`: `file`, opened
+/// * `package`: the opened `file`
 /// * `clip`: index and length in seconds, as returned by [`crate::find_clip`]
 /// * `look_at`: keeps only vertices of materials or joints whose name matches; the result is empty if no name does. `*`
 ///   matches any number of characters and `?` a single one; case is ignored. A joint's children belong to it.

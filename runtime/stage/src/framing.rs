@@ -223,8 +223,11 @@ mod tests {
                 let directions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
                 let ball = points.iter().flat_map(|p| directions.map(|d| *p + d * margin));
                 let widest = ball.map(on_picture).fold(0.0, f32::max);
-                assert!(widest <= FILL + 1e-3, "aspect {aspect}, margin {margin}: a point lies at {widest}");
-                assert!(widest > FILL - 0.05, "aspect {aspect}, margin {margin}: the widest lies at {widest} only");
+                assert!(widest <= FILL + 1e-3, "aspect {aspect}, margin {margin}: the outermost point is at {widest}");
+                assert!(
+                    widest > FILL - 0.05,
+                    "aspect {aspect}, margin {margin}: the outermost point is only at {widest}"
+                );
             }
         }
     }
@@ -248,7 +251,7 @@ mod tests {
                     widest = widest.max((p.x / (tan_y * aspect)).abs().max((p.y / tan_y).abs()) / -p.z);
                 }
             }
-            assert!((0.7..0.93).contains(&widest), "elevation {elevation_deg}: the widest lies at {widest}");
+            assert!((0.7..0.93).contains(&widest), "elevation {elevation_deg}: the outermost point is at {widest}");
         }
     }
 
@@ -264,7 +267,7 @@ mod tests {
             assert!((distance(zoom) * zoom / distance(1.0) - 1.0).abs() < 1e-2, "zoom {zoom}: {}", distance(zoom));
         }
         assert!(distance(100.0) > 0.0);
-        assert_eq!(view(1.0), frame(&points, 0.0, 1.0, Vec3::Z), "to the last bit");
+        assert_eq!(view(1.0), frame(&points, 0.0, 1.0, Vec3::Z), "zoom 1 must not change the camera");
     }
 
     #[test]
@@ -275,7 +278,7 @@ mod tests {
         let outer: Vec<Vec3> = outermost(&points, framing.edges(1.5).into_iter()).iter().map(|i| points[*i]).collect();
         assert!(outer.len() <= 5);
         let (few, all) = (framing.view(&outer, 0.1, 1.5), framing.view(&points, 0.1, 1.5));
-        assert!(few.eye.distance(all.eye) < 1e-4, "{} is not {}", few.eye, all.eye);
+        assert!(few.eye.distance(all.eye) < 1e-4, "found {}, expected {}", few.eye, all.eye);
     }
 
     #[test]

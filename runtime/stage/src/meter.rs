@@ -75,9 +75,9 @@ pub struct Meter {
 /// Maximum number of timed sections; larger than the number of passes of a frame.
 const MARKS: u32 = 64;
 
-/// Number of timed frames; the fastest is used, because other load only adds time. The next constant is the number of
-/// warm-up frames before them, in which pipelines are compiled and shadow maps drawn.
+/// Number of timed frames; the fastest is used, because other load only adds time.
 const FRAMES: usize = 9;
+/// Number of frames before the timed ones, in which pipelines are compiled and shadow maps drawn.
 const WARM_UP: usize = 2;
 
 /// Returns the milliseconds of the fastest of several whole frames.

@@ -122,7 +122,7 @@ impl Track<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn track(keys: &[(f32, f32)]) -> Track<f32> {
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn speed_has_no_jumps() {
+    fn track_speed_is_continuous() {
         let track = track(&[(0.0, 0.0), (1.0, 3.0), (1.5, 2.0), (4.0, 2.5)]);
         for t in [1.0_f32, 1.5] {
             let (before, after) = (track.at(t) - track.at(t - 1e-3), track.at(t + 1e-3) - track.at(t));
@@ -179,17 +179,20 @@ mod tests {
     }
 
     #[test]
-    fn a_repeated_key_is_a_stop() {
+    fn keys_with_equal_values_hold_the_value() {
         let track = track(&[(0.0, 0.0), (1.0, 5.0), (2.0, 5.0), (3.0, 9.0)]);
         let all = |from: f32, to: f32, holds: &dyn Fn(f32) -> bool| {
             (0..=100).all(|i| holds(track.at(from + (to - from) * i as f32 / 100.0)))
         };
-        assert!(all(1.0, 2.0, &|x| x == 5.0), "to the last bit");
-        assert!(all(0.0, 1.0, &|x| x <= 5.0) && all(2.0, 3.0, &|x| x >= 5.0), "without swinging past it");
+        assert!(all(1.0, 2.0, &|x| x == 5.0), "the held value must be constant to the last bit");
+        assert!(
+            all(0.0, 1.0, &|x| x <= 5.0) && all(2.0, 3.0, &|x| x >= 5.0),
+            "the curve must not overshoot the held value"
+        );
     }
 
     #[test]
-    fn times_must_rise() {
+    fn key_times_must_ascend() {
         let new = |times: &[f32]| Track::new(times.iter().map(|t| (*t, 0.0)).collect()).map(|_| ());
         assert_eq!(new(&[]), Err(0));
         assert_eq!(new(&[5.0]), Ok(()));

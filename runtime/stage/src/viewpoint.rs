@@ -72,7 +72,7 @@ impl Item for Viewpoint {
     const ALLOW_SINGLE: bool = true;
 
     fn expected_list() -> String {
-        "a list of views such as \"0,1,3/0,0.5,0/40\": eye, target, height of the view in degrees".into()
+        "a list of views such as \"0,1,3/0,0.5,0/40\": eye, target, vertical field of view in degrees".into()
     }
 
     fn entry_name(index: usize, raw: &Raw) -> String {

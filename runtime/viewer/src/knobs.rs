@@ -169,7 +169,7 @@ pub fn shown(toml: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn state(edits: &Edits) -> String {
@@ -188,13 +188,13 @@ mod tests {
         assert!(edits.undo());
         assert_eq!(state(&edits), "a.b=2 a.c=3");
         assert!(edits.undo() && edits.undo());
-        assert_eq!(state(&edits), "", "the whole drag");
+        assert_eq!(state(&edits), "", "undo must revert the whole drag");
         assert!(!edits.undo());
         assert!(edits.redo() && edits.redo() && edits.redo() && !edits.redo());
         assert_eq!(state(&edits), "a.c=3");
         edits.undo();
         edits.set("a.d", "4".into(), false);
-        assert!(!edits.redo(), "what was undone is gone once something else is done");
+        assert!(!edits.redo(), "a new change must clear the undone ones");
     }
 
     #[test]

@@ -86,7 +86,7 @@ impl ReferencePane {
     /// Returns a description of the reference image's state.
     pub fn status_text(&self) -> String {
         if let Some(reason) = &self.failure {
-            return format!("no truth: {reason}");
+            return format!("no reference image: {reason}");
         }
         let samples = self.latest.as_ref().map(|t| format!("traced, {} of {} samples", t.samples, t.of_samples));
         let doing = self.progress.as_ref().filter(|_| !self.is_whole());

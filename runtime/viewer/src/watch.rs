@@ -79,7 +79,7 @@ fn poll(files: &mut BTreeMap<PathBuf, Watched>) -> bool {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use std::sync::mpsc::channel;
 
@@ -99,7 +99,10 @@ mod tests {
 
         std::fs::read(&file).unwrap();
         std::fs::write(&neighbour, "1").unwrap();
-        assert!(changes.recv_timeout(5 * INTERVAL).is_err(), "a neighbour changed, and the file was read");
+        assert!(
+            changes.recv_timeout(5 * INTERVAL).is_err(),
+            "neither reads nor changes of other files may be reported"
+        );
 
         watch.set(std::slice::from_ref(&neighbour));
         std::fs::remove_file(&neighbour).unwrap();

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use crate::subject::Subject;
 use pelage_stage::{Look, NamedPackage, Viewpoint};
@@ -21,7 +21,7 @@ impl Workshop for TestWorkshop {
     }
 
     fn make(&mut self, edits: &[String], _: &mut dyn FnMut(Progress)) -> Outcome<WindowContent> {
-        assert!(edits != ["a.b=panic"], "on purpose");
+        assert!(edits != ["a.b=panic"], "this test panics on purpose");
         self.begins.send(edits.to_vec()).unwrap();
         self.go_on.recv().unwrap();
         let subject = Subject::Package(Arc::new(NamedPackage::new("a", edits.join(" ").into_bytes())));
@@ -56,7 +56,7 @@ impl ReferenceSource for EndlessTracer {
         while progress(Progress::default()).is_continue() {
             std::thread::sleep(Duration::from_millis(1));
         }
-        Err("broken off".into())
+        Err("cancelled".into())
     }
 }
 
@@ -128,7 +128,7 @@ fn changed_file_is_rebuilt_with_the_unsaved_edits() {
     std::fs::write(&bench.file, "22").unwrap();
     assert_eq!(bench.made().unwrap(), "a.b=1");
     bench.workers.save(vec!["a.b=1".into()]);
-    assert_eq!(bench.made().unwrap(), "", "the file says it now");
+    assert_eq!(bench.made().unwrap(), "", "the file must contain the edit now");
     bench.workers.open("no/such.pelage".into());
     assert!(bench.made().unwrap_err().contains("no/such.pelage"));
 }

@@ -64,7 +64,7 @@ pub fn log_missing(need: Need, test: &str, why: &str) {
     // Writes to the handle, because the test harness would capture the output of `eprintln!`.
     let said = writeln!(std::io::stderr(), "SKIPPED: {test} ({why})");
     assert!(said.is_ok(), "stderr cannot be written");
-    assert!(!is_ci(), "{test}: {why}; CI is set, and nothing is skipped there");
+    assert!(!is_ci(), "{test}: {why}; CI is set, so no test may be skipped");
 }
 
 fn note(how: &str, need: Need, test: &str, words: &str) {

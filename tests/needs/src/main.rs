@@ -25,9 +25,9 @@ fn main() -> ExitCode {
     match check(REGISTER, &log) {
         Ok(roll) => {
             let counts: Vec<_> = roll.had.iter().map(|(need, n)| format!("{n} {}", need.name())).collect();
-            println!("registered tests that had what they need: {}", counts.join(", "));
+            println!("registered tests whose resource was available: {}", counts.join(", "));
             for ((need, test), why) in &roll.lacked {
-                println!("went without: {} test {test} ({why})", need.name());
+                println!("resource missing: {} test {test} ({why})", need.name());
             }
             if roll.lacked.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(WENT_WITHOUT) }
         }

@@ -19,9 +19,9 @@ pub fn entries(register: &str) -> Result<BTreeSet<Entry>, String> {
     for (number, line) in register.lines().enumerate() {
         let entry = line.split_once(' ').and_then(|(word, test)| Some((need_by_name(word)?, test.trim().to_owned())));
         let entry = entry.filter(|(_, test)| !test.is_empty());
-        let entry = entry.ok_or_else(|| format!("line {}: {line:?}, expected a need and a test", number + 1))?;
+        let entry = entry.ok_or_else(|| format!("line {}: {line:?}, expected a resource and a test", number + 1))?;
         if !all.insert(entry) {
-            return Err(format!("line {}: {line:?} is there twice", number + 1));
+            return Err(format!("line {}: {line:?} is listed twice", number + 1));
         }
     }
     Ok(all)
@@ -54,7 +54,7 @@ pub fn check(register: &str, log: &str) -> Result<RunSummary, Vec<String>> {
         match fields[..] {
             ["had", word, test, _] if need_by_name(word).is_some() => drop(had.insert((word, test))),
             ["lacked", word, test, why] if need_by_name(word).is_some() => drop(lacked.insert((word, test), why)),
-            _ => faults.push(format!("log, line {}: {line:?} is no line of a test", number + 1)),
+            _ => faults.push(format!("log, line {}: found {line:?}, expected the line of a test", number + 1)),
         }
     }
     for (word, test) in had.iter().chain(lacked.keys()).collect::<BTreeSet<_>>() {
@@ -74,7 +74,7 @@ pub fn check(register: &str, log: &str) -> Result<RunSummary, Vec<String>> {
         } else if had.contains(&key) {
             *roll.had.entry(need).or_default() += 1;
         } else {
-            faults.push(format!("{} test {test:?} did not run, or ran without asking for what it needs", need.name()));
+            faults.push(format!("{} test {test:?} did not run, or did not request its resource", need.name()));
         }
     }
     if faults.is_empty() { Ok(roll) } else { Err(faults) }
@@ -82,7 +82,7 @@ pub fn check(register: &str, log: &str) -> Result<RunSummary, Vec<String>> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
     use super::*;
 
@@ -90,7 +90,7 @@ mod tests {
     const LOG: &str = "had\tgpu\tshines\tadapter\nhad\tdata\treads models\t/data\nhad\tgpu\tdraws\tadapter\n";
 
     #[test]
-    fn a_whole_log_passes() {
+    fn complete_log_passes() {
         let roll = check(LIST, LOG).unwrap();
         assert_eq!(roll.had, BTreeMap::from([(Need::Gpu, 2), (Need::Data, 1)]));
         assert!(roll.lacked.is_empty());
@@ -99,17 +99,17 @@ mod tests {
     }
 
     #[test]
-    fn a_log_with_a_name_missing_fails() {
+    fn log_without_a_registered_test_fails() {
         for gone in ["shines", "reads models", "draws"] {
             let log: String = LOG.lines().filter(|l| !l.contains(gone)).map(|l| format!("{l}\n")).collect();
             let faults = check(LIST, &log).unwrap_err();
             assert!(faults.len() == 1 && faults[0].contains(gone) && faults[0].contains("did not run"), "{faults:?}");
         }
-        assert_eq!(check(LIST, "").unwrap_err().len(), 3, "an empty log is no run");
+        assert_eq!(check(LIST, "").unwrap_err().len(), 3, "with an empty log, all tests must be missing");
     }
 
     #[test]
-    fn test_with_the_wrong_need_fails() {
+    fn test_that_requests_another_resource_fails() {
         let faults = check("gpu draws", "had\tdata\tdraws\t/data\n").unwrap_err();
         assert_eq!(faults.len(), 2, "{faults:?}");
     }
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn the_register_is_sorted_and_sound() {
+    fn register_is_sorted_and_valid() {
         let lines: Vec<&str> = REGISTER.lines().collect();
         assert!(lines.is_sorted(), "tests/needs/register.txt is not sorted");
         assert_eq!(entries(REGISTER).unwrap().len(), lines.len());

@@ -20,9 +20,10 @@ const ENTRY: usize = 32;
 ///
 /// If the package is invalid.
 pub fn sections(package: &[u8]) -> (u32, Vec<Section>) {
-    let package = Package::open(package, &Limits::default()).unwrap_or_else(|e| panic!("a base that opens: {e}"));
+    let package =
+        Package::open(package, &Limits::default()).unwrap_or_else(|e| panic!("the base package must open: {e}"));
     let bytes = |index: usize| {
-        let bytes = package.section_bytes(index).unwrap_or_else(|e| panic!("a base that is sound: {e}"));
+        let bytes = package.section_bytes(index).unwrap_or_else(|e| panic!("the base package must be valid: {e}"));
         bytes.to_vec()
     };
     let list = package.sections().iter().enumerate().map(|(index, section)| (section.tag.0, bytes(index)));

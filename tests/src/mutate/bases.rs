@@ -352,7 +352,7 @@ pub fn glb(document: &Value, bin: &[u8]) -> Vec<u8> {
 ///
 /// Same as [`glb`].
 pub fn glb_of_text(text: &str, bin: &[u8]) -> Vec<u8> {
-    container_of_text(text.into(), bin).unwrap_or_else(|e| panic!("a small model: {e}"))
+    container_of_text(text.into(), bin).unwrap_or_else(|e| panic!("a small model must be encodable: {e}"))
 }
 
 /// Encodes a picture that has varying colours, and a dark horizontal stroke of the minimum size for a scanned stroke.

@@ -35,7 +35,7 @@ const NUMBERS: [u64; 24] = [
 pub fn bytes(bytes: &mut Vec<u8>, random: &mut Random) -> String {
     if bytes.is_empty() {
         bytes.push(random.next_u64() as u8);
-        return "a byte added".into();
+        return "a byte appended".into();
     }
     // Half of the changes are in the first 128 bytes, where most files have their headers.
     let reach = if random.below(2) == 0 { bytes.len() } else { bytes.len().min(128) };

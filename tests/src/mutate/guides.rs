@@ -12,7 +12,9 @@ const HEADS: [(&str, &[usize]); 3] =
 
 /// Makes a case.
 pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
-    let Entry::File(file, bytes) = random.pick(&bases.guides) else { unreachable!("bases are files") };
+    let Entry::File(file, bytes) = random.pick(&bases.guides) else {
+        unreachable!("guide files have no other entries")
+    };
     let (how, entries) = match file.as_str() {
         "g.glb" => lines(bytes, turn, random),
         "g.txt" => {
@@ -46,7 +48,7 @@ fn change_header(bytes: &mut [u8], at: usize, random: &mut Random) -> String {
 
 /// Changes a glTF file that contains lines. The buffer is in the same file or in a second one.
 fn lines(file: &[u8], turn: u64, random: &mut Random) -> (String, Vec<Entry>) {
-    let Some((mut document, mut bin)) = chunks(file) else { unreachable!("a whole .glb") };
+    let Some((mut document, mut bin)) = chunks(file) else { unreachable!("the guide file is a valid .glb") };
     match random.below(4) {
         0 => {
             let how = change::bytes(&mut bin, random);

@@ -79,7 +79,7 @@ fn seal_png(bytes: &mut [u8]) {
 fn ktx2(bases: &Bases, random: &mut Random) -> Case {
     let (name, base) = random.pick(&bases.folders);
     let textures: Vec<&Entry> = base.iter().filter(|entry| entry.name().ends_with(".ktx2")).collect();
-    let Entry::File(file, bytes) = *random.pick(&textures) else { unreachable!("bases are files") };
+    let Entry::File(file, bytes) = *random.pick(&textures) else { unreachable!("folders contain KTX2 files") };
     let mut bytes = bytes.clone();
     let how = change::bytes(&mut bytes, random);
     let entry = Entry::File(file.clone(), bytes);
@@ -98,7 +98,7 @@ mod tests {
         let good = out.into_inner();
         let mut sealed = good.clone();
         seal_png(&mut sealed);
-        assert!(sealed == good, "right checksums stay");
+        assert!(sealed == good, "valid checksums must not change");
         sealed[20..24].copy_from_slice(&1_u32.to_be_bytes());
         assert!(image::load_from_memory(&sealed).is_err());
         seal_png(&mut sealed);

@@ -239,7 +239,7 @@ impl CaseRunner {
                 if packed.code != Some(0) || same() != Some(true) {
                     outcome.fault(
                         step,
-                        format!("what it unpacked does not pack to the same bytes: {}", packed.stderr.trim()),
+                        format!("the unpacked folder does not pack to the same bytes: {}", packed.stderr.trim()),
                     );
                 }
             }
@@ -264,7 +264,7 @@ fn check_in_process(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader
     let used = catch_unwind(|| assemble::open(bytes) && !assemble::round_trip(bytes));
     match used {
         Err(panic) => faults.push(format!("formats: panicked: {}", panic_message(&*panic))),
-        Ok(true) => faults.push("formats: a valid package is not written again".into()),
+        Ok(true) => faults.push("formats: cannot write a valid package again".into()),
         Ok(false) => {}
     }
     if let (Some(drawable), Some(loader)) = (drawable, loader) {
@@ -275,7 +275,7 @@ fn check_in_process(bytes: &[u8], drawable: Option<bool>, loader: Option<&Loader
                 faults.push(format!("runtime: `validate` found nothing that stops drawing, but: {why}"));
             }
             (false, Ok(())) => {
-                faults.push("runtime: loads what `validate` says it cannot draw".into());
+                faults.push("runtime: loads a package that cannot be drawn according to `validate`".into());
             }
             _ => {}
         }

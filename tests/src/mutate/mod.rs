@@ -185,13 +185,13 @@ impl Report {
 /// If a case cannot be created, which is a fault of this chore.
 pub fn run(plan: &Plan, loader: Option<&Loader>, keep: Option<&Path>) -> anyhow::Result<Report> {
     let begun = Instant::now();
-    let bases = Bases::make().context("the bases")?;
+    let bases = Bases::make().context("cannot create the valid inputs")?;
     let mut report = Report::default();
     let packed = KINDS.iter().position(|kind| kind.name == "packed");
     let mut cases = plan.cases.clone();
     if bases.packed.is_empty() {
         cases.retain(|(kind, _)| Some(*kind) != packed);
-        report.left_out.push("packed: there is no test data".into());
+        report.left_out.push("packed: the test data are missing".into());
     }
     let next = AtomicUsize::new(0);
     let outcomes = Mutex::new(Vec::new());

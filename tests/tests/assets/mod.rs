@@ -137,7 +137,7 @@ fn committed_models_match_their_generators() {
         let made = model.to_glb().unwrap();
         assert!(
             committed == made,
-            "{} differs from what the code makes ({} and {} bytes); run `cargo run -p pelage-assets`",
+            "{} differs from the generated model ({} and {} bytes); run `cargo run -p pelage-assets`",
             path.display(),
             committed.len(),
             made.len()
@@ -150,7 +150,11 @@ fn committed_patterns_match_their_generators_and_tile() {
     for (name, made) in patterns::all() {
         let path = folder("patterns").join(format!("{name}.png"));
         let committed = image::open(&path).unwrap().into_rgb8();
-        assert!(committed == made, "{} differs from what the code makes; run make_assets", path.display());
+        assert!(
+            committed == made,
+            "{} differs from the generated image; run `cargo run -p pelage-assets`",
+            path.display()
+        );
         // Patterns must tile: opposite borders must fit together almost as well as neighbouring rows and columns
         // inside.
         let step = |x0: u32, x1: u32| -> f64 {
@@ -175,7 +179,7 @@ fn model_sizes_are_as_documented() {
     let [low, high] = bounds(coat);
     assert!(low.y.abs() < 0.003, "the hare stands on the ground: {}", low.y);
     assert!((0.42..0.50).contains(&(high.y - low.y)), "{}", high.y - low.y);
-    assert!(high.z > 0.1, "it faces +Z");
+    assert!(high.z > 0.1, "the hare must face +Z");
 }
 
 #[test]
@@ -268,7 +272,7 @@ fn pony_and_head_are_symmetric() {
         let skin = whole_skin(model);
         let places: BTreeSet<PositionKey> = skin.positions.iter().map(|p| key(*p)).collect();
         let lonely = skin.positions.iter().filter(|p| !places.contains(&key(DVec3::new(-p.x, p.y, p.z)))).count();
-        assert_eq!(lonely, 0, "{}: vertices without a twin", model.name);
+        assert_eq!(lonely, 0, "{}: vertices without a mirror image", model.name);
     }
 }
 
@@ -290,7 +294,7 @@ fn hills_are_ordered_in_depth_and_the_path_is_flat() {
     let [left, right] = bounds(path);
     assert!(left.x < -30.0 && right.x > 30.0);
     for p in &part(hills(), "ground").positions {
-        assert!(p.z < 0.0 || p.y < 1e-6, "{p} stands before the path");
+        assert!(p.z < 0.0 || p.y < 1e-6, "{p} is in front of the path");
         assert!(p.z.abs() > 1.6 || p.y.abs() < 1e-6, "{p} is not flat");
     }
     // The foot of a ridge must be below the ground, because a gap would be visible otherwise.
@@ -311,10 +315,10 @@ fn surfaces_are_closed_and_face_outwards() {
 
     let mut torn = coat.clone();
     torn.triangles.pop();
-    assert!(!is_closed_manifold(&torn), "the check must see a missing triangle");
+    assert!(!is_closed_manifold(&torn), "the check must detect a missing triangle");
     let mut turned = coat.clone();
     turned.triangles[0].swap(0, 1);
-    assert!(!is_closed_manifold(&turned), "the check must see a turned triangle");
+    assert!(!is_closed_manifold(&turned), "the check must detect a flipped triangle");
 }
 
 #[test]
@@ -360,7 +364,7 @@ fn hare_triangles_are_well_shaped() {
 }
 
 #[test]
-fn charts_are_right_handed_even_and_in_scale() {
+fn charts_are_right_handed_with_even_density_and_correct_scale() {
     for model in [hare(), &shapes::torus(), &shapes::knot()] {
         let r = report(&model.primitives[0]);
         assert_eq!(r.flipped_triangles, 0, "{}", model.name);
@@ -374,11 +378,11 @@ fn charts_are_right_handed_even_and_in_scale() {
     for uv in &mut mirrored.uvs {
         uv[0] = -uv[0];
     }
-    assert_eq!(report(&mirrored).flipped_triangles, mirrored.triangles.len(), "the check must see mirrored charts");
+    assert_eq!(report(&mirrored).flipped_triangles, mirrored.triangles.len(), "the check must detect mirrored charts");
 }
 
 #[test]
-fn tube_seams_are_whole_tiles_apart() {
+fn texture_coordinates_at_tube_seams_differ_by_whole_tiles() {
     for model in [shapes::torus(), shapes::knot()] {
         let p = &model.primitives[0];
         let mut seen: BTreeMap<PositionKey, [f64; 2]> = BTreeMap::new();
@@ -454,7 +458,7 @@ fn foot_path(model: &Model, gait: &str, (joint, tip): Foot, seconds: f64, steps:
 }
 
 #[test]
-fn feet_on_the_ground_move_at_its_speed() {
+fn planted_feet_move_at_the_speed_of_the_ground() {
     for (model, gait, feet, [metres, seconds]) in animals() {
         let high = model.primitives[0].positions.iter().map(|p| p.y).fold(0.0, f64::max);
         for foot in feet {
@@ -464,7 +468,13 @@ fn feet_on_the_ground_move_at_its_speed() {
             let down: Vec<f64> = (0..48).filter(|&k| low(k + 47) && low(k) && low(k + 1)).map(|k| path[k][1]).collect();
             let (slow, fast) = down.iter().fold((f64::MAX, f64::MIN), |m, v| (m.0.min(*v), m.1.max(*v)));
             let (mean, ground) = (down.iter().sum::<f64>() / down.len() as f64, metres / seconds);
-            assert!(down.len() >= 6, "{} {gait}: joint {} is down in {} of 48 steps", model.name, foot.0, down.len());
+            assert!(
+                down.len() >= 6,
+                "{} {gait}: joint {} is on the ground in {} of 48 steps",
+                model.name,
+                foot.0,
+                down.len()
+            );
             assert!(
                 (mean / ground - 1.0).abs() < 0.08 && slow > 0.7 * ground && fast < 1.3 * ground,
                 "{} {gait}: joint {} goes at {slow} to {fast}, mean {mean} m/s on a ground of {ground}",

@@ -1,5 +1,5 @@
 //! Checks the layering of the crates with `cargo tree`: which crate may depend on which.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::workspace;
 use std::collections::BTreeSet;
@@ -31,10 +31,10 @@ fn tree(package: &str, options: &[&str]) -> BTreeSet<String> {
 fn assert_dependencies(package: &str, options: &[&str], knows: &[&str], never: &[&str]) {
     let names = tree(package, options);
     for name in knows {
-        assert!(names.contains(*name), "{package} {options:?} should know {name}: {names:?}");
+        assert!(names.contains(*name), "{package} {options:?} should depend on {name}: {names:?}");
     }
     for name in never {
-        assert!(!names.contains(*name), "{package} {options:?} must never know {name}");
+        assert!(!names.contains(*name), "{package} {options:?} must not depend on {name}");
     }
 }
 
@@ -89,7 +89,7 @@ fn web_depends_on_the_stage_and_adds_nothing_to_native_builds() {
     let never = ["clap", "rayon", "image", "tempfile", "indicatif", "pelage-bake", "winit"];
     assert_dependencies("pelage-web", &[], &["pelage-stage", "wasm-bindgen", "wgpu"], &never);
     let native = ["tree", "--package", "pelage-web", "--edges", "normal", "--prefix", "none"];
-    assert_eq!(cargo(native[0], &native[1..]).lines().count(), 1, "it alone");
+    assert_eq!(cargo(native[0], &native[1..]).lines().count(), 1, "the native build must add no other crate");
 }
 
 #[test]

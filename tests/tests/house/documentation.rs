@@ -1,5 +1,5 @@
 //! Checks documents against the code and against each other.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_bake::recipe::Recipe;
 use pelage_runtime::PassId;
@@ -63,7 +63,11 @@ fn every_cited_formula_exists() {
     let all = documents(&["rs", "wgsl", "md", "toml"]).into_iter().filter(|d| d.path != "tests/src/documents.rs");
     for document in all {
         for section in cited_formulas(&document.text) {
-            assert!(sections.contains(&section), "{} cites formulas {section}, which {SHEET} has not", document.path);
+            assert!(
+                sections.contains(&section),
+                "{} cites formulas {section}, which {SHEET} does not have",
+                document.path
+            );
             cited += 1;
         }
     }
@@ -89,7 +93,7 @@ fn every_named_document_is_in_the_repository() {
             named += 1;
         }
     }
-    assert!(named > 20, "only {named} found");
+    assert!(named > 20, "only {named} names of documents found");
 }
 
 /// Checks that the index lists every page of decisions, and that every decision has the required parts.
@@ -118,12 +122,12 @@ fn paths_and_links_in_documents_exist() {
     for document in documents(&["md"]) {
         for path in named_paths(&document.text) {
             let there = workspace().join(&path).exists() || resolve(&document, &path).exists();
-            assert!(there, "{} names `{path}`, which is not there", document.path);
+            assert!(there, "{} names `{path}`, which does not exist", document.path);
             pointed += 1;
         }
         for (path, anchor) in links(&document.text) {
             let found = if path.is_empty() { workspace().join(&document.path) } else { resolve(&document, &path) };
-            assert!(found.exists(), "{} links to {path}, which is not there", document.path);
+            assert!(found.exists(), "{} links to {path}, which does not exist", document.path);
             if !anchor.is_empty() {
                 let there = anchors(&std::fs::read_to_string(&found).unwrap());
                 assert!(there.contains(&anchor), "{} links to {path}#{anchor}: {there:?}", document.path);
@@ -131,7 +135,7 @@ fn paths_and_links_in_documents_exist() {
             pointed += 1;
         }
     }
-    assert!(pointed > 100, "only {pointed} found");
+    assert!(pointed > 100, "only {pointed} paths and links found");
 }
 
 /// Checks the line widths of documents, which are read in narrow windows, and the length of the two that are read

@@ -111,13 +111,13 @@ fn language_faults_only_become_fewer() {
     assert_eq!(
         committed,
         counted,
-        "{}: a count rose (mend it), or fell (write the new one)\n{counted}",
+        "{}: a count rose (fix the text), or fell (write the new count)\n{counted}",
         path.display()
     );
 }
 
 #[test]
-fn each_rule_finds_its_fault() {
+fn each_language_rule_detects_its_fault() {
     let text =
         "//! Of its bytes.\n\n/// Reads a file.\n/// It is whole.\nfn a() {}\n// made anew, whoever asks\n// renewed";
     let document = |path: &str, text: String| Document { path: path.into(), text };

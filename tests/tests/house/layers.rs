@@ -65,7 +65,7 @@ fn upward_dependencies(arrows: &Dependencies, floors: &[&[&str]]) -> (Vec<String
         }
     }
     let homeless = arrows.keys().filter(|file| !file.is_empty() && file[0] != "main" && floor(file).is_none());
-    faults.extend(homeless.map(|file| format!("{} stands on no floor", file.join("::"))));
+    faults.extend(homeless.map(|file| format!("{} belongs to no layer", file.join("::"))));
     (faults, count)
 }
 
@@ -79,7 +79,7 @@ fn files_have_no_import_cycles() {
         (files, count) = (files + arrows.len(), count + arrows.values().map(BTreeSet::len).sum::<usize>());
         assert_eq!(find_cycle(&arrows), None, "{folder}");
     }
-    assert!(files > 300 && count > 800, "{files} files and {count} arrows were read");
+    assert!(files > 300 && count > 800, "{files} files and {count} dependencies were read");
 }
 
 /// Returns the dependencies between the top-level files and folders of a crate's `src`.
@@ -116,7 +116,7 @@ fn files_import_only_from_lower_layers() {
     for (folder, floors, least) in [("runtime", &RUNTIME[..], 100), ("bake", &BAKE[..], 400)] {
         let (faults, count) = upward_dependencies(&dependencies_of(folder), floors);
         assert!(faults.is_empty(), "{folder}: {faults:#?}");
-        assert!(count > least, "{folder}: {count} arrows were read");
+        assert!(count > least, "{folder}: {count} dependencies were read");
     }
 }
 
@@ -156,12 +156,12 @@ fn three_file_crate(root: &str, a: &str, b: &str) -> Dependencies {
 #[test]
 fn import_cycles_and_upward_imports_are_found() {
     let fine = three_file_crate("pub mod a;\nmod b;\npub use b::B;", "use crate::B;", "pub struct B;");
-    assert_eq!(find_cycle(&fine), None, "what the root hands on is not the root's");
+    assert_eq!(find_cycle(&fine), None, "re-exports of the root are not its own items");
     assert_eq!(upward_dependencies(&fine, &[&["b"], &["a"]]), (Vec::new(), 1));
     let (faults, _) = upward_dependencies(&fine, &[&["a"], &["b"]]);
     assert_eq!(faults, ["a names b"]);
     let (faults, _) = upward_dependencies(&fine, &[&["b"]]);
-    assert_eq!(faults, ["a names b", "a stands on no floor"]);
+    assert_eq!(faults, ["a names b", "a belongs to no layer"]);
     for (root, a, b) in [
         ("", "use crate::b::B;", "use super::a;"),
         ("pub use b::B;", "crate::B::new()", "fn f() { super::a::g() }"),

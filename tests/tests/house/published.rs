@@ -1,5 +1,5 @@
 //! Checks that the crates can be published: their manifests, and that the gate checks each feature alone.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::dependencies::cargo;
 use pelage_tests::binary::workspace;
@@ -49,12 +49,7 @@ fn built_in_files_equal_those_in_assets() {
         let folder = if name.ends_with(".glb") { "models" } else { "recipes" };
         let (copy, asset) =
             (workspace().join("bake/tool/built_in").join(&name), workspace().join("assets").join(folder).join(&name));
-        assert!(
-            read(&copy) == read(&asset),
-            "{} is another file than {}: copy it anew",
-            copy.display(),
-            asset.display()
-        );
+        assert!(read(&copy) == read(&asset), "{} differs from {}: copy it again", copy.display(), asset.display());
     }
 }
 

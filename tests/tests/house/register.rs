@@ -61,7 +61,7 @@ fn mentions(code: &str, name: &str) -> bool {
 }
 
 #[test]
-fn tests_with_needs_and_the_register_agree() {
+fn tests_that_request_resources_match_the_register() {
     let registered = entries(REGISTER).unwrap_or_else(|e| panic!("tests/needs/register.txt: {e}"));
     let sources = sources();
     let mut count = 0;
@@ -72,7 +72,7 @@ fn tests_with_needs_and_the_register_agree() {
             assert!(registered.contains(&(need, test)), "{}: `{entry}` is not in the register", file.display());
         }
     }
-    assert!(count > 100, "{count} tests ask for something");
+    assert!(count > 100, "only {count} tests request a resource");
     for (need, test) in &registered {
         let there = sources.iter().any(|(_, code)| mentions(code, test));
         assert!(there, "no source names {test:?}, which the register has as a {} test", need.name());
@@ -80,7 +80,7 @@ fn tests_with_needs_and_the_register_agree() {
 }
 
 #[test]
-fn requests_for_needs_are_found() {
+fn requests_for_resources_are_found() {
     let code =
         r#"let Some(gpu) = gpu("one") else { return }; gpu(name); to_data("no"); data("two"); shared("three", path)"#;
     let two = [(Need::Data, "two".to_owned()), (Need::Data, "three".to_owned())];
@@ -124,7 +124,7 @@ fn every_file_of_tests_is_part_of_its_binary() {
             roots += 1;
         }
     }
-    assert!(roots >= 10, "{roots} files that name others");
+    assert!(roots >= 10, "only {roots} files declare modules");
 }
 
 #[test]

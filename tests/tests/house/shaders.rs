@@ -104,7 +104,7 @@ fn shaders_begin_with_the_files_that_they_use() {
 }
 
 #[test]
-fn a_use_is_found_and_a_local_name_is_not() {
+fn shader_uses_are_found_and_local_names_ignored() {
     let document = |path: &str, text: &str| Document { path: format!("{SOURCES}{path}"), text: text.into() };
     let shaders = [
         document(

@@ -15,7 +15,7 @@ pub type Dependencies = BTreeMap<Module, BTreeSet<Module>>;
 
 /// Returns the module path of a file in `src`, such as `passes::skin` for `passes/skin/mod.rs`.
 fn module_of(file: &Path, source: &Path) -> Module {
-    let inside = file.strip_prefix(source).expect("inside the sources").with_extension("");
+    let inside = file.strip_prefix(source).expect("the file is in the source folder").with_extension("");
     let mut names: Module = inside.iter().map(|part| part.to_string_lossy().into_owned()).collect();
     if names.last().is_some_and(|name| name == "mod" || name == "lib") {
         names.pop();
@@ -33,7 +33,7 @@ pub fn modules(source: &Path) -> BTreeMap<Module, String> {
     walk(source, &mut files);
     files.retain(|file| file.extension().is_some_and(|e| e == "rs"));
     let read = |file: PathBuf| {
-        let text = std::fs::read_to_string(&file).expect("a source file");
+        let text = std::fs::read_to_string(&file).expect("the source file is readable");
         (module_of(&file, source), code_of(&text))
     };
     files.into_iter().map(read).filter(|(module, _)| !is_test(module)).collect()

@@ -1,5 +1,5 @@
 //! Tests of lines and empty nodes of a model that define the comb direction.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::import::support::{Bytes as _, Doc, U8, U16, assert_near, assert_warns};
 use glam::Vec3;
@@ -42,7 +42,7 @@ fn comb_lines_are_read_in_world_space() {
     assert_near(turned[0].1, [0.0, 1.0, 0.0]);
     assert_near(turned[2].1, [-1.0, 0.0, 0.0]);
     assert_warns(&model, "holds a line strip");
-    assert_eq!(model.warnings.len(), 1, "those that comb are not left out: {:?}", model.warnings);
+    assert_eq!(model.warnings.len(), 1, "comb lines must not be reported as left out: {:?}", model.warnings);
     assert_eq!(model.mesh.parts.len(), 1);
 }
 
@@ -99,7 +99,7 @@ fn skinned_line(joint_of_line: u8) -> Doc {
 fn skinned_comb_lines_are_moved_to_the_rest_pose() {
     let model = skinned_line(0).model();
     let names: Vec<&str> = model.combs.iter().map(|comb| comb.name.as_str()).collect();
-    assert_eq!(names, ["comb_arm", "comb_tip"], "a joint is no mark, what hangs on it is");
+    assert_eq!(names, ["comb_arm", "comb_tip"], "a joint is not a comb marker, but its child node is");
     assert_near(model.combs[0].places[1].0, [1.0, 1.0, 0.0]);
     assert_near(model.combs[1].places[0].0, [0.0, 2.0, 0.0]);
     assert_near(model.combs[0].places[0].1, [1.0, 0.0, 0.0]);

@@ -359,8 +359,8 @@ fn damaged_draco_data_never_panics() {
 }
 
 #[test]
-fn draco_and_plain_agree() {
-    let Some(data) = data("draco_and_plain_agree") else { return };
+fn draco_and_uncompressed_models_agree() {
+    let Some(data) = data("draco_and_uncompressed_models_agree") else { return };
     let folder = data.join("meshes/compressed/BoxDraco");
     let model = pelage_bake::io::read_model(
         &folder.join("BoxDraco.gltf"),

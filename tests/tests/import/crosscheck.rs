@@ -229,7 +229,7 @@ fn morphed_package_matches_its_gltf_file() {
                 for (of, among) in [(&posed, &expected), (&expected, &posed)] {
                     let nearest = |a: &DVec3| among.iter().map(|b| a.distance(*b)).fold(f64::INFINITY, f64::min);
                     let off = of.iter().map(nearest).fold(0.0, f64::max) / size;
-                    assert!(off < 1e-5, "{name}, clip {number} at {time_s} s: {off} of the size");
+                    assert!(off < 1e-5, "{name}, clip {number} at {time_s} s: off by {off} of the model's size");
                     worst = worst.max(off);
                 }
             }

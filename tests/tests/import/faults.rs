@@ -82,7 +82,7 @@ fn invalid_references_and_types_are_reported_at_their_field() {
 }
 
 #[test]
-fn ranges_are_checked_against_the_bytes_there_are() {
+fn accessor_ranges_are_checked_against_the_buffer() {
     let cut = "4 elements of 12 bytes, 12 bytes apart from byte 0 on, need 48 bytes of the bufferView, which has 36";
     expect("/accessors/0/count", json!(4), "/accessors/0", cut);
 
@@ -265,7 +265,7 @@ fn unsupported_extensions_are_named_with_a_workaround() {
 }
 
 #[test]
-fn syntax_faults_give_the_byte() {
+fn syntax_errors_give_the_byte_offset() {
     let at = |bytes: &[u8]| fault(import_bytes(bytes)).0;
     assert_eq!(at(b""), "byte 0");
     assert_eq!(at(b" \n "), "byte 0");

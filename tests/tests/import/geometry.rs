@@ -11,7 +11,7 @@ fn square(doc: &mut Doc) -> usize {
 }
 
 #[test]
-fn glb_and_gltf_give_the_same_model_under_any_name() {
+fn glb_and_gltf_give_the_same_model_whatever_the_file_name() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     doc.show(json!({"attributes": {"POSITION": position}}));
@@ -51,7 +51,7 @@ fn all_index_types_and_unindexed_triangles_are_read() {
 }
 
 #[test]
-fn strips_and_fans_face_one_way() {
+fn triangles_of_strips_and_fans_have_the_same_winding() {
     let mut doc = Doc::new();
     let strip = doc.floats(&[0., 0., 0., 1., 0., 0., 0., 1., 0., 1., 1., 0.], "VEC3");
     let fan = square(&mut doc);
@@ -313,7 +313,7 @@ fn bad_normals_are_normalised_or_computed() {
 }
 
 #[test]
-fn triangles_against_their_normals_are_turned() {
+fn triangles_that_face_against_their_normals_are_flipped() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let normal = doc.floats(&[0., 0., -1., 0., 0., -1., 0., 0., -1.], "VEC3");
@@ -343,7 +343,7 @@ fn vertex_colours_are_read_in_every_format() {
 }
 
 #[test]
-fn node_transforms_compose_and_mirroring_keeps_the_outside() {
+fn node_transforms_compose_and_mirroring_keeps_faces_outward() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let normal = doc.floats(&[0., 0., 1., 0., 0., 1., 0., 0., 1.], "VEC3");
@@ -409,7 +409,7 @@ fn default_scene_selects_the_nodes() {
 }
 
 #[test]
-fn unit_scales_static_models() {
+fn model_unit_scales_static_models() {
     let mut doc = Doc::new();
     let position = doc.triangle();
     let node = doc.show(json!({"attributes": {"POSITION": position}}));
@@ -436,7 +436,7 @@ fn morph_targets_rest_at_their_default_weights() {
     assert_eq!(doc.model().mesh.positions[0], Vec3::Z);
     doc.json["nodes"][node]["weights"] = json!([0, 3]);
     let model = doc.model();
-    assert_eq!(model.mesh.positions[0], Vec3::X * 3.0, "the node's weights go before the mesh's");
+    assert_eq!(model.mesh.positions[0], Vec3::X * 3.0, "the node's weights override the mesh's");
     assert_eq!(model.warnings, [""; 0]);
     let targets = &model.animation.as_ref().unwrap().morphs.targets;
     assert_eq!(targets.iter().map(|t| (t.name.as_str(), t.weight)).collect::<Vec<_>>(), [("", 0.0), ("", 3.0)]);

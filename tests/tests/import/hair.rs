@@ -1,6 +1,6 @@
 //! Tests of hair files of other programs, from the test data. They check the contents, and the error of hair that is
 //! interpolated with every tenth strand as a guide.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::import::support::Bytes as _;
 use crate::import::support::{Doc, F32, U16};
@@ -84,7 +84,7 @@ fn interpolated_hair_is_near_the_combed_hair() {
 
 /// Reads the strands of a glTF file without external files.
 fn import_lines(bytes: &[u8]) -> Result<Guides, BakeError> {
-    let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
+    let mut resolve = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("unexpected request for {uri}") };
     let (guides, inputs) = import_strands("folder/hair.glb", bytes, &mut resolve)?;
     assert_eq!((inputs[0].role.as_str(), inputs[0].name.as_str()), ("strands", "hair.glb"));
     Ok(guides)

@@ -51,7 +51,7 @@ fn mesh_is_placed_at_its_instances_and_not_at_its_node() {
 }
 
 #[test]
-fn integer_rotations_are_read_and_mirroring_keeps_the_outside() {
+fn integer_rotations_are_read_and_mirroring_keeps_faces_outward() {
     let model = doc(|doc| {
         // The rotation is a quarter turn about z in normalised bytes; the scale mirrors x.
         let rotation = doc.accessor(&[0_i8, 0, 90, 90][..].bytes(), I8, "VEC4", 1);
@@ -60,7 +60,7 @@ fn integer_rotations_are_read_and_mirroring_keeps_the_outside() {
     })
     .model();
     assert_near(model.mesh.positions[1], [0.0, -1.0, 10.0]);
-    assert!(face_normal(&model, 0).z > 0.0, "it faces where it did");
+    assert!(face_normal(&model, 0).z > 0.0, "the triangle must face the same way");
 }
 
 #[test]

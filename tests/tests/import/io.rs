@@ -117,7 +117,7 @@ fn atomic_writes_keep_permissions_and_symbolic_links() {
     write_atomic(&path, b"x").unwrap();
     std::fs::write(&plain, b"x").unwrap();
     let mode = |p: &Path| std::fs::metadata(p).unwrap().permissions().mode();
-    assert_eq!(mode(&path), mode(&plain), "as any other new file");
+    assert_eq!(mode(&path), mode(&plain), "permissions must be those of any new file");
     let link = folder.path().join("link");
     std::os::unix::fs::symlink(&path, &link).unwrap();
     write_atomic(&link, b"through").unwrap();

@@ -37,13 +37,13 @@ fn skins_bind_to_joints_and_ignore_the_mesh_node() {
     let model = doc.model();
     let animation = model.animation.as_ref().unwrap();
     let names: Vec<&str> = animation.nodes.iter().map(|n| n.name.as_str()).collect();
-    assert_eq!(names, ["hip", "head"], "the mesh's own node moves nothing and is dropped");
+    assert_eq!(names, ["hip", "head"], "the mesh's own node moves nothing and must be dropped");
     assert_eq!(animation.nodes[1].parent, Some(0));
     assert!(animation.clips.is_empty());
     // Missing inverse bind matrices are identities. The second joint therefore raises vertices by 1, and the last
     // vertex by three quarters of that.
     assert_eq!(rest(&model), [Vec3::ZERO, Vec3::new(1., 1., 0.), Vec3::new(0., 1.75, 0.)]);
-    assert_eq!(model.mesh.positions[1], Vec3::X, "mesh space stays");
+    assert_eq!(model.mesh.positions[1], Vec3::X, "positions must stay in mesh space");
     assert_eq!(model.mesh.skin[1], SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] });
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
 }
@@ -63,7 +63,7 @@ fn inverse_bind_matrices_undo_the_bind_pose() {
 }
 
 #[test]
-fn unit_scales_animated_models_through_an_extra_root() {
+fn model_unit_scales_animated_models_through_an_extra_root() {
     let doc = skinned(&ALTERNATE, &[1., 0., 0., 0., 1., 0., 0., 0., 0.25, 0.75, 0., 0.]);
     let model = import("m", &doc.glb(), &mut |_, _| unreachable!(), &ImportOptions { unit_m: 0.5 }).unwrap();
     assert_sound(&model);
@@ -78,7 +78,11 @@ fn invalid_joint_weights_are_repaired() {
     let model = doc.model();
     let skin = &model.mesh.skin;
     assert_eq!(skin[0], SkinVertex { joints: [0; 4], weights: [1., 0., 0., 0.] });
-    assert_eq!(skin[1], SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] }, "the first joint it names");
+    assert_eq!(
+        skin[1],
+        SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] },
+        "the vertex must follow the first joint that it names"
+    );
     assert_eq!(skin[2], SkinVertex { joints: [1, 0, 0, 0], weights: [1., 0., 0., 0.] });
     assert_warns(&model, "2 weights are negative or not finite");
     assert_warns(&model, "1 vertices have no weight");
@@ -149,7 +153,7 @@ fn rigid() -> Doc {
 }
 
 #[test]
-fn only_moving_ancestors_bind_a_mesh() {
+fn rigid_meshes_are_bound_only_to_moving_ancestors() {
     let mut doc = rigid();
     let camera = doc.push("nodes", json!({"name": "camera"}));
     clip(&mut doc, camera, "translation", "LINEAR", &[0., 1.], &[0.; 6]);
@@ -158,7 +162,7 @@ fn only_moving_ancestors_bind_a_mesh() {
     let model = doc.model();
     let animation = model.animation.as_ref().unwrap();
     let names: Vec<&str> = animation.nodes.iter().map(|n| n.name.as_str()).collect();
-    assert_eq!(names, ["turntable", "", "other"], "parents first, the camera dropped");
+    assert_eq!(names, ["turntable", "", "other"], "parents must come first, and the camera must be dropped");
     assert_eq!(model.mesh.skin.iter().map(|s| s.joints[0]).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 1]);
     let clips = &animation.clips;
     assert_eq!((clips.len(), clips[0].name.as_str(), clips[0].duration_s), (1, "clip_1", 1.0));
@@ -182,7 +186,7 @@ fn mirrored_moving_rigid_parts_are_flipped() {
 }
 
 #[test]
-fn every_interpolation_keeps_its_keys() {
+fn keys_of_every_interpolation_are_kept() {
     let mut doc = rigid();
     clip(&mut doc, 1, "scale", "STEP", &[0.5, 1.], &[1., 1., 1., 2., 2., 2.]);
     // The clip is one second of a cubic spline from 0 to 1 in x with zero tangents. At half the time, x is 0.5.

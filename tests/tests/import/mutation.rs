@@ -98,7 +98,7 @@ fn imports_without_panic(what: &str, bytes: &[u8], folder: &Path) -> bool {
             Err(other) => panic!("expected an input error, found {other:?}"),
         }
     });
-    outcome.unwrap_or_else(|_| panic!("{what}: panicked, or gave an unsound model"))
+    outcome.unwrap_or_else(|_| panic!("{what}: panicked, or gave an invalid model"))
 }
 
 /// Checks that the check for valid models can fail.
@@ -116,7 +116,7 @@ fn invalid_models_are_detected() {
     for (i, spoil) in spoil.into_iter().enumerate() {
         let mut model = good.clone();
         spoil(&mut model);
-        assert!(catch_unwind(|| assert_sound(&model)).is_err(), "fault {i} was not seen");
+        assert!(catch_unwind(|| assert_sound(&model)).is_err(), "fault {i} was not detected");
     }
 }
 

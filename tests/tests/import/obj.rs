@@ -33,7 +33,7 @@ fn refused(text: &str) -> (String, String) {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
-fn square_with_all_attributes_is_read() {
+fn obj_square_with_all_attributes_is_read() {
     let m = model(&format!(
         "{SQUARE}vt 0 0\nvt 1 0\nvt 1 0.75\nvt 0 1\nvn 0 0 1\no box\ng side\nusemtl skin\nf 1/1/1 2/2/1 3/3/1 4/4/1\n"
     ));
@@ -50,7 +50,7 @@ fn square_with_all_attributes_is_read() {
 }
 
 #[test]
-fn indices_count_from_either_end() {
+fn positive_and_negative_obj_indices_are_read() {
     let forward = model(&format!("{SQUARE}f 1 2 3\nv 5 5 5\nf 1 3 4\n"));
     let backward = model(&format!("{SQUARE}f -4 -3 -2\nv 5 5 5\nf -5 -3 -2\n"));
     assert_eq!(forward.mesh, backward.mesh);
@@ -135,7 +135,7 @@ fn texture_coordinates_need_all_corners_of_a_part() {
 }
 
 #[test]
-fn unit_scales_obj_models() {
+fn model_unit_scales_obj_models() {
     let m = with_files(&format!("{SQUARE}f 1 2 3\n"), &[], &ImportOptions { unit_m: 0.01 }).unwrap();
     assert_eq!(m.mesh.positions[2], Vec3::new(0.01, 0.01, 0.0));
     let far = with_files("v 0 0 0\nv 1e38 0 0\nv 0 1 0\nf 1 2 3\n", &[], &ImportOptions { unit_m: 1e6 });
@@ -192,7 +192,7 @@ fn obj_errors_name_the_line() {
 #[test]
 fn extension_decides_only_for_ambiguous_contents() {
     let named = |name: &str, bytes: &[u8]| {
-        let mut none = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("{uri} was asked for") };
+        let mut none = |uri: &str, _: u64| -> Result<Vec<u8>, BakeError> { panic!("unexpected request for {uri}") };
         import(name, bytes, &mut none, &ImportOptions::default())
     };
     let text = format!("# made by hand\n\n{SQUARE}f 1 2 3\n");
@@ -377,8 +377,8 @@ fn every_obj_of_the_test_data_is_read_as_expected() {
 
 /// Compares valid files with the result of `tobj`: positions, texture coordinates and triangles.
 #[test]
-fn tobj_agrees_on_sound_files() {
-    let Some(data) = data("tobj_agrees_on_sound_files") else { return };
+fn importer_and_tobj_agree_on_valid_files() {
+    let Some(data) = data("importer_and_tobj_agree_on_valid_files") else { return };
     for name in [
         "static/bunny.obj",
         "static/spot.obj",

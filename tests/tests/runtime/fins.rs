@@ -41,8 +41,8 @@ fn opacities(gpu: &Gpu, instance: &Instance, params: &FrameParams, passes: &[Pas
 }
 
 #[test]
-fn a_fin_fades_with_the_angle_it_is_seen_at() {
-    let Some(gpu) = gpu("a_fin_fades_with_the_angle_it_is_seen_at") else { return };
+fn fin_opacity_follows_the_viewing_angle() {
+    let Some(gpu) = gpu("fin_opacity_follows_the_viewing_angle") else { return };
     let model = renderer(gpu).load_bytes(&plane_with_a_fin()).unwrap();
     let instance = Instance::new(0, &model);
     for degrees in [0.0f32, 20.0, 45.0, 55.0, 60.5, 75.0, 90.0, -30.0, 135.0, 180.0] {
@@ -91,7 +91,7 @@ fn faded_fins_cost_no_fragments() {
         let frame = renderer.prepare(&mut encoder, &params(degrees), [&instance]).unwrap();
         draw_with_statistics(&gpu, &targets, encoder, |pass| frame.draw_pass(PassId::FINS, pass)).fragments
     };
-    assert!(count(0.0) > 500, "the query counts");
+    assert!(count(0.0) > 500, "the query must count fragments");
     for degrees in [60.5, 75.0, 90.0, 100.0] {
         assert_eq!(count(degrees), 0, "at {degrees} degrees");
     }

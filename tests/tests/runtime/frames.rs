@@ -225,7 +225,7 @@ fn frames_sharing_an_encoder_and_kept_frames_draw_as_alone() {
         ("ink", ink_package(), [left, right].map(in_ink)),
     ] {
         let expected = views.each_ref().map(|view| draw_fresh(gpu, &package, view, |one| one.moving(bend(0.4))));
-        assert_ne!(expected[0], expected[1], "{name}: both views show the same");
+        assert_ne!(expected[0], expected[1], "{name}: both views must differ");
 
         let mut stage = Stage::new(gpu);
         let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.4));
@@ -237,7 +237,7 @@ fn frames_sharing_an_encoder_and_kept_frames_draw_as_alone() {
         }
         gpu.queue.submit([encoder.finish()]);
         for (targets, expected) in targets.iter().zip(&expected) {
-            assert!(read(gpu, targets) == *expected, "{name}: the other frame of the encoder shows through");
+            assert!(read(gpu, targets) == *expected, "{name}: it shows the other frame of the encoder");
         }
 
         // The frames are kept while other frames are prepared and drawn, of the same size and of another one.
@@ -253,7 +253,7 @@ fn frames_sharing_an_encoder_and_kept_frames_draw_as_alone() {
         }
         for (frame, expected) in kept.iter().zip(&expected) {
             stage.finish(gpu.device.create_command_encoder(&Default::default()), frame);
-            assert!(stage.picture() == *expected, "{name}: a frame that was kept is not what it was");
+            assert!(stage.picture() == *expected, "{name}: a kept frame has changed");
         }
     }
 }
@@ -290,10 +290,10 @@ fn dropped_encoder_is_followed_by_a_correct_frame() {
 
                 let report = stage.present(&after, [&creature]);
                 assert!(passes.iter().all(|id| ran(&report, *id)), "{said}: {:?}", report.passes);
-                assert!(stage.picture() == expected, "{said}: something was lost");
+                assert!(stage.picture() == expected, "{said}: the picture differs");
                 let report = stage.present(&after, [&creature]);
                 assert!(!passes.iter().any(|id| ran(&report, *id)), "{said}: again {:?}", report.passes);
-                assert!(stage.picture() == expected, "{said}: the frame after it");
+                assert!(stage.picture() == expected, "{said}: the next frame differs");
             }
         }
     }
@@ -322,7 +322,7 @@ fn culled_instances_still_cast_shadows() {
     let (report, both) = count(&mut stage, &[&seen, &outside]);
     assert_eq!(report.instances.iter().map(|i| i.in_picture).collect::<Vec<_>>(), [true, false]);
     assert!(reason(&report, PassId::SKIN).starts_with("1 instances"), "{}", reason(&report, PassId::SKIN));
-    assert_eq!(both, one, "who is outside costs nothing in the picture");
+    assert_eq!(both, one, "an instance outside the picture must not be drawn");
     let shaded = stage.picture();
     assert!(shaded.mean(1) < 0.9 * unshaded.mean(1), "{} shaded, {} not", shaded.mean(1), unshaded.mean(1));
     assert_eq!(shaded.covered(), unshaded.covered());
@@ -385,14 +385,14 @@ fn only_invisible_instances_are_culled() {
                 }
                 assert!(at(inside));
                 let left = read(gpu, &targets).covered();
-                assert_eq!(left, 0, "{projection:?}, {way}: pixels to be seen at {inside} m, left out at {outside} m");
+                assert_eq!(left, 0, "{projection:?}, {way}: pixels visible at {inside} m, culled at {outside} m");
                 // Checks that the instance is visible again when it is slightly closer to the picture.
                 let seen = (1..300).map(|k| inside - 0.01 * k as f32).find(|distance| {
                     at(*distance);
                     read(gpu, &targets).covered() > 0
                 });
-                let last = seen.expect("it was in the picture");
-                assert!(inside - last < 0.3, "{projection:?}, {way}: seen up to {last} m, left out at {outside} m");
+                let last = seen.expect("the instance must have been visible");
+                assert!(inside - last < 0.3, "{projection:?}, {way}: visible up to {last} m, culled at {outside} m");
             }
         }
     }
@@ -500,7 +500,7 @@ fn crowd_equals_the_same_instances_in_smaller_frames() {
         });
         let covered = pictures[0].chunks_exact(4).filter(|p| p[3] > 0).count();
         assert!((20_000..120_000).contains(&covered), "{name}: {covered} pixels of them");
-        assert!(pictures[0] == pictures[1], "{name}: a crowd is another in one frame");
+        assert!(pictures[0] == pictures[1], "{name}: one frame differs from several smaller ones");
     }
 }
 
@@ -535,7 +535,7 @@ fn first_frame_needs_only_prepared_pipelines() {
         let mut stage = Stage::new(gpu);
         let creature = Instance::new(0, &stage.load(&package)).moving(bend(0.3));
         stage.renderer.prepare_pipelines(&creature.model, &params).unwrap();
-        assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "{name}: nobody was drawn yet");
+        assert_eq!(stage.renderer.owners_gpu_bytes(), 0, "{name}: nothing was drawn yet");
         let report = stage.present(&params, [&creature]);
         assert_eq!(report.created.pipelines, 0, "{name}");
         assert!(stage.picture() == expected, "{name}");
@@ -577,9 +577,9 @@ fn models_with_other_shading_share_gpu_resources() {
     creature.model = creature.model.with_shading(shiny).unwrap();
     assert_eq!(creature.model.manifest().shading, shiny);
     let report = stage.present(&plain, [&creature]);
-    assert!(stage.picture() == asked, "its own shading is drawn as one that is asked for");
+    assert!(stage.picture() == asked, "a model's own shading must look like the same shading in the parameters");
     assert_eq!((report.created.buffers, report.created.pipelines), (0, 0));
-    assert!(!ran(&report, PassId::POSE), "it stands as before");
+    assert!(!ran(&report, PassId::POSE), "the pose has not changed");
     let error = creature.model.with_shading(Shading { ambient_floor: 2.0, ..shiny }).unwrap_err().to_string();
     assert!(error.contains("Model::with_shading") && error.contains("ambient_floor"), "{error}");
 }
@@ -673,7 +673,7 @@ fn two_views_in_one_submission_create_no_gpu_resources() {
                     // With two lights, each frame overwrites the maps of the other, unless both frames are alive at the
                     // same time.
                     let maps = ran(frame.report(), PassId::SHADOW_WIDTH) && (kept || name != "two lights");
-                    assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn anew");
+                    assert!(round < 6 || !maps, "{name} {kept} {round} {number}: maps are drawn again");
                     frames.extend(kept.then_some(frame));
                 }
                 gpu.queue.submit([encoder.finish()]);
@@ -708,7 +708,7 @@ fn pass_callback_may_submit_the_encoder() {
         stage.finish(encoder, &frame);
         assert!(stage.picture() == expected, "{name}");
         let before: Vec<_> = PassId::all().filter(|id| id.stage() == PassStage::Before).collect();
-        assert_eq!(marked, before, "{name}: every pass before the picture, in order");
+        assert_eq!(marked, before, "{name}: expected every pass before the picture, in order");
     }
 }
 

@@ -54,7 +54,7 @@ fn bare_vertices_show_the_skin() {
     let furry = plain(gpu, &PlaneGroom::default());
     let bald = plain(gpu, &PlaneGroom { vertex: [255, 0], ..PlaneGroom::default() });
     assert!(difference(&bald, &bare(gpu)).mean < 0.5, "{:?}", difference(&bald, &bare(gpu)));
-    assert!(difference(&bald, &furry).mean > 5.0, "the mask does nothing");
+    assert!(difference(&bald, &furry).mean > 5.0, "the mask has no effect");
     let half = plain(gpu, &PlaneGroom { vertex: [128, 0], ..PlaneGroom::default() });
     let green = [&furry, &half, &bald].map(|p| p.mean(1));
     let between = green[0].min(green[2])..green[0].max(green[2]);
@@ -118,5 +118,8 @@ fn lean_moves_the_outer_layers_along_the_comb_direction() {
     let (upright, leaned) = (rows(0.0), rows(1.0));
     let per_row_m = 0.3 / SIZE.1 as f32;
     let moved = (upright.0 as f32 - leaned.0 as f32) * per_row_m;
-    assert!((moved - 0.025).abs() < 1.5 * per_row_m, "the upper edge moved by {moved} m: {upright:?}, {leaned:?}");
+    assert!(
+        (moved - 0.025).abs() < 1.5 * per_row_m,
+        "the upper edge moved by {moved} m, from {upright:?} to {leaned:?}"
+    );
 }

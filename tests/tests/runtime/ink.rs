@@ -58,7 +58,7 @@ fn outline_strokes_have_the_requested_width() {
     let place = |(x, y): &(u32, u32)| ((*x as f32 - middle).powi(2) + (*y as f32 - middle).powi(2)).sqrt();
     let radius = features.iter().map(place).sum::<f32>() / features.len() as f32;
     assert!(features.iter().all(|p| (place(p) - radius).abs() < 1.5), "features off the outline");
-    // The ring has at least one pixel per pixel of its circumference, less where its steps are diagonal.
+    // The ring has about one pixel per pixel of its circumference, and fewer where its steps are diagonal.
     let ring = 2.0 * std::f32::consts::PI * radius;
     assert!((0.85 * ring..1.9 * ring).contains(&(features.len() as f32)), "{} features on {ring}", features.len());
 
@@ -76,7 +76,10 @@ fn outline_strokes_have_the_requested_width() {
     }
     let templated = lines(6.0).len();
     let free = with(|ink, study, debug| (debug.ink, study.template, ink.swell) = (InkDebugView::Lines, false, 4.0));
-    assert!(dark(&draw_package(gpu, &free, &sphere())).len() > 2 * templated, "without template the rim fills");
+    assert!(
+        dark(&draw_package(gpu, &free, &sphere())).len() > 2 * templated,
+        "without the template, the rim must be filled"
+    );
 }
 
 #[test]
@@ -118,7 +121,7 @@ fn lines_in_metres_are_thinner_with_distance() {
     // At twice the distance, the perimeter is half as long; the width is halved only if it is in metres.
     let metres = area(0.45, LineWidth::Metres(0.012)) / area(0.9, LineWidth::Metres(0.012));
     let pixels = area(0.45, LineWidth::Pixels(8.0)) / area(0.9, LineWidth::Pixels(8.0));
-    assert!(metres > 1.4 * pixels, "metres shrink by {metres}, pixels by {pixels}");
+    assert!(metres > 1.4 * pixels, "area ratio {metres} for widths in metres, {pixels} in pixels");
 }
 
 #[test]
@@ -275,8 +278,8 @@ fn stroke_variation_is_anchored_to_the_surface() {
 }
 
 #[test]
-fn printed_sphere_map_misses_the_outline() {
-    let Some(gpu) = gpu("printed_sphere_map_misses_the_outline") else { return };
+fn published_sphere_map_misses_the_outline() {
+    let Some(gpu) = gpu("published_sphere_map_misses_the_outline") else { return };
     let shown = |form| {
         let params = with(|ink, study, debug| {
             (debug.ink, study.template, study.sphere_map, ink.swell) = (InkDebugView::Lines, false, form, 2.0);
@@ -288,7 +291,7 @@ fn printed_sphere_map_misses_the_outline() {
     let features = dark(&draw_package(gpu, &with(|_, _, debug| debug.ink = InkDebugView::Lines), &sphere())).len();
     assert!(safe > features && reflected > 0, "safe {safe}, reflected {reflected}");
     // The published form maps all normals to one point, so no rim remains, only the feature lines.
-    assert!(printed < safe, "printed {printed}, safe {safe}");
+    assert!(printed < safe, "published form {printed}, safe form {safe}");
 }
 
 #[test]

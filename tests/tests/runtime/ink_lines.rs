@@ -1,5 +1,5 @@
 //! Compares ink lines with the lines of the mesh: position, shape and stability.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{Mat4, Vec3, vec3};
 use pelage_bake::mask::Mask;
@@ -84,8 +84,8 @@ fn ink_lines_of_known_meshes_match_the_mesh() {
 /// Checks that the published rule misses most lines: along a straight edge, the four neighbours of a pixel never all
 /// differ.
 #[test]
-fn printed_line_rule_misses_most_lines() {
-    if gpu("printed_line_rule_misses_most_lines").is_none() {
+fn published_line_rule_misses_most_lines() {
+    if gpu("published_line_rule_misses_most_lines").is_none() {
         return;
     }
     let printed = pelage_lab::chart::ink::configurations();
@@ -93,7 +93,7 @@ fn printed_line_rule_misses_most_lines() {
     let rows = chart(&built_in_model("hare"), &(index + 1).to_string());
     assert_eq!((&rows[0]["series"], &rows[0]["rule"]), (&"as published".into(), &"all".into()));
     let recall = number(&rows[0], "recall");
-    println!("as published: recall {recall:.3}");
+    println!("published rule: recall {recall:.3}");
     assert!(recall < 0.2, "recall {recall}");
 }
 

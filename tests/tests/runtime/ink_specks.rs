@@ -1,6 +1,6 @@
 //! Tests of ink on difficult meshes: lines of dense scans must not break into specks, and fur strokes must touch the
 //! body.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{Vec3, vec3};
 use pelage_bake::mask::Mask;
@@ -78,7 +78,7 @@ fn ink_lines_of_dense_scans_have_few_specks() {
         let stone = if recipe.is_none() { &["ink.fur=0"][..] } else { &[] };
         let sets = [&["slice.layers=4", "fins.enabled=false"], stone].concat();
         let found = short_lines(gpu, &bake_plain(&model, recipe, &sets));
-        println!("{name}: {:.1} in a thousand pixels of ink lie in {} specks", found.per_mille(), found.count);
+        println!("{name}: {:.1} of a thousand ink pixels are in {} specks", found.per_mille(), found.count);
         if found.ink < 10_000 || found.per_mille() > most {
             wrong.push(format!("{name}: {found:?}, at most {most} in a thousand"));
         }
@@ -127,7 +127,7 @@ fn fur_strokes_are_connected_to_the_body() {
     let mut wrong = Vec::new();
     for (name, model, recipe, set, most) in models {
         let found = detached_per_mille(gpu, &bake_plain(&model, recipe, &["slice.layers=4", set]));
-        println!("{name}: {found:.3} in a thousand pixels hang in the air");
+        println!("{name}: {found:.3} pixels per thousand are detached from the body");
         if found > most {
             wrong.push(format!("{name}: {found}, at most {most} in a thousand"));
         }

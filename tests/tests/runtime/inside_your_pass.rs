@@ -120,6 +120,6 @@ fn frames_in_one_submission_are_independent() {
         targets.each_ref().map(|t| t.texels(gpu).unwrap())
     };
     let apart = draw(false);
-    assert_ne!(apart[0], apart[1], "the two views show the same");
+    assert_ne!(apart[0], apart[1], "the two views must differ");
     assert_eq!(draw(true), apart);
 }

@@ -64,12 +64,12 @@ fn golden_comparison_rejects_wrong_pictures() {
     let right = default_picture(gpu);
     let mut shifted = right.clone();
     shifted.rgba.rotate_right(1);
-    compare_golden("furry_sphere", &shifted).expect_err("moved by one pixel");
+    compare_golden("furry_sphere", &shifted).expect_err("a picture moved by one pixel must differ");
     let bare = sphere_picture(gpu, &RendererOptions::default(), &without_fur(), &small());
-    compare_golden("furry_sphere", &bare).expect_err("without fur");
+    compare_golden("furry_sphere", &bare).expect_err("a picture without fur must differ");
     let smaller = Picture { size: (SIZE.0, SIZE.1 - 1), rgba: right.rgba[SIZE.0 as usize..].to_vec() };
-    compare_golden("furry_sphere", &smaller).expect_err("another size");
-    compare_golden("there_is_no_such_picture", &right).expect_err("no golden");
+    compare_golden("furry_sphere", &smaller).expect_err("a picture of another size must be rejected");
+    compare_golden("there_is_no_such_picture", &right).expect_err("a missing golden picture must be an error");
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn reversed_depth_draws_the_same_picture() {
     // Negative control: with a forward depth matrix, a renderer for reversed depth draws the far side.
     params.camera.projection = Projection::Custom(front().camera.projection.clip_from_view(false));
     let found = difference(&forward, &sphere_picture(gpu, &options, &params, &small()));
-    assert!(found.mean > 1.0, "a wrong projection went unnoticed: {found:?}");
+    assert!(found.mean > 1.0, "a wrong projection was not detected: {found:?}");
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn block_textures_are_decoded_where_unsupported() {
     let blocks = ["pack.shell_format=bc7", "pack.direction_format=bc5", "pack.base_color_format=bc7"];
     let (blocks, block_bytes, small) = drawn(&blocks);
     let (plain, plain_bytes, large) = drawn(&["pack.direction_format=rgba8"]);
-    assert!(small < large, "{small} and {large} bytes: there are no blocks");
+    assert!(small < large, "{small} and {large} bytes: the package has no block-compressed textures");
     assert_eq!(block_bytes, plain_bytes);
     let found = difference(&blocks, &plain);
     assert!(found.mean > 0.0 && found.mean < 1.0, "{found:?}");
@@ -301,7 +301,7 @@ fn layer_count_does_not_change_the_appearance() {
     }
     let baked = sphere_picture(gpu, &options, &front(), &small());
     let skin = sphere_picture(gpu, &options, &front().with_fur(|f| f.layers = Some(1)), &small());
-    assert!(skin.covered() < baked.covered() * 4 / 5, "one layer is the skin alone");
+    assert!(skin.covered() < baked.covered() * 4 / 5, "one layer must be the bare surface");
 }
 
 #[test]

@@ -117,7 +117,7 @@ fn layer_scattering_of_broad_light_matches_its_fibres() {
             let expected = exact.scatter(sigma, Vec3::Z.as_dvec3(), &lobe.light(), eye.as_dvec3().normalize());
             for ((found, expected), radiance) in found.into_iter().zip(expected).zip(lobe.radiance) {
                 let (found, expected) = (f64::from(found), expected * f64::from(radiance));
-                // The tolerance is a fiftieth of the light from a fibre that scatters uniformly.
+                // The tolerance is a fiftieth of the light that a uniformly scattering fibre would send to the eye.
                 let even = f64::from(radiance) * lobe.light().integral() / (4.0 * PI);
                 let within = 0.05 * expected + 0.02 * even;
                 assert!((found - expected).abs() < within, "{eye}, {towards}: {found}, expected {expected}");

@@ -77,7 +77,7 @@ fn xf(value: f32) -> [f32; 4] {
 }
 
 #[test]
-fn sin_squared() {
+fn sin_squared_matches_the_shader() {
     let mut random = Random(1);
     let mut cases: Vec<Case<2>> = Vec::new();
     for i in 0..4000 {
@@ -101,7 +101,7 @@ fn sin_squared() {
 }
 
 #[test]
-fn sin_power() {
+fn sin_power_matches_the_shader() {
     let mut cases: Vec<Case<1>> = Vec::new();
     for s in [0.0, 1e-30, 1e-12, 1e-4, 0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.999, 0.99999, 1.0] {
         for h in [0.0, 0.5, 1.0, 2.5, 15.0, 50.0, 400.0, 5000.0] {
@@ -125,7 +125,7 @@ fn sin_power() {
 }
 
 #[test]
-fn slabs() {
+fn slab_shares_match_the_shader() {
     let mut cases: Vec<Case<1>> = Vec::new();
     for i in -8..=80 {
         for (slab, slabs) in [(0, 1), (0, 4), (1, 4), (3, 4), (15, 16), (63, 64)] {
@@ -151,7 +151,7 @@ fn slabs() {
 }
 
 #[test]
-fn attenuations() {
+fn attenuations_match_the_shader() {
     let mut cases: Vec<Case<1>> = Vec::new();
     for i in 0..=40 {
         for range in [0.0, 0.1, 0.3, 1.0, kajiya_kay::BACK_ATTENUATION_OFF] {
@@ -178,7 +178,7 @@ fn attenuations() {
 }
 
 #[test]
-fn resampled_opacity() {
+fn resampled_opacity_matches_the_shader() {
     let mut cases: Vec<Case<1>> = Vec::new();
     for i in 0..=600 {
         for exponent in [1.0 / 64.0, 0.125, 0.3, 1.0, 2.0, 5.0, 63.0] {
@@ -213,7 +213,7 @@ fn baked_layer_shares_are_even() {
         &cases,
         |[c]| {
             let [layer, baked, drawn] = [c[0], c[1], c[2]].map(f64::from);
-            // The values are halves of integers below 2^17, which f64 represents exactly.
+            // Each value is half an integer below 2^17, which f64 represents exactly.
             x(if layer == 0.0 {
                 0.0
             } else {
@@ -524,7 +524,7 @@ fn fin_opacity_and_layer_paths_match_the_shader() {
 
 /// Checks the transmittance of a layer, and the length of the slanted path through it.
 #[test]
-fn layer_transmittances() {
+fn layer_transmittances_match_the_shader() {
     let mut random = Random(41);
     let mut cases: Vec<Case<1>> = Vec::new();
     for alpha in [0.0, 1e-7, 1e-4, 0.5, 0.999, 0.9999, 1.0] {
@@ -580,7 +580,7 @@ fn is_discontinuous(texel: [f32; 4], z: f32, distance: f32, path: f32) -> bool {
 }
 
 #[test]
-fn soft_shadows() {
+fn soft_shadows_match_the_shader() {
     let mut random = Random(43);
     let s = soft_shadow::SoftShadow { range_m: 0.5, penumbra: 0.2, blur: 0.004, texel: 0.001 };
     let mut cases: Vec<Case<2>> = Vec::new();
@@ -614,7 +614,7 @@ fn soft_shadows() {
 }
 
 #[test]
-fn light_received() {
+fn received_light_matches_the_shader() {
     let mut random = Random(47);
     let soft = soft_shadow::SoftShadow { range_m: 0.5, penumbra: 0.2, blur: 0.004, texel: 0.001 };
     let receiver = |centred: f32| receiver::ShadowReceiver {
@@ -641,7 +641,11 @@ fn light_received() {
         w > 0.0 && u >= 0.0 && v >= 0.0 && u <= w && v <= w && (0.0..=1.0).contains(&z)
     };
     let share = cases.iter().filter(|c| inside(c)).count() as f64 / cases.len() as f64;
-    assert!(cases.len() > 3300 && (0.4..0.8).contains(&share), "{} cases, {share} of them inside", cases.len());
+    assert!(
+        cases.len() > 3300 && (0.4..0.8).contains(&share),
+        "{} cases, {share} of them inside the maps",
+        cases.len()
+    );
     let truth = |c: &Case<3>| {
         if !inside(c) {
             return x(1.0);
@@ -665,8 +669,8 @@ fn light_received() {
 }
 
 #[test]
-fn a_wrong_shader_is_caught() {
-    let Some(gpu) = gpu("a_wrong_shader_is_caught") else { return };
+fn wrong_shader_results_are_detected() {
+    let Some(gpu) = gpu("wrong_shader_results_are_detected") else { return };
     let wrong = std::panic::catch_unwind(|| {
         assert_truth_twin_and_shader_agree(
             "wrong on purpose",
@@ -683,7 +687,7 @@ fn a_wrong_shader_is_caught() {
         // The expression writes the sentinel, as if the shader had not run.
         evaluate(gpu, "", &format!("vec4({:?}) + 0.0 * in_0", pelage_tests::compute::SENTINEL), &[[[0.0; 4]]])
     }));
-    assert!(idle.is_err(), "an untouched output passed");
+    assert!(idle.is_err(), "an unwritten output passed");
 }
 
 #[test]
@@ -1120,9 +1124,9 @@ fn wgsl_literal(fibre: &scattering::Fibre) -> String {
 /// Optical constants of a hair fibre.
 const OPTICS: [f32; 4] = [0.41623, 0.17, 0.45, 0.0];
 const FITTED: [[f32; 4]; 3] = [[0.04, 0.85, 0.1, 0.01], [0.1, -0.5, 0.3, 0.1], [0.2, -0.3, 0.1, 0.0]];
-/// WGSL expressions that derive two arguments from the third input of a case, `in_2`: absorption of the fibre, and
-/// light that remains after a path through it.
+/// WGSL expression for the absorption of the fibre, from the third input of a case, `in_2`.
 const ABSORBED: &str = "fibre_absorption(in_2.xyz, in_2.w)";
+/// WGSL expression for the light that remains after a path through the fibre, from the third input of a case, `in_2`.
 const LEFT: &str = "fibre_transmittance(in_2.z, vec4(0.41623, 0.17, 0.45, 0.0), fibre_absorption(in_2.xyz, in_2.w))";
 
 /// Returns the absorption coefficient of a fibre per radius, for one colour channel.

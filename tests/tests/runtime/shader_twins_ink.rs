@@ -55,7 +55,7 @@ fn sphere_map_rim_is_the_outline_on_cpu_and_gpu() {
 /// correct only on the axis. Off the axis, the outline moves inside the rim, to cos(a/2)/2, where a is the angle to the
 /// axis.
 #[test]
-fn printed_sphere_map_collapses_and_reflected_one_shrinks_off_axis() {
+fn published_sphere_map_collapses_and_reflected_one_shrinks_off_axis() {
     let eye = DVec3::new(0.3, 0.2, 1.0).normalize().as_vec3();
     let places: Vec<Vec2> =
         normals().iter().map(|n| ink::ink_sphere_uv_printed(*n, eye)).filter(|p| p.is_finite()).collect();
@@ -97,7 +97,7 @@ fn ink_formulas_on_the_gpu_match_the_cpu() {
     // The ramp ends at the two thresholds of the paper.
     assert_eq!([0.81, 0.8, 0.65, -1.0].map(|v| ink::ink_feature_strength(v, 0.8, 0.65)), [0.0, 0.0, 1.0, 1.0]);
     assert!((ink::ink_feature_strength(0.725, 0.8, 0.65) - 0.5).abs() < 1e-5);
-    assert_eq!(ink::ink_feature_strength(0.8, 0.8, 0.8), 0.0, "thresholds that coincide divide by nothing");
+    assert_eq!(ink::ink_feature_strength(0.8, 0.8, 0.8), 0.0, "equal thresholds must not divide by zero");
     // A line is darkest at the outline, with grey k/2; weak lines are lighter.
     assert_eq!(ink::ink_line_grey(0.0, 0.6, 0.3, 1.0), 0.3);
     assert_eq!(ink::ink_line_grey(1.0, 0.6, 0.3, 1.0), 0.6);

@@ -41,8 +41,9 @@ fn above() -> FrameParams {
     FrameParams::new(camera, SIZE.into()).with(|p| (p.light, p.shadows) = (towards(Vec3::Z), as_drawn()))
 }
 
-/// Owner numbers of the instances.
+/// Owner number of the plane.
 const PLANE: u64 = 0;
+/// Owner number of the ball.
 const BALL: u64 = 1;
 
 fn furry_plane(renderer: &Renderer, layers: u32, opacity: u8) -> Instance {
@@ -192,7 +193,7 @@ fn self_shadow_darkens_hair_and_can_be_disabled() {
         p.soft_shadow = false;
     });
     let soft = green(&no_self_shadow);
-    assert!((plain - soft).abs() < 0.5, "a flat plane throws no shadow on itself: {plain} and {soft}");
+    assert!((plain - soft).abs() < 0.5, "a flat plane casts no shadow on itself: {plain} and {soft}");
     let shaded = green(&|_| ());
     assert!(shaded < 0.85 * plain, "{shaded} with shadows, {plain} without");
     let printed = green(&|p| {
@@ -236,7 +237,11 @@ fn shadow_maps_are_redrawn_only_on_changes() {
     assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball])), (true, true), "pose");
     ball.transform = Mat4::from_translation(Vec3::X);
     assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball])), (true, true), "place");
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball, &other])), (true, true), "another instance");
+    assert_eq!(
+        ran(&prepare(gpu, &mut renderer, &turned, &[&ball, &other])),
+        (true, true),
+        "another instance must redraw the maps"
+    );
     assert_eq!(ran(&prepare(gpu, &mut renderer, &turned, &[&ball, &other])), (false, false));
     let fewer = turned.clone().with_fur(|f| f.layers = Some(4));
     assert_eq!(ran(&prepare(gpu, &mut renderer, &fewer, &[&ball, &other])), (true, true), "layers");
@@ -246,13 +251,17 @@ fn shadow_maps_are_redrawn_only_on_changes() {
     let frame = prepare(gpu, &mut renderer, &off, &[&ball]);
     assert!(frame.shadows().is_none() && ran(&frame) == (false, false));
     let bare = above().with(|p| p.style = Style::Bare);
-    assert_eq!(ran(&prepare(gpu, &mut renderer, &bare, &[&ball])), (false, true), "bare skin throws soft shadows");
+    assert_eq!(
+        ran(&prepare(gpu, &mut renderer, &bare, &[&ball])),
+        (false, true),
+        "the bare surface must cast soft shadows"
+    );
 }
 
 /// Checks that two frames with different lights in one submission have separate maps.
 #[test]
-fn a_frame_keeps_its_maps() {
-    let Some(gpu) = gpu("a_frame_keeps_its_maps") else { return };
+fn frames_in_one_submission_have_separate_shadow_maps() {
+    let Some(gpu) = gpu("frames_in_one_submission_have_separate_shadow_maps") else { return };
     let mut renderer = renderer(gpu);
     let plane = furry_plane(&renderer, LAYERS, OPACITY);
     let slanted = above().with(|p| p.light = towards(Vec3::new(1.0, 0.0, 0.4)));
@@ -504,13 +513,13 @@ fn fill_light_equals_a_key_light_without_shadows() {
         // others.
         assert!(found.mean < 1.0, "{light:?}: {found:?}");
         let none = draw(gpu, &mut renderer, &with(vec![]), &[&ball]);
-        assert!(difference(&key, &none).mean > 4.0, "the light is seen");
+        assert!(difference(&key, &none).mean > 4.0, "the light must change the picture");
         let half = match light {
             Light::Directional { towards_light, color } => Light::Directional { towards_light, color: 0.5 * color },
             Light::Point { position, color } => Light::Point { position, color: 0.5 * color },
         };
         let twice = draw(gpu, &mut renderer, &with(vec![half, half]), &[&ball]);
-        assert!(difference(&fill, &twice).mean < 0.1, "lights add up");
+        assert!(difference(&fill, &twice).mean < 0.1, "lights must add up");
     }
 }
 

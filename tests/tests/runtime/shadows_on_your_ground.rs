@@ -16,8 +16,9 @@ use pelage_tests::support::ground::{Cuboid, Scene};
 use pelage_tests::support::sphere::{SphereParams, package};
 
 const SIZE: u32 = 256;
-/// Radius of the bare sphere, and length of its fur, metres.
+/// Radius of the bare sphere, metres.
 const SKIN: f32 = 0.1;
+/// Length of the sphere's fur, metres.
 const FUR: f32 = 0.025;
 /// Centre of the sphere, metres. The surface of the ground is at y = 0.
 const CENTER: Vec3 = Vec3::new(0.0, 0.16, 0.0);
@@ -216,7 +217,7 @@ fn ground_outside_the_shadow_maps_is_lit() {
     assert!(cut.at(reach - 0.03, 0.0) < 0.02, "{}", cut.at(reach - 0.03, 0.0));
     assert!((cut.at(reach + 0.01, 0.0) - 1.0).abs() < 0.01, "{}", cut.at(reach + 0.01, 0.0));
     let (_, whole) = stage.ground(&from_above(sun(Vec3::Y)), &casters, Some(0.5), 0);
-    assert!(whole.at(reach + 0.01, 0.0) < 0.02, "larger bounds take it in");
+    assert!(whole.at(reach + 0.01, 0.0) < 0.02, "with larger bounds, the maps must include this point");
 }
 
 /// Checks that the shader function `light_received` agrees with its Rust twin, which is evaluated on the map read back.
@@ -288,13 +289,13 @@ fn hair_behind_an_object_leaves_it_lit() {
     }
     assert!(
         light(0.06, 0.0, CENTER.y + (SKIN * SKIN - 0.0036).sqrt()) < 0.3,
-        "beside the plate hair is above the skin"
+        "beside the plate, hair must shade the surface"
     );
 }
 
 #[test]
-fn the_applications_post_darkens_the_fur() {
-    let Some(gpu) = gpu("the_applications_post_darkens_the_fur") else { return };
+fn post_of_the_application_casts_a_shadow_on_the_fur() {
+    let Some(gpu) = gpu("post_of_the_application_casts_a_shadow_on_the_fur") else { return };
     let mut stage = Stage::new(gpu);
     let post = Cuboid { low: Vec3::new(-0.22, 0.0, -0.02), high: Vec3::new(-0.18, 0.4, 0.02), color: Vec3::ONE };
     let scenes =

@@ -45,9 +45,12 @@ fn shell_shader_variants_draw_the_same() {
     assert!(largest_difference(&plain, &filled) <= 1, "filled: {} of 255", largest_difference(&plain, &filled));
     // This is the negative control: a second light must change the picture.
     params.fill_lights = vec![Light::Directional { towards_light: Vec3::Y, color: Vec3::splat(0.2) }];
-    assert!(largest_difference(&plain, &picture(gpu, &sphere(), &params)) > 8, "a light that is there shows");
+    assert!(
+        largest_difference(&plain, &picture(gpu, &sphere(), &params)) > 8,
+        "a second light must change the picture"
+    );
     let striped = picture(gpu, &SphereParams { stripes: true, ..sphere() }, &front());
-    assert!(largest_difference(&plain, &striped) > 8, "stripes show");
+    assert!(largest_difference(&plain, &striped) > 8, "stripes must change the picture");
 }
 
 /// Returns two means over pixels that are opaque in every picture: the luminance (0..=255), and its difference to the

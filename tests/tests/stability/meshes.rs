@@ -1,4 +1,4 @@
-#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Tests of lapped patches on real meshes: every mesh of the test data, and quality bounds for well-known meshes.
 
 use pelage_bake::io::{Reach, read_model};

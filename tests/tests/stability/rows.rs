@@ -1,7 +1,7 @@
 //! Tests of the stability table: our form of each method stays within its bound where the naive form fails. The inputs
 //! are in `pelage_lab::stability`, which `pelage chart stability` prints. This module also tests further properties.
 
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::silhouettes::texels as drawn;
 use glam::Vec3;
@@ -15,11 +15,11 @@ use pelage_tests::gpu::gpu;
 /// prove nothing.
 #[track_caller]
 fn assert_holds<D>(row: &Row<D>, findings: Vec<Finding>) {
-    assert!(!findings.is_empty(), "{} drives nothing", row.method);
+    assert!(!findings.is_empty(), "{} has no findings", row.method);
     for f in findings {
-        println!("{}: {}: {}: naive {}, ours {} of {}", row.method, f.case, f.measure, f.naive, f.safe, f.bound);
+        println!("{}: {}: {}: naive {}, ours {}, bound {}", row.method, f.case, f.measure, f.naive, f.safe, f.bound);
         assert!(f.holds(), "{}, {}: {} is {}, bound {}", row.method, f.case, f.measure, f.safe, f.bound);
-        assert!(f.naive_fails(), "{}, {}: the naive form's {} is {} only", row.method, f.case, f.measure, f.naive);
+        assert!(f.naive_fails(), "{}, {}: the naive form's {} is only {}", row.method, f.case, f.measure, f.naive);
     }
 }
 
@@ -95,7 +95,7 @@ fn broken_bounds_are_detected() {
     for (i, spoil) in spoil.into_iter().enumerate() {
         for mut finding in (stability::layers::ROW.drive)().unwrap() {
             spoil(&mut finding);
-            assert!(!finding.holds() || !finding.naive_fails(), "fault {i} was not seen");
+            assert!(!finding.holds() || !finding.naive_fails(), "fault {i} was not detected");
         }
     }
 }

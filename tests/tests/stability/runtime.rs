@@ -61,7 +61,7 @@ fn kajiya_kay_is_stable_with_hair_parallel_to_the_light() {
         assert!((0.0..=1.0).contains(&safe), "T {t3}, L {l3}, exponent {p}: {safe}");
         assert!(p != 0.0 || safe == 1.0, "exponent 0 lights all directions alike, not {safe}");
     }
-    assert!(failures > 1000, "the naive form failed only {failures} times: this test no longer reaches the cliff");
+    assert!(failures > 1000, "the naive form failed only {failures} times: this test no longer triggers the failure");
     println!("Kajiya–Kay: naive NaN in {failures} of {} cases, safe in none", cases.len());
 
     if let Some(gpu) = gpu("kajiya_kay_is_stable_with_hair_parallel_to_the_light") {
@@ -83,7 +83,7 @@ fn normals_and_tangents_are_valid_under_degenerate_joints() {
             assert!((safe.length() - 1.0).abs() < 1e-5, "{name}: {n} became {safe}");
             let tangent = tile_frame::orthonormal_tangent(m * tile_frame::any_perpendicular(*n), safe);
             assert!((tangent.length() - 1.0).abs() < 1e-5, "{name}: tangent {tangent}");
-            assert!(tangent.dot(safe).abs() < 1e-4, "{name}: tangent {tangent} leans on {safe}");
+            assert!(tangent.dot(safe).abs() < 1e-4, "{name}: tangent {tangent} is not perpendicular to {safe}");
             // Normals must stay outward: the new normal must point away from the image of the tangent plane.
             if m.determinant().abs() > 1e-3 {
                 assert!(safe.dot(m * *n) > 0.0, "{name}: {n} points inward as {safe}");
@@ -116,19 +116,19 @@ fn normals_and_tangents_are_valid_under_degenerate_joints() {
 }
 
 #[test]
-fn joints_of_weight_zero_count_for_nothing() {
+fn joints_of_weight_zero_have_no_effect() {
     // An unused joint may contain anything, such as a broken inverse bind matrix; its weight is zero.
     let broken = Mat4::from_cols_array(&[f32::NAN; 16]);
     let moved = Mat4::from_translation(Vec3::X);
     let weights = Vec4::new(1.0, 0.0, 0.0, 0.0);
     let naive = moved * weights.x + broken * weights.y;
-    assert!(naive.is_nan(), "the naive sum survives: this test no longer reaches the cliff");
+    assert!(naive.is_nan(), "the naive sum survives: this test no longer triggers the failure");
     assert_eq!(skinning::blend(moved, broken, broken, broken, weights), moved);
     // A vertex without weights must keep its stored position and not collapse to the origin.
     assert_eq!(moved * 0.0, Mat4::ZERO);
     assert_eq!(skinning::blend(moved, moved, moved, moved, Vec4::ZERO), Mat4::IDENTITY);
 
-    if let Some(gpu) = gpu("joints_of_weight_zero_count_for_nothing") {
+    if let Some(gpu) = gpu("joints_of_weight_zero_have_no_effect") {
         let m = |column: &str| format!("mat4x4(in_1, in_1, in_1, {column})");
         let expression = format!("blend({}, {}, {}, {}, in_0)[3]", m("in_2"), m("in_3"), m("in_3"), m("in_3"));
         let broken = [f32::NAN; 4];
@@ -218,7 +218,7 @@ fn outline_coverage_matches_the_strands() {
         println!("{}: {}", case.name, found.table());
         assert!(
             found.ours <= 0.5 * found.sheets,
-            "{}: coverage is off by {:.4}, and as sheets by {:.4}",
+            "{}: coverage error {:.4}, with layers as sheets {:.4}",
             case.name,
             found.ours,
             found.sheets

@@ -4,7 +4,7 @@
 //! The inputs of both forms are in `pelage_lab::stability`. `rows.rs` checks that our form stays within its bound and
 //! that the naive form fails. This module tests additional requirements.
 
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{DVec3, Mat4, Quat, Vec2, Vec3, vec3};
 use pelage_bake::recipe::{Coat, Recipe};
@@ -148,7 +148,7 @@ mod soundness {
     }
 
     #[test]
-    fn a_one_sided_strip_is_cut() {
+    fn moebius_strip_is_cut() {
         let n = 40;
         let mut positions = Vec::new();
         for k in 0..n {
@@ -258,7 +258,7 @@ mod modes {
     }
 
     #[test]
-    fn comb_marks_decide_near_their_positions() {
+    fn comb_marks_set_the_hair_direction_near_their_positions() {
         let mark = |name: &str, at: Vec3, direction: Vec3| CombMark {
             name: name.into(),
             places: vec![(at, direction)],
@@ -336,7 +336,7 @@ mod modes {
         // There must be only one vertex per position and patch.
         let mut places = std::collections::HashSet::new();
         for (v, patch) in &seen {
-            assert!(places.insert((s.input_vertex[*v as usize], *patch)), "vertex {v} is one too many");
+            assert!(places.insert((s.input_vertex[*v as usize], *patch)), "vertex {v} duplicates another");
         }
     }
 

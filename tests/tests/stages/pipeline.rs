@@ -1,4 +1,4 @@
-#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Tests of a complete bake, from the built-in models to packages.
 
 use pelage_bake::pipeline::{self, BakeInput, Baked, Output, Outputs, STAGES, STEPS};
@@ -69,7 +69,7 @@ fn package_bytes_depend_only_on_the_inputs() {
         recipe.hair.seed += more;
         bake("torus", &recipe).unwrap().package
     });
-    assert!(one != other, "another seed must be another coat");
+    assert!(one != other, "another seed must give another package");
 }
 
 #[test]
@@ -142,12 +142,12 @@ fn detected_bare_materials_are_recorded_and_reproduced() {
     // the decision.
     recipe.set(&line).unwrap();
     let said = bake("hare", &recipe).unwrap();
-    assert!(said.package == found.package, "the line says something else than was chosen");
+    assert!(said.package == found.package, "the reported line differs from the choice");
     assert!(said.decisions.iter().all(|d| !d.line.starts_with("model.bare")), "{:?}", said.decisions);
     recipe.set("model.bare=[]").unwrap();
     let furred = bake("hare", &recipe).unwrap().package;
     let furred = Package::open(&furred, &Limits::default()).unwrap().manifest().clone();
-    assert!(furred.materials.iter().all(|m| m.furred), "an empty list is no silence");
+    assert!(furred.materials.iter().all(|m| m.furred), "an empty list must switch detection off");
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn hair_grows_short_towards_bare_parts() {
 }
 
 #[test]
-fn at_root_off_keeps_the_base_colours() {
+fn base_colours_are_kept_without_color_at_root() {
     let mut recipe = fur_recipe("hare");
     // Colours must be at the vertices here, so painting them into a texture is disabled.
     recipe.color.at_root = false;
@@ -241,7 +241,7 @@ fn every_edge_has_one_fin() {
             let edges: std::collections::BTreeSet<_> = sides.map(|(a, b)| edge(a, b)).collect();
             for fin in fins.by_ref().take(count as usize) {
                 let key = edge(fin.a, fin.b);
-                assert!(furred && edges.contains(&key), "{name}: {fin:?} stands on no edge of its part");
+                assert!(furred && edges.contains(&key), "{name}: {fin:?} is not on an edge of its part");
                 assert!(seen.insert(key), "{name}: a second fin on {key:?}");
                 let [a, b] = [fin.a, fin.b].map(|v| glam::Vec3::from(geometry[v as usize].position));
                 let periods = a.distance(b) / manifest.fur.tile_size_m;
@@ -270,7 +270,7 @@ fn every_edge_has_one_fin() {
 }
 
 #[test]
-fn fins_can_be_left_out_and_their_depth_given() {
+fn fins_can_be_disabled_and_their_depth_set() {
     let mut without = fur_recipe("torus");
     without.set("fins.enabled=false").unwrap();
     let bytes = bake("torus", &without).unwrap().package;
@@ -478,13 +478,13 @@ fn bake_steps_need_exactly_their_declared_inputs() {
     assert_eq!(stages, STAGES);
     assert!(
         whole.fin_textures.clone().unwrap().is_some() && whole.ink.clone().unwrap().is_some(),
-        "nothing is left out"
+        "fin textures and ink must be made"
     );
-    assert_eq!(run(&input, &mut whole).unwrap(), (package.clone(), vec![]), "everything is there already");
+    assert_eq!(run(&input, &mut whole).unwrap(), (package.clone(), vec![]), "no stage may run if all outputs exist");
     assert_eq!(
         STEPS.iter().map(|step| step.makes).collect::<Vec<_>>(),
         Output::ALL[1..],
-        "each is made once, in order"
+        "each output must be made by one step, in order"
     );
     for step in STEPS {
         let only = |kept: &[Output]| {
@@ -505,7 +505,7 @@ fn bake_steps_need_exactly_their_declared_inputs() {
         again.invalidate(step.makes);
         assert!(!again.has(step.makes) && !again.has(Output::Package));
         let (same, stages) = run(&input, &mut again).unwrap();
-        assert!(same == package, "{:?} made again", step.makes);
+        assert!(same == package, "the package differs after {:?} was repeated", step.makes);
         assert_eq!(stages[0], step.stage);
     }
 }

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Checks that repeated bakes of a model with a changing recipe equal whole bakes, for every key.
 
 use crate::stages::pipeline::{asset, import_built_in};
@@ -74,7 +74,7 @@ fn incremental_bake_equals_a_full_bake_for_every_key() {
         })
         .map(|(name, _)| *name)
         .collect();
-    assert!(stale.is_empty(), "these keys change what was taken to stay: {stale:?}");
+    assert!(stale.is_empty(), "these keys change outputs that were reused: {stale:?}");
 }
 
 #[test]
@@ -97,7 +97,11 @@ fn changes_rerun_only_the_affected_stages() {
     assert_eq!(stages_of(&base, &images), pipeline::STAGES);
     assert_eq!(stages_of(&base, &images), [""; 0]);
     assert_eq!(stages_of(&shading, &images), ["pack"]);
-    assert_eq!(stages_of(&ink, &images), ["ink", "pack"], "the ink, and the shading of before");
+    assert_eq!(
+        stages_of(&ink, &images),
+        ["ink", "pack"],
+        "only the ink and its packing must run; the shading was restored"
+    );
     assert_eq!(stages_of(&hair, &images), pipeline::STAGES);
     assert_eq!(stages_of(&hair, &others), pipeline::STAGES, "images may have changed on disk");
 }

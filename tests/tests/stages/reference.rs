@@ -1,4 +1,4 @@
-#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Tests of the strands of a whole animal.
 
 use pelage_bake::pipeline::{self, BakeInput};

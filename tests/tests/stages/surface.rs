@@ -1,4 +1,4 @@
-#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Tests of the `surface` stage on meshes small enough to compute results by hand.
 
 use glam::{Vec2, Vec3, vec2, vec3};
@@ -47,9 +47,9 @@ fn square(uv: impl Fn(f32, f32) -> Vec2) -> Model {
 }
 
 #[test]
-fn corners_are_welded_and_the_tile_has_its_size() {
+fn equal_corners_are_merged_and_the_tile_has_the_requested_size() {
     let s = surface(&square(|x, y| vec2(x, y) * 3.0));
-    assert_eq!(s.mesh.positions.len(), 4, "six corners of four places");
+    assert_eq!(s.mesh.positions.len(), 4, "the six corners have four positions");
     let (a, b) = (s.mesh.triangles[0][0] as usize, s.mesh.triangles[0][1] as usize);
     // A metre of the mesh surface is four tiles of 0.25 m, whatever the texture coordinates are.
     assert!(((s.tile_uvs[b] - s.tile_uvs[a]).length() - 4.0).abs() < 1e-5);

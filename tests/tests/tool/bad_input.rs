@@ -1,5 +1,5 @@
 //! Tests of bad input with the real binary: exit code, message, and no files left behind.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::tool::common::random::Random;
 use crate::tool::common::sample_package;

@@ -1,5 +1,5 @@
 //! Tests of `pelage chart` with the real binary.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_needs::data;
 use pelage_tests::binary::{Run, Sandbox};
@@ -147,7 +147,7 @@ fn killed_chart_resumes() {
     child.kill().unwrap();
     child.wait().unwrap();
     let kept = lines();
-    assert!(!sandbox.files().contains(&"out/surface.csv".to_owned()), "a table that is not whole");
+    assert!(!sandbox.files().contains(&"out/surface.csv".to_owned()), "an incomplete table was written");
 
     // Checks that a run for a few rows keeps the other files of the folder.
     charted(&sandbox, "surface", "2", &["my torus.obj"]);
@@ -162,7 +162,7 @@ fn killed_chart_resumes() {
         let cells = line["cells"].as_array().unwrap();
         assert_eq!(row["seconds"], cells[cells.len() - 1], "{row}");
     }
-    assert!(!path.exists(), "the journal goes when the table is whole");
+    assert!(!path.exists(), "the journal must be removed when the table is complete");
 
     // With a different recipe or with `--restart`, the rows of earlier runs must be ignored. Here those rows have an
     // impossible time, so that they can be recognised.
@@ -339,7 +339,12 @@ fn opacity_shadow_chart_is_reproducible() {
     }
     // In the published form, hair behind the last plane is lit again.
     assert!(number(4, "largest_step") > 0.99 && number(4, "largest_error") > 0.8, "{}", rows[4]);
-    assert!(number(5, "mean_error") < number(0, "mean_error"), "the axis is darker: {} and {}", rows[5], rows[0]);
+    assert!(
+        number(5, "mean_error") < number(0, "mean_error"),
+        "light on the axis must be darker: {} and {}",
+        rows[5],
+        rows[0]
+    );
     assert_reproduced(&sandbox, &rows[3], &["rmse", "mean_error", "flip", "largest_step", "places"]);
 }
 
@@ -436,7 +441,7 @@ fn soft_shadow_chart_is_reproducible() {
     // The default must satisfy these bounds.
     assert!(number(0, "rmse") <= 0.08 && number(0, "leak_in_umbra") <= 0.02, "{}", rows[0]);
     assert!(number(1, "rmse") > 1.2 * number(0, "rmse"), "coarse maps: {} and {}", rows[1], rows[0]);
-    assert!(number(2, "rmse") > 2.0 * number(0, "rmse"), "as published: {} and {}", rows[2], rows[0]);
+    assert!(number(2, "rmse") > 2.0 * number(0, "rmse"), "published form: {} and {}", rows[2], rows[0]);
     assert_reproduced(&sandbox, &rows[0], &["rmse", "rmse_in_shadow", "leak_in_umbra", "penumbra_ratio"]);
 }
 

@@ -1,5 +1,5 @@
 //! Tests with the real binary: comb marks in recipes, comb lines in models, and images projected in space.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::Vec3;
 use pelage_formats::{AttributeVertex, GeometryVertex, Limits, Package};
@@ -130,7 +130,7 @@ fn length_and_color(sandbox: &Sandbox, place: Vec3) -> (f32, [u8; 4]) {
 }
 
 #[test]
-fn mark_values_hold_at_their_position_and_fade() {
+fn comb_mark_values_apply_at_their_position_and_fade_out() {
     let sandbox = sandbox(|_, _| {});
     let recipe = "[color]\nat_root = false\n[groom]\nlength = 0.8\n[surface]\ncomb_marks = [\n\
         { name = \"top\", at = [0, 0.16, 0.2], length = 0.2, reach_m = 0.2 },\n\

@@ -1,5 +1,5 @@
 //! Tests of `pelage compare` with the real binary.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
 use pelage_tests::binary::{Run, Sandbox};
@@ -61,7 +61,7 @@ fn equal_and_different_pictures_are_compared() {
     let map = image::open(sandbox.path().join("map.png")).unwrap().into_rgb8();
     assert_eq!(map.dimensions(), (48, 32));
     let sum = |x, y| map.get_pixel(x, y).0.iter().map(|c| u32::from(*c)).sum::<u32>();
-    assert!(sum(24, 16) > 3 * sum(0, 0), "the stripe is brighter than what is empty: {} {}", sum(24, 16), sum(0, 0));
+    assert!(sum(24, 16) > 3 * sum(0, 0), "the stripe must be brighter than empty areas: {} {}", sum(24, 16), sum(0, 0));
     // The map must show the same values: the mean of its colours rises with the error.
     let text = sandbox.run(&["compare", "a.png", "other.png"]);
     assert!(text.code == Some(0) && ["FLIP", "RMSE", "PSNR", "coverage"].iter().all(|w| text.stdout.contains(w)));

@@ -1,5 +1,5 @@
 //! Tests with the real binary: decisions of a bake about keys that the recipe does not set.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_needs::data;
 use pelage_tests::binary::{Sandbox, workspace};
@@ -135,7 +135,7 @@ fn for_distance_fits_layers_to_the_viewing_distance() {
     };
     let [near, far] = ["0.5", "30"].map(|metres| slices(&["--for-distance", metres]));
     assert!(near[0] > far[0] && near[1] > far[1], "{near:?} {far:?}");
-    assert_eq!(far[0], 4, "no more layers than the least");
+    assert_eq!(far[0], 4, "must choose the minimum number of layers");
     // A picture of twice the height from twice the distance shows the fur at the same size.
     assert_eq!(slices(&["--for-distance", "1", "--for-size", "834x848"]), near);
     let bad = sandbox.run(&["bake", "m.glb", "-o", "m.pelage", "--for-distance", "-1"]);

@@ -1,5 +1,5 @@
 //! Tests of `pelage doctor` with the real binary, compared with the counts of `pelage bench` on an adapter.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;

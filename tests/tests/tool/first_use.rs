@@ -1,6 +1,6 @@
 //! Tests of problems of first-time users, and how pelage handles them: models of impossible sizes, edits with
 //! unexpected results.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
 use serde_json::Value;

@@ -1,5 +1,5 @@
 //! Tests with the real binary: default camera and its framing, and exposure of white surfaces.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;

@@ -1,5 +1,5 @@
 //! Tests of groom maps with the real binary: recipes that name images.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};
@@ -23,7 +23,7 @@ const BAKE: [&str; 8] =
     ["bake", "torus.glb", "-o", "t.pelage", "--recipe", "recipes/r.toml", "--set", "slice.layers=4"];
 
 #[test]
-fn images_beside_the_recipe_go_into_the_package() {
+fn images_beside_the_recipe_are_baked_into_the_package() {
     let sandbox = sandbox();
     let map = png([[255, 0, 0, 255], [0, 255, 0, 255]]);
     sandbox.write("recipes/maps/coat.png", &map);

@@ -1,5 +1,5 @@
 //! Tests with the real binary: groom maps that are written, painted on by a script, and read back.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};

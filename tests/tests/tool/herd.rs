@@ -1,6 +1,6 @@
 //! Tests of `pelage herd` with the real binary and Ninja: commands that are run, skipped, failed and interrupted.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_needs::has_ninja;
 use pelage_tests::binary::{Run, Sandbox, run_to_end, walk, workspace};
@@ -143,11 +143,11 @@ fn herd_runs_only_changed_tasks() {
     let touched = due();
     assert_eq!(touched.len(), 2 * 7, "{touched:?}");
     assert!(touched.iter().all(|name| name.contains("torus")), "{touched:?}");
-    assert_eq!(run(&sandbox, 0, &[]).1, 2, "two variants are baked, and what is made of them stays");
+    assert_eq!(run(&sandbox, 0, &[]).1, 2, "only the two variants are baked; later tasks must be up to date");
     assert_eq!(results(&sandbox, "herd/out"), first);
     sandbox.write("herd/recipes/knot.toml", "[hair]\nlean = 0.5\n");
     let (_, ran) = run(&sandbox, 0, &[]);
-    assert_eq!(ran as usize, TASKS / 3 + 2, "all of the knot, and nothing else");
+    assert_eq!(ran as usize, TASKS / 3 + 2, "all tasks of the knot must run, and no others");
     let second = results(&sandbox, "herd/out");
     let changed: Vec<_> = second.iter().filter(|(name, hash)| first[*name] != **hash).map(|(name, _)| name).collect();
     assert!(changed.len() > 4 && changed.iter().all(|name| name.contains("knot")), "{changed:?}");
@@ -198,7 +198,7 @@ fn herd_continues_after_failures_and_reports_them() {
     let (said, ran) = run(&sandbox, 7, &[]);
     assert_eq!((ran, &said["tasks"]["missing"]), (3, &0.into()), "{said}");
     sandbox.write("herd/herd.toml", HERD);
-    assert_eq!(run(&sandbox, 0, &[]).1, 3, "another limit is another command");
+    assert_eq!(run(&sandbox, 0, &[]).1, 3, "a changed limit must rerun the command");
     let report = herd(&sandbox, "report", &[]);
     assert_eq!(report.code, Some(0), "{report:?}");
 }

@@ -1,5 +1,5 @@
 //! Tests with the real binary: options for build systems, which all commands have: depfiles, records, caches, parts.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
 use pelage_tests::gpu::gpu;
@@ -148,13 +148,13 @@ fn cached_results_are_reused() {
         let run = bake(&sandbox, &[&args[..], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
         let said = schema::parse_answer(&run, "bake");
-        assert_eq!(said["output"], package.as_str(), "what it says has the names of now");
+        assert_eq!(said["output"], package.as_str(), "the result must have the current names");
         (record(&sandbox, &record_file)["cached"].as_bool().unwrap(), sandbox.read(&package))
     };
     let (cached, first) = bake("out", &[]);
     assert!(!cached);
     let (cached, again) = bake("other", &["--threads", "1"]);
-    assert!(cached && again == first, "threads and folders change nothing");
+    assert!(cached && again == first, "threads and folders must not change the result");
     // A changed argument, image of the model or map of the recipe must give another package. If the inputs are
     // restored, the earlier package must be restored too.
     assert!(!bake("out", &["--set", "hair.lean=0.2"]).0);
@@ -209,9 +209,9 @@ fn pictures_and_comparisons_are_cached() {
     assert_eq!([render("out"), render("other")], [false, true]);
     assert_eq!(sandbox.read("out/p.png"), sandbox.read("other/p.png"));
     sandbox.write("look.toml", "[light]\nstrength = 0.5\n");
-    assert!(!render("other"), "a look is read, too");
+    assert!(!render("other"), "a changed look must give a new picture");
     let compare = |out: &str| run(out, &["compare", "out/p.png", "other/p.png", "--max-rmse", "0"], 7);
-    assert_eq!([compare("out"), compare("other")], [false, true], "a difference is a finding that is kept");
+    assert_eq!([compare("out"), compare("other")], [false, true], "a found difference must be cached");
     let sequence = |out: &str, frames: &str| {
         let file = format!("{out}/%02d.png");
         run(out, &["render", "m.pelage", "-o", &file, "--size", "32x32", "--auto-rotate", "--frames", frames], 0)
@@ -295,5 +295,5 @@ fn chart_rows_can_be_split_between_runs() {
     let all = chart(&from)["rows"].as_array().unwrap().len();
     assert!(run.stderr.contains(&format!("{all} of {all} rows exist")), "{run:?}");
     assert!(rows > 1 && all > 3 * rows && sandbox.path().join("all/surface.svg").exists());
-    assert!(sandbox.path().join("a/surface.rows.jsonl").exists(), "what others measured stays");
+    assert!(sandbox.path().join("a/surface.rows.jsonl").exists(), "rows measured elsewhere must be kept");
 }

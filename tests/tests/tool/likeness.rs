@@ -1,5 +1,5 @@
 //! Tests of the error measure of a bake with limits against pairs of pictures that a person has ranked.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::gpu::gpu;
@@ -23,7 +23,7 @@ fn likeness_ranks_pairs_as_people_do() {
     }
     assert!(all.len() >= 25, "{}", all.len());
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(flip_fails >= 10, "mean FLIP alone ranks all but {flip_fails}: the pairs ask for nothing");
+    assert!(flip_fails >= 10, "mean FLIP alone fails for only {flip_fails} pairs, so the pairs prove nothing");
 }
 
 /// Checks a pair that is drawn by the test: long hair in four coarse layers, which mean FLIP accepted, and the usual

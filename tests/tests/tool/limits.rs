@@ -1,6 +1,6 @@
 //! Tests of `pelage bake` with limits and of `pelage chart shells`, with the real binary. The chosen package is
 //! measured again independently.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Run, Sandbox, workspace};
 use pelage_tests::gpu::gpu;
@@ -61,7 +61,7 @@ fn error_limit_holds_in_a_fresh_measurement() {
     let plain = Sandbox::new();
     assert_eq!(bake(&plain, &["-q"]).code, Some(0));
     let (fragments_chosen, fragments_own) = (fragments(&sandbox), fragments(&plain));
-    println!("fragments: {fragments_chosen} chosen, {fragments_own} as the recipe says");
+    println!("fragments: {fragments_chosen} chosen, {fragments_own} with the recipe's own settings");
     assert!(fragments_chosen <= 1.5 * fragments_own, "{fragments_chosen} of {fragments_own}: {choice}");
     assert!(choice["trials"].as_array().unwrap().len() > 2, "{choice}");
     assert_eq!(choice["views"].as_array().unwrap().len(), 2);

@@ -1,6 +1,6 @@
 //! Tests of `bake`, `render` and `bench` with the real binary: bad models and recipes, all difficult glTF files of the
 //! test data, missing adapters.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_needs::data;
 use pelage_tests::binary::{Run, Sandbox, run_to_end, walk, workspace};
@@ -143,7 +143,7 @@ fn bad_models_are_refused() {
 }
 
 #[test]
-fn texture_coordinates_are_asked_for_only_where_they_are_used() {
+fn texture_coordinates_are_required_only_where_they_are_used() {
     let sandbox = Sandbox::new();
     let mut document = triangle();
     document["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");
@@ -247,7 +247,7 @@ fn bad_render_and_bench_requests_are_refused() {
     let ink = ["--style", "ink", "--size", "48x32", "--json"];
     let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
     let object = schema::parse_success(&run, "render");
-    assert_eq!(object["covered_pixels"], 48 * 32, "paper is everywhere: {object}");
+    assert_eq!(object["covered_pixels"], 48 * 32, "paper must cover the whole picture: {object}");
     let ran = |object: &Value| {
         let passes = object["passes"].as_array().unwrap().clone();
         passes.into_iter().filter(|p| p["ran"] == true).map(|p| p["name"].clone()).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
 //! Runs a small part of the mutation run, so that the chore keeps working. The whole run is `cargo run --release -p
 //! pelage-tests --bin chores -- mutate`.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::mutate::{KINDS, Plan, run};
 

@@ -1,5 +1,5 @@
 //! Tests of `inspect`, `validate`, `unpack` and `pack` with the real binary.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::tool::common::random::Random;
 use crate::tool::common::{ktx2_file, sample_animation, sample_manifest_v1, sample_mesh, sample_package};

@@ -1,5 +1,5 @@
 //! Tests of commands with `--quiet`, in an environment where the graphics driver would print complaints.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Sandbox, run_to_end, workspace};
 use pelage_tests::gpu::gpu;

@@ -1,6 +1,6 @@
 //! Tests of `reference` and `export` with the real binary: strands of a package, traced and exported to other programs.
 //! No adapter is needed.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Sandbox, workspace};
 use pelage_tests::schema;

@@ -1,5 +1,5 @@
 //! Tests with the real binary that hair keeps the colour of its root where it leans over surface of another colour.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::Sandbox;

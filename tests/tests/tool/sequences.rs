@@ -1,5 +1,5 @@
 //! Tests of scene files, numbered pictures and videos of `pelage render`, with the real binary.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Run, Sandbox, walk, workspace};
 use pelage_tests::gpu::gpu;
@@ -57,10 +57,19 @@ fn blend_option_interpolates_between_clips() {
     let drawn = |more: &[&str]| picture(&sandbox, &[&seen[..], more].concat());
     let [rest, breath, walk] = [&[][..], &["--clip", "EarBreath"], &["--clip", "Walk"]].map(drawn);
     let half = drawn(&["--clip", "EarBreath", "--blend", "Walk:0.5"]);
-    assert!(half != breath && half != walk, "half way is neither");
-    assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:0"]) == breath, "nothing of it");
-    assert!(drawn(&["--clip", "EarBreath", "--blend", "Walk:1"]) == walk, "all of it");
-    assert!(drawn(&["--blend", "Walk:0"]) == rest && drawn(&["--blend", "Walk:1"]) == walk, "from rest");
+    assert!(half != breath && half != walk, "halfway, the picture must equal neither clip");
+    assert!(
+        drawn(&["--clip", "EarBreath", "--blend", "Walk:0"]) == breath,
+        "with weight 0, only the first clip must show"
+    );
+    assert!(
+        drawn(&["--clip", "EarBreath", "--blend", "Walk:1"]) == walk,
+        "with weight 1, only the second clip must show"
+    );
+    assert!(
+        drawn(&["--blend", "Walk:0"]) == rest && drawn(&["--blend", "Walk:1"]) == walk,
+        "the same must hold when blending from rest"
+    );
     // The reference image must have the same pose as the rendered one.
     let traced = |more: &[&str]| {
         let run = sandbox.run(&[&["reference", "-o", "true.png", "--samples", "1"], &seen[..], more].concat());
@@ -295,8 +304,8 @@ fn bad_scenes_are_refused() {
 }
 
 #[test]
-fn videos_hold_the_pictures() {
-    let Some(_) = gpu("videos_hold_the_pictures") else { return };
+fn videos_contain_the_pictures() {
+    let Some(_) = gpu("videos_contain_the_pictures") else { return };
     let sandbox = sandbox();
     let (width, height) = (180, 130);
     let view = ["hare.pelage", "--size", "180x130", "--clip", "EarBreath", "--frames", "4", "--fps", "12"];
@@ -380,7 +389,7 @@ fn hair_swings_in_sequences() {
     // Frame rates that divide the simulation rate must give identical bytes; others give nearly the same picture.
     assert!(sandbox.read("a/3.png") == sandbox.read("b/6.png"), "12 and 24 pictures a second");
     let (rate, swing) = (difference(&sandbox, "a/3.png", "e/4.png"), difference(&sandbox, "a/3.png", "c/3.png"));
-    assert!(swing > 0.5 && rate < 0.15 * swing, "another rate differs by {rate}, stiff hair by {swing}");
+    assert!(swing > 0.5 && rate < 0.15 * swing, "another frame rate differs by {rate}, stiff hair by {swing}");
     // In a single picture, hair must be at rest.
     rendered(&sandbox, &[&view[..], &["--time", "0.25", "-o", "still.png"]].concat());
     assert_eq!(difference(&sandbox, "still.png", "c/3.png"), 0.0);
@@ -450,7 +459,7 @@ fn interrupted_sequence_resumes() {
             let name = format!("{i:04}.png");
             assert!(sandbox.read(&format!("out/{name}")) == sandbox.read(&format!("whole/{name}")), "{name}");
         }
-        assert!(!journal.exists(), "the journal goes when the pictures are whole");
+        assert!(!journal.exists(), "the journal must be removed when all pictures are complete");
     };
     let (value, run) = rendered(&sandbox, &args);
     assert_eq!(value["skipped"], kept - 2, "{}", run.stderr);
@@ -491,8 +500,8 @@ fn interrupted_sequence_resumes() {
 
 /// Draws every scene in assets, with small packages of the models that it uses.
 #[test]
-fn the_scenes_of_the_assets_are_drawn() {
-    let Some(_) = gpu("the_scenes_of_the_assets_are_drawn") else { return };
+fn asset_scenes_can_be_drawn() {
+    let Some(_) = gpu("asset_scenes_can_be_drawn") else { return };
     let sandbox = Sandbox::new();
     let mut scenes = Vec::new();
     walk(&workspace().join("assets/scenes"), &mut scenes);

@@ -1,6 +1,6 @@
 //! Tests of environment maps with the real binary: lights fitted to panoramas, invalid files, and pictures lit by
 //! panoramas or by fitted lights.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_needs::data;
 use pelage_stage::sky::{Environment, Sun, environment_from_toml, environment_to_toml};
@@ -53,7 +53,7 @@ fn skies_are_fitted_by_few_lights() {
 }
 
 #[test]
-fn environment_is_given_by_words_or_files() {
+fn environment_can_be_a_colour_or_a_file() {
     let sandbox = Sandbox::new();
     sandbox.write("torus.glb", std::fs::read(workspace().join("assets/models/torus.glb")).unwrap());
     let sets = ["slice.layers=4", "shading.model=marschner", "hair.density=100", "ink.enabled=false"];

@@ -1,6 +1,6 @@
 //! Tests of individual strands with the real binary: they are closer to the traced picture than layers, and
 //! reproducible.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_formats::{Limits, Package};
 use pelage_tests::binary::{Sandbox, workspace};
@@ -36,7 +36,7 @@ fn strands_are_nearer_to_the_reference_than_layers() {
     assert!(strands < 0.85 * layers && strands < 0.014, "{strands} and {layers}");
     draw("strands", "again.png");
     let [first, again] = ["strands.png", "again.png"].map(|name| std::fs::read(sandbox.path().join(name)).unwrap());
-    assert!(first == again, "a picture of strands is the same every time");
+    assert!(first == again, "pictures of strands must be reproducible");
 }
 
 /// Checks guided hair that hangs from the hare, at rest and in the middle of a jump. It is so thin that each hair

@@ -1,6 +1,6 @@
 //! Tests of strands and guides in an unpacked package: files for other programs, and the result of packing edited
 //! files.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::tool::common::random::Random;
 use crate::tool::common::sample_package;
@@ -240,7 +240,11 @@ fn edited_tile_strands_are_packed() {
     }
     hair.write(&sandbox, "strands.hair");
     let found = stored(&packed(&sandbox));
-    assert_eq!((found.scale, &found.roots), (made.scale, &made.roots), "a tile further is the same place");
+    assert_eq!(
+        (found.scale, &found.roots),
+        (made.scale, &made.roots),
+        "a move by one tile must not change the stored root"
+    );
     for (i, (found, point)) in found.points.iter().zip(&made.points).enumerate() {
         let mut expected = *point;
         if (2 * POINTS + 1..3 * POINTS).contains(&i) {
@@ -301,7 +305,7 @@ fn edited_guides_are_packed() {
     }
     let groups = |bytes: &[u8]| Package::open(bytes, &Limits::default()).unwrap().hair_groups().unwrap();
     let (old, new) = (groups(&bytes), groups(&edited));
-    assert_eq!(new[0].guide_roots[2].0, old[0].guide_roots[1].0, "it hangs on the other triangle");
+    assert_eq!(new[0].guide_roots[2].0, old[0].guide_roots[1].0, "the guide must be on the other triangle");
     assert_eq!((&new[0].guide_roots[..2], &new[1]), (&old[0].guide_roots[..2], &old[1]));
     // Changes values that only the JSON file contains.
     let path = sandbox.path().join("folder/hair.json");

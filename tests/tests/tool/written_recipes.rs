@@ -1,5 +1,5 @@
 //! Tests of `pelage bake --write-recipe` with the real binary: the written recipe gives the same package.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_bake::recipe::{Coat, Recipe, keys};
 use pelage_tests::binary::{Run, Sandbox, workspace};
@@ -36,7 +36,7 @@ fn bake_with_written_and_run(sandbox: &Sandbox, path: &str, more: &[&str]) -> (S
     let second = bake(sandbox, "second.pelage", &["--recipe", path]);
     assert_eq!(second.code, Some(0), "{second:?}");
     let same = sandbox.read("first.pelage") == sandbox.read("second.pelage");
-    assert!(same, "another package, by {text}");
+    assert!(same, "the written recipe gives another package: {text}");
     assert_eq!(sandbox.run(&["validate", "first.pelage"]).code, Some(0));
     (text, first)
 }

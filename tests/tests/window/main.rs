@@ -1,4 +1,4 @@
-#![allow(missing_docs, clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(missing_docs, clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Tests of `pelage view` in a real window on a virtual display, with real key and mouse events.
 
 use pelage_bake::pipeline::STAGES;
@@ -56,7 +56,7 @@ fn window_matches_render_and_responds_to_input() {
     assert!(turned != first, "the drag moved nothing");
     view.key("r");
     let back = pixels(&view.save("p"));
-    assert!(back == first, "R is not where it began");
+    assert!(back == first, "R did not restore the first view");
 
     // Style, mouse wheel, flight and light must each change the picture.
     let mut before = back;
@@ -78,9 +78,9 @@ fn window_matches_render_and_responds_to_input() {
     view.xdotool(&["keyup", "ctrl"]);
     std::thread::sleep(Duration::from_millis(400));
     let lit = pixels(&view.save("p"));
-    assert!(lit != before, "the light does not turn");
+    assert!(lit != before, "the light did not change");
     view.xdotool(&["key", "ctrl+z"]);
-    assert!(pixels(&view.save("p")) == before, "an undo does not turn it back");
+    assert!(pixels(&view.save("p")) == before, "undo did not restore the light");
 
     // The picture shows the whole window, including its panels.
     view.key("n");
@@ -137,7 +137,7 @@ fn saved_recipe_is_rebaked_and_a_broken_one_is_reported() {
     assert_eq!(stages_of(&made), ["pack"], "a change of shading");
     view.wait_for("picture");
     let bright = pixels(&view.save("p"));
-    assert!(bright != dark, "the new shading is not to be seen");
+    assert!(bright != dark, "the new shading has no effect");
 
     sandbox.write("hare.toml", recipe("[2.5, 2.5]"));
     let failure = view.wait_for("failure");
@@ -145,12 +145,12 @@ fn saved_recipe_is_rebaked_and_a_broken_one_is_reported() {
     for word in ["hare.toml", "line 10", "shading.ambient", "[2.5, 2.5]", "three numbers"] {
         assert!(reason.contains(word), "{word:?} is not in {reason:?}");
     }
-    assert!(pixels(&view.save("p")) == bright, "the picture before stays");
+    assert!(pixels(&view.save("p")) == bright, "the previous picture must stay");
 
     sandbox.write("hare.toml", recipe("[0.3, 0.3, 0.3]"));
     view.wait_for("mended");
     view.wait_for("picture");
-    assert!(pixels(&view.save("p")) == dark, "the mended recipe is another one");
+    assert!(pixels(&view.save("p")) == dark, "the corrected recipe must be shown");
 
     // If the recipe is saved without changes, its text must stay the same.
     view.skip_events();
@@ -193,7 +193,7 @@ fn window_survives_files_other_than_packages() {
         view.key("Next");
         let failure = view.wait_for("failure");
         let reason = failure["reason"].as_str().unwrap();
-        assert!(reason.contains(".pelage") || reason.contains(".glb"), "which file? {reason}");
+        assert!(reason.contains(".pelage") || reason.contains(".glb"), "the reason names no file: {reason}");
     }
     view.key("Next");
     let made = view.wait_for("made");

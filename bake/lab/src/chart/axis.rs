@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scales_hold_their_values_and_ticks() {
+    fn axis_scales_contain_their_values_and_ticks() {
         for values in
             [&[0.0, 3.0][..], &[1.0, 2.0, 5.0], &[0.001, 0.5], &[1e-9, 1e6], &[0.0], &[], &[f64::INFINITY, 2.0]]
         {

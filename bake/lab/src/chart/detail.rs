@@ -1,5 +1,5 @@
-//! Topic `detail`: layers, triangles and texels that are needed at the size at which a model is drawn. The reference is
-//! a picture of the true strands.
+//! Topic `detail`: number of layers, triangles and texels that a model needs at several sizes on screen. The reference
+//! is a picture of the true strands.
 //!
 //! Fur that is few pixels high cannot show many layers, and small triangles add nothing there. The same view is
 //! therefore drawn in four sizes, each compared with its own reference image. Each size is drawn with the runtime's
@@ -39,7 +39,8 @@ impl Size {
     }
 }
 
-/// Tile sizes that are drawn in full detail, texels: from the size that a small picture needs to that of a close-up.
+/// Tile sizes that are drawn in full detail, texels. The smallest suffices for a small picture, the largest for a
+/// close-up.
 pub const TILES: [u32; 4] = [32, 64, 128, 256];
 
 /// Parameters of one measurement: content and picture size.
@@ -47,7 +48,7 @@ pub const TILES: [u32; 4] = [32, 64, 128, 256];
 pub struct DetailConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, shown beside the mark.
+    /// Value of the varied setting, shown beside its mark in the plot.
     pub label: String,
     /// Index into [`Size::ALL`].
     pub size: usize,

@@ -1,10 +1,6 @@
-//! Topic `environment`: accuracy and cost of lighting fibres by an environment map. The compared methods are one broad
-//! light for the whole map; one lobe at a time, by tables, by its exact integral or in the published form; samples of
-//! the map; and constant ambient light.
-//!
-//! The truth is the integral of the map times the fibre's scattering, summed over directions. It includes directions
-//! above the mesh surface, and those below it that a body of usual curvature does not hide. No other hair occludes.
-//! Where lights are fitted to a map, its sun is a separate, exact light, like a frame's key light.
+//! Topic `environment`: accuracy and cost of lighting fibres by maps ([`MapLighting`]) and single lights
+//! ([`SingleLighting`]). The truth is the integral of map times scattering over directions that a body of usual
+//! curvature does not hide. No other hair occludes. If lights are fitted to a map, its sun stays an exact light.
 
 use super::environment_fit::even_direction;
 use super::skies::NamedSky;
@@ -34,10 +30,11 @@ const FIBRES: [FibreOptics; 3] = [
     FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2 },
     FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5 },
 ];
-/// Columns and rows of cells over which the truth is summed. A cell with more than the fraction `BRIGHT` of all light
-/// is divided into `PARTED` × `PARTED` cells.
+/// Columns and rows of cells over which the truth is summed.
 const CELLS: (u32, u32) = (64, 32);
+/// Number of columns and of rows into which a bright cell is divided, if the map has enough pixels.
 const PARTED: u32 = 6;
+/// Fraction of all light above which a cell counts as bright.
 const BRIGHT: f64 = 0.004;
 /// Number of directions at which the light of an environment is evaluated and summed, as in frames.
 const DIRECTIONS: u32 = 1024;
@@ -45,10 +42,9 @@ const DIRECTIONS: u32 = 1024;
 /// Columns of the chart.
 ///
 /// * `sky`: name of the environment map, or width of a single light, degrees.
-/// * `error_percent`: relative RMS error of the luminance, over all points. `mean_percent`: mean luminance divided by
-///   the truth's, minus 1.
-/// * `microseconds`: time per point on one core, memory reads included. `fetches`: texture samples per point in a
-///   frame. `bytes`: size of one fibre's tables.
+/// * `error_percent`: relative RMS error of the luminance over all points. `mean_percent`: relative error of the mean.
+/// * `microseconds`: time per point on one core, memory reads included. `bytes`: size of one fibre's tables.
+/// * `fetches`: texture samples per point in a frame.
 pub const COLUMNS: [&str; 6] = ["sky", "error_percent", "mean_percent", "microseconds", "fetches", "bytes"];
 
 /// Panels of the chart.
@@ -62,14 +58,13 @@ const fn panel(cost: &'static str, cost_label: &'static str) -> Panel {
 /// Method of lighting a fibre by an environment map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MapLighting {
-    /// Single light about the mean direction of all light above the mesh surface, evaluated by tables of the given
-    /// size. The map is fitted with the given number of lobes.
+    /// Single light along the mean direction above the surface, by tables; arguments: number of lobes, table size.
     OneLight(usize, BroadSize),
-    /// Fit with the given number of lobes, each evaluated by the tables.
+    /// Fitted lights with the given number of lobes, each lobe evaluated by the tables.
     Tables(usize),
-    /// Fit with the given number of lobes, each integrated exactly.
+    /// Fitted lights with the given number of lobes, each lobe integrated exactly.
     Exact(usize),
-    /// Fit with the given number of lobes, each in the published form (after Xu 2011).
+    /// Fitted lights with the given number of lobes, each lobe in the published form (after Xu 2011).
     Printed(usize),
     /// The given number of directions, sampled from the map in proportion to luminance.
     Samples(usize),
@@ -82,7 +77,7 @@ pub enum MapLighting {
 pub enum SingleLighting {
     /// Exact integral over the light.
     Exact,
-    /// Tables. They cover only the part of the light in about the half sphere around its centre.
+    /// Tables, which cover only about the half sphere around the light's centre.
     Tables,
     /// Published form (after Xu 2011).
     Printed,
@@ -100,7 +95,6 @@ pub enum EnvironmentConfiguration {
     Single(f64, SingleLighting),
 }
 
-/// Returns the table size used in frames.
 fn default_size() -> BroadSize {
     BroadSize::default()
 }
@@ -150,7 +144,7 @@ impl EnvironmentConfiguration {
         }
     }
 
-    /// Returns whether this is what a frame does.
+    /// Returns whether frames use this method.
     pub fn is_default(&self) -> bool {
         matches!(self, Self::Sky(_, MapLighting::OneLight(16, size)) if *size == default_size())
     }
@@ -187,8 +181,7 @@ struct Point {
     eye: DVec3,
 }
 
-/// Returns points on hair that leans by up to 80 degrees, seen from above the surface. Mesh normals have all
-/// directions.
+/// Returns points on hair leaning by up to 80 degrees, seen from above, on surfaces with normals in all directions.
 fn points() -> Vec<Point> {
     let random = |number: usize, what: u64| f64::from(uniform(hash(0x5e5, number as u64), what));
     let about = |normal: DVec3, cosine: f64, turn: f64| {
@@ -256,7 +249,6 @@ fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
     let of =
         |cells: &Panorama, x: u32, y: u32| (cells.towards(x, y), brightness(cells.at(x, y)) * cells.solid_angle(y));
     let (width, height) = coarse.size();
-    // A map with too few pixels has no finer cells.
     let parted = if fine.size() == (PARTED * width, PARTED * height) { PARTED } else { 1 };
     let bright = BRIGHT * brightness(panorama.total());
     let mut out = Vec::new();
@@ -292,8 +284,7 @@ fn accuracy(pairs: &[(f64, f64)], seconds: f64) -> EnvironmentAccuracy {
     }
 }
 
-/// Calls `of` for each number below `count`, on this core. Returns the values, and the seconds per call in the fastest
-/// of three runs. A run longer than 0.5 s is not repeated.
+/// Returns `of` for 0..`count`, and the seconds per call of the fastest of three runs (one run if over 0.5 s).
 fn timed(count: usize, mut of: impl FnMut(usize) -> f64) -> (Vec<f64>, f64) {
     let (mut values, mut fastest) = (Vec::new(), f64::INFINITY);
     for _ in 0..3 {
@@ -454,8 +445,7 @@ fn shares(environment: &Environment, points: &[Point]) -> Vec<Vec<f64>> {
     points.iter().map(|point| lobes.iter().map(|lights| of(lights, point.normal)).collect()).collect()
 }
 
-/// Sums the light scattered from each lobe. `of` returns what a fibre scatters from one lobe. The uniform part of the
-/// environment is a light as well.
+/// Sums the light scattered from all lobes, the uniform light and the sun. `of`: light scattered from one lobe.
 fn by_lobes(
     environment: &Environment,
     points: &[Point],
@@ -474,8 +464,7 @@ fn by_lobes(
     })
 }
 
-/// Measures a method under single lights of the given width. There are 240 cases: two absorptions, two smooth fibres,
-/// three view directions and twenty light directions.
+/// Measures a method under single lights: two absorptions, two smooth fibres, three views and twenty directions.
 pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccuracy {
     let sharpness = width_deg.to_radians().powi(-2);
     let fibres: Vec<Fibre> = [5.0, 15.0].map(|width| smooth(width, &FIBRES[0])).into();
@@ -527,8 +516,7 @@ pub fn measure_single(form: SingleLighting, width_deg: f64) -> EnvironmentAccura
     accuracy(&pairs, seconds)
 }
 
-/// Integrates the scattered light numerically over all directions. If `half`, integrates only over about the half
-/// sphere around the light's centre, which is the part that the tables cover.
+/// Integrates the scattered light over all directions, or with `half` over about the half sphere that the tables cover.
 fn single_truth(fibre: &Fibre, sigma: f64, eye: DVec3, light: &GaussianLight, half: bool) -> f64 {
     const STEPS: (usize, usize) = (72, 120);
     // Integrates over five standard deviations about the light's centre, clamped to valid angles.

@@ -13,8 +13,8 @@ pub const LOBES: [usize; 9] = [0, 1, 2, 4, 8, 12, 16, 24, 32];
 ///
 /// * `sky`: name of the environment map. `lobes`: number requested.
 /// * `error_percent`: relative RMS error of the radiance without the sun, over cells of 5.6 degrees.
-/// * `irradiance_percent`: relative RMS error of a surface's irradiance, sun included, over its normals. The other
-///   errors describe the fit; this one is what fur shows.
+/// * `irradiance_percent`: relative RMS error of a surface's irradiance, sun included, over all normals. This error is
+///   visible in fur; the others describe only the fit.
 /// * `energy_percent`: total light without the sun divided by the map's, minus 1, for the colour with the largest
 ///   error. `sun_percent`: fraction of all light that comes from the sun.
 /// * `seconds`: duration of the fit. `bytes`: size of the lights as 32-bit numbers.

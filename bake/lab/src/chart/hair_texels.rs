@@ -98,8 +98,8 @@ mod tests {
     use super::*;
     use glam::{Vec3, vec3};
 
-    /// An upright strand, and a horizontal one twice as thick that crosses the tile's border. Samples are on the
-    /// strands and are distributed in proportion to the hair.
+    /// Checks an upright strand, and a horizontal strand twice as thick that crosses the tile's border. All samples
+    /// must be on the strands, in proportion to their surface.
     #[test]
     fn texels_are_sampled_in_proportion_to_their_hair() {
         let strands = Strands {
@@ -130,6 +130,9 @@ mod tests {
             assert_eq!((texel.lit(|_| true), texel.lit(|_| false)), (1.0, 0.0));
         }
         let texel = &found[&((n * n + 60 + 3) as usize)];
-        assert!((texel.lit(|p| p.at.z < 0.05) - 1.0 / 3.0).abs() < 0.05, "the lowest of one and a half slabs");
+        assert!(
+            (texel.lit(|p| p.at.z < 0.05) - 1.0 / 3.0).abs() < 0.05,
+            "layer 1 has a third of its hair in the lowest half layer spacing"
+        );
     }
 }

@@ -15,7 +15,7 @@ use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm
 pub struct InkConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, shown beside the mark.
+    /// Value of the varied setting, shown beside its mark in the plot.
     pub label: String,
     /// Ink settings of the drawing.
     pub look: InkSettings,
@@ -164,9 +164,9 @@ pub fn template_px(ink: &InkParams, height: u32) -> f64 {
     line_px(ink, height) + 1.0
 }
 
-/// Returns the same ink on paper without relief and with a full brush. Paper stays fixed while the model moves. Where
-/// it shows through or a dry brush skips, the picture on the model changes although nothing is wrong. A black patch
-/// with holes must also count as a black patch.
+/// Returns the same ink on paper without relief, with smooth line edges and no dry brush. Paper does not move with the
+/// model, so relief and dry brush would change the picture on the model although nothing is wrong. A black patch must
+/// also be measured without holes in it.
 #[must_use]
 pub fn on_blank_paper(ink: &InkParams) -> InkParams {
     ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn a_label_stays_within_the_frame() {
+    fn chart_labels_stay_within_the_frame() {
         let right = place_labels(&[((195, 50), 5, "a long word")], &[], FRAME, 11);
         assert!(right[0].at.0 < 160 && right[0].at.0 > 0);
         assert_eq!(place_labels(&[((100, 50), 5, &"x".repeat(60))], &[], FRAME, 11), []);

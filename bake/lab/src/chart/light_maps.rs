@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_are_filtered_as_by_a_sampler() {
+    fn shadow_maps_are_filtered_like_gpu_textures() {
         let maps = maps();
         let t = |u: f32, v: f32, layer: f32, between: bool| {
             maps.light_through_hair(Vec4::new(2.0 * u, 2.0 * v, 0.0, 2.0), layer, between)

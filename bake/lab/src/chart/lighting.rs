@@ -19,10 +19,10 @@ use pelage_runtime::LightingStage;
 use pelage_runtime::shared::kajiya_kay::{sin_power, sin_squared};
 use rayon::prelude::*;
 
-/// Directions towards lights and eyes: elevation above the surface and azimuth about its normal, degrees. Each light is
-/// combined with each eye.
+/// Directions towards lights: elevation above the surface and azimuth about its normal, degrees.
 const LIGHTS_DEG: [(f64, f64); 6] =
     [(80.0, 10.0), (60.0, 130.0), (60.0, 250.0), (35.0, 40.0), (35.0, 160.0), (35.0, 280.0)];
+/// Directions towards eyes, in the form of [`LIGHTS_DEG`]. Each light is combined with each eye.
 const EYES_DEG: [(f64, f64); 3] = [(75.0, 90.0), (45.0, 200.0), (45.0, 320.0)];
 
 /// Lighting method to measure.
@@ -32,7 +32,7 @@ pub struct LightingConfiguration {
     pub series: &'static str,
     /// Short value of the varied setting.
     pub label: String,
-    /// Frequency at which light is computed.
+    /// Stage at which light is computed: per pixel or per vertex.
     pub lighting: LightingStage,
     /// Changes to the base recipe, as arguments of `--set`.
     pub sets: Vec<String>,
@@ -60,14 +60,14 @@ pub const PANELS: [Panel; 2] = [
         cost: "shells_milliseconds",
         cost_label: "shells, milliseconds",
         error: "rmse",
-        error_label: "RMSE of eq. (1) with T instead of the strand's direction",
+        error_label: "RMSE of eq. (1) with the stored hair direction",
         only: None,
     },
     Panel {
         cost: "direction_bytes",
         cost_label: "direction texture, bytes",
         error: "direction_error_deg",
-        error_label: "mean angle between T and the strand, degrees",
+        error_label: "mean angle between stored and true hair direction, degrees",
         only: None,
     },
 ];

@@ -68,7 +68,7 @@ impl Cell {
 pub struct Row {
     /// Name of the varied setting; rows of one series share a colour.
     pub series: String,
-    /// Short value of the varied setting, shown beside the mark; empty for none.
+    /// Short value of the varied setting, shown beside its mark in the plot; empty for none.
     pub label: String,
     /// Cells, one per [`Chart::columns`].
     pub cells: Vec<Cell>,
@@ -131,8 +131,8 @@ impl Chart {
         front(&self.points(panel))
     }
 
-    /// Returns the table as CSV (RFC 4180): series, all columns, `adapter`, `default`, `on_front` (of the first panel;
-    /// one more column for each further one), `command`.
+    /// Returns the table as CSV (RFC 4180): series, all columns, `adapter`, `default`, the columns of [`Self::fronts`],
+    /// and `command`.
     pub fn csv(&self) -> String {
         let mut header: Vec<String> = vec!["series".into()];
         header.extend(self.columns.iter().map(ToString::to_string));
@@ -152,8 +152,8 @@ impl Chart {
         csv(table)
     }
 
-    /// Returns the columns that mark rows on a Pareto front, each with its name. There is one per panel, and one for
-    /// all panels that share a cost and an error and divide the rows among them.
+    /// Returns the columns that mark rows on a Pareto front, each with its name. There is one per panel. Panels that
+    /// show the same cost and error for different rows share one.
     pub fn fronts(&self) -> Vec<(String, Vec<bool>)> {
         let mut found: Vec<(&Panel, String, Vec<bool>)> = Vec::new();
         for panel in &self.panels {
@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pareto_front_holds_the_undominated_points() {
+    fn pareto_front_contains_the_undominated_points() {
         let points = [(1., 9.), (2., 5.), (2., 6.), (3., 5.), (4., 1.), (5., 1.), (1., 9.)].map(Some);
         assert_eq!(front(&points), [true, true, false, false, true, false, true]);
         assert_eq!(front(&[None, Some((1., 1.))]), [false, true]);

@@ -1,5 +1,6 @@
-//! Topic `multiple`: fur whose fibres scatter light to each other, compared with path tracing. This light is modelled
-//! as zero, as a constant, by Kajiya-Kay's lobes, or by multiple scattering between the fibres.
+//! Topic `multiple`: fur whose fibres scatter light to each other, compared with path tracing. The models in [`FORMS`]
+//! are compared: multiple scattering, single scattering alone or with constant ambient light, and Kajiya-Kay's lobes
+//! with constant ambient light.
 //!
 //! Means over squares of pixels are compared, because the speckle of single hairs is not a lighting error.
 

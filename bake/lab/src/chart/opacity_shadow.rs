@@ -1,5 +1,5 @@
 //! Topic `opacity-shadow`: accuracy and cost of deep and opacity shadow maps for shadows between single strands. Both
-//! kinds divide the depth along the light into slabs.
+//! kinds divide the depth along the light into ranges, called slabs.
 //!
 //! The maps are the runtime's own, rendered by the adapter and read back. The truth is the light of the traced scene
 //! ([`TrueScene::light_on_strand`]) at strand points visible to the eye, and the traced picture. The error of slabs
@@ -79,7 +79,7 @@ const fn panel(cost: &'static str, cost_label: &'static str, error: &'static str
 pub struct OpacityShadowConfiguration {
     /// Name of the varied setting.
     pub series: &'static str,
-    /// Value of the varied setting, shown beside the mark.
+    /// Value of the varied setting, shown beside its mark in the plot.
     pub label: String,
     /// Number of slabs and map size.
     pub shadows: ShadowParams,

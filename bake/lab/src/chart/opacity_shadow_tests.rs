@@ -14,7 +14,7 @@ fn view() -> LightView {
     }
 }
 
-/// Two adjacent texels have two slabs each. Every slab is 0.1 deep.
+/// Checks two adjacent texels with two slabs each; every slab is 0.1 deep.
 #[test]
 fn opacity_map_lookups_return_the_drawn_values() {
     let step = (1.0 / OPACITY_STEP) as u32;
@@ -49,22 +49,25 @@ fn published_planes_ignore_hair_behind_the_last_plane() {
     };
     let behind_both = f32::exp(-2.0);
     assert!((light(OpacityForm::WholeDepth, 1.0) - behind_both).abs() < 1e-4);
-    assert!((light(OpacityForm::Printed, 1.0) - 1.0).abs() < 1e-4, "no plane is left there");
+    assert!((light(OpacityForm::Printed, 1.0) - 1.0).abs() < 1e-4, "hair behind the last plane casts no shadow");
     let behind_one = f32::exp(-1.0);
     assert!((light(OpacityForm::Printed, 15.0 / 16.0) - behind_one).abs() < 1e-4);
-    assert!((light(OpacityForm::Deep, 0.5) - behind_both).abs() < 1e-4, "what is behind its slabs is in the last");
+    assert!((light(OpacityForm::Deep, 0.5) - behind_both).abs() < 1e-4, "the last slab contains all hair behind it");
     assert!(light(OpacityForm::Deep, 0.1) > 0.999);
 }
 
-/// Thinner slabs make smaller steps. Planes over the whole depth of a ball make large ones. In the published form,
-/// light reappears at the far end of the ball.
+/// Checks that thinner slabs make smaller steps, and that planes over the whole depth of a ball make large ones. In the
+/// published form, light reappears at the far end of the ball.
 #[test]
 fn map_forms_differ_on_a_ball() {
     let ball = Ball { depth_m: 1.0, fur_m: 0.02 };
     let of = |form, slabs| ball.measure(form, &ShadowParams::default().with(|s| s.slabs = slabs));
     let deep = [4, 8, 16].map(|slabs| of(OpacityForm::Deep, slabs));
     for ((step, error), expected) in deep.into_iter().zip([1.0f64, 0.5, 0.25]) {
-        assert!((step - (1.0 - (-expected).exp())).abs() < 0.02, "{step}, of slabs of an optical depth of {expected}");
+        assert!(
+            (step - (1.0 - (-expected).exp())).abs() < 0.02,
+            "step {step}, expected that of slabs with optical depth {expected}"
+        );
         assert!(error < 0.06, "{error}");
     }
     let [whole, printed] = [OpacityForm::WholeDepth, OpacityForm::Printed].map(|form| of(form, PLANES));

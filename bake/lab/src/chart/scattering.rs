@@ -59,7 +59,7 @@ pub enum ScatteringForm {
     Cubic(usize),
     /// Like `Tables`, with cos φ as the azimuthal axis, as published.
     CosPhi(usize),
-    /// Like `Tables`, with the same length of a light path for all azimuths.
+    /// Like `Tables`, but the length of a light path is the same for all azimuths.
     EvenLengths(usize),
     /// Like `Tables`, with a third table that gives the lengths of all light paths by azimuth.
     AllLengths(usize),
@@ -139,7 +139,7 @@ pub enum FibreEvaluator {
         /// Whether the azimuth's axis is its cosine.
         by_cosine: bool,
     },
-    /// Tables as in packages, with another table for the path lengths of TRT and of all other paths.
+    /// Tables as in packages, with an additional table for the path lengths of TRT and of all other paths.
     AllLengths {
         /// Tables of the fibre.
         tables: Box<ScatteringTables>,

@@ -35,21 +35,21 @@ use std::collections::BTreeMap;
 pub const ANGLES_DEG: [u32; 5] = [0, 30, 45, 60, 75];
 /// Azimuths of the light, degrees from +u. Hair leans, so the light's azimuth relative to the lean matters.
 const AZIMUTHS_DEG: [f64; 3] = [20.0, 140.0, 260.0];
-/// Number of texels evaluated under each light, and number of those compared with the strand truth. Both are chosen
-/// evenly.
+/// Number of texels evaluated under each light, chosen evenly.
 const POINTS: usize = 1 << 18;
+/// Number of texels under each light that are compared with the strand truth, chosen evenly.
 const STRAND_POINTS: usize = 6000;
 /// Number of samples of texels that contain hair.
 const HAIR_DRAWS: u32 = 6000;
-/// Rays of the strand truth per texel.
+/// Number of rays per texel for the strand truth.
 const RAYS: u32 = 25;
 /// Maximum number of texels of all layers, which are held in memory.
 const MOST_TEXELS: u64 = 1 << 26;
 
 /// Columns of the chart.
 ///
-/// * `form`: `baked` for visibility. For maps, `corrected` or `printed` (as published), according to the fraction of
-///   light that a layer absorbs. The columns after it are the settings of the form.
+/// * `form`: `baked` for visibility. For maps, the formula for the fraction of light that a layer absorbs: `corrected`,
+///   or `printed` as published. The columns after it are the settings of the form.
 /// * `rmse`, `mean_error`, `off_by_0.1`: errors of the transmittance t against [`SampledVolume`], in texels of all
 ///   layers, with hair and without. Maps approximate this volume; baked visibility does not, because it is computed
 ///   from strands.
@@ -59,11 +59,11 @@ const MOST_TEXELS: u64 = 1 << 26;
 ///   amount of their hair, whether it is visible from outside or not. This is the light that reaches a hair past all
 ///   other strands. It is the light used for shading hair; baked visibility and the traced picture contain it.
 /// * `milliseconds`: time to render all maps; 0 if baked. `timing`: clock used.
-/// * `bytes`: size of all maps; or of the visibility texture of dry hair on a GPU that samples its format, including
-///   mip levels and the far layer.
+/// * `bytes`: size of all maps. For baked visibility, size of the texture of dry hair on a GPU that samples its format,
+///   including mip levels and the far layer.
 /// * `visibility_seconds`: duration of the bake stage `visibility` for one tile, without encoding; the faster of two
 ///   runs.
-/// * `map_texels_per_hair_texel`, `map_size_on_model`: [`Sheet::map_texels_per_hair_texel`] and [`Sheet::map_size_on`]
+/// * `map_texels_per_hair_texel`: see [`Sheet::map_texels_per_hair_texel`]. `map_size_on_model`: [`Sheet::map_size_on`]
 ///   the model.
 /// * `_0` to `_75`: errors only under lights at that angle to the normal, degrees.
 /// * `volume_over_strands_rmse`, `volume_over_hair_rmse`: error that remains with perfect maps.
@@ -174,10 +174,11 @@ pub struct Sheet {
     volume: SampledVolume,
     field: StrandField,
     hair: BTreeMap<usize, HairTexel>,
-    /// Corner of the evaluated tile in world space. `along` has the vectors along its u and v. `up` is the vector from
-    /// the mesh surface to the outermost layer.
+    /// Corner of the evaluated tile in world space.
     corner: Vec3,
+    /// Vectors along the tile's u and v in world space.
     along: [Vec3; 2],
+    /// Vector from the mesh surface to the outermost layer, in world space.
     up: Vec3,
 }
 
@@ -403,7 +404,7 @@ impl TransmittanceTruth {
     }
 }
 
-/// Errors of a configuration, summed light by light.
+/// Errors of a configuration, summed over all lights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SelfShadowErrors {
     /// Errors by angle, compared with the volume, with the strands, and with the light on the hair.

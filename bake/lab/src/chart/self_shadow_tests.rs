@@ -52,7 +52,7 @@ fn middle_tile_is_centred_and_has_the_frame_of_the_shader() {
 fn exact_shadow_maps_have_zero_error() {
     let sheet = sheet();
     let slant = Slant { angle: 0, light_ts: DVec3::Z };
-    // Under light from straight above, consider a map aligned with the tile's texels. It contains the product of the
+    // This map is for light from straight above, and its texels are those of the tile. It contains the product of the
     // transmittances of the layers above.
     let n = sheet.set.texels;
     let alpha = |k: usize, i: usize| f32::from(sheet.set.layers[k].color[0][4 * i + 3]) / 255.0;
@@ -116,16 +116,16 @@ fn on_hair(measured: &SelfShadowErrors) -> (f64, f64) {
     (errors.rmse().unwrap_or(f64::NAN), errors.mean().unwrap_or(f64::NAN))
 }
 
-/// Baked visibility is nearer to the light on the hair than any map can be. This is not by chance: with a wrong texel,
-/// layer or light direction, it is farther off. The maps compared here are the best possible ones, because they contain
-/// the volume itself.
+/// Checks that baked visibility is nearer to the light on the hair than any maps. The maps compared here are the best
+/// possible ones, because they contain the volume itself. Negative control: with a wrong texel, layer or light
+/// direction, baked visibility must be farther off.
 #[test]
 fn baked_visibility_matches_strands_better_than_exact_maps() {
     let sheet = sheet();
     let truths = lit(&sheet);
     let hair: u32 = truths[0].1.hair.iter().map(|(_, _, times)| times).sum();
     assert_eq!(hair, HAIR_DRAWS);
-    assert!(truths[0].1.hair.iter().all(|(i, ..)| sheet.texel(truths[0].1.points[*i]).2 > 0), "skin has no hair");
+    assert!(truths[0].1.hair.iter().all(|(i, ..)| sheet.texel(truths[0].1.points[*i]).2 > 0), "layer 0 has no hair");
     let visibility = baked(&sheet, None, 96);
     let (error, mean) =
         on_hair(&measured(&truths, &|slant, truth| sheet.transmittance_by_visibility(&visibility, slant, truth)));
@@ -134,7 +134,7 @@ fn baked_visibility_matches_strands_better_than_exact_maps() {
     for density in [0.4, 0.7, 1.0] {
         let volume = |_: &Slant, truth: &TransmittanceTruth| truth.volume.iter().map(|t| t.powf(density)).collect();
         let (of_maps, _) = on_hair(&measured(&truths, &volume));
-        assert!(error < 0.9 * of_maps, "{error}, of maps of density {density} {of_maps}");
+        assert!(error < 0.9 * of_maps, "error {error}, with maps of density {density} {of_maps}");
     }
     // Altered visibility: from another layer, from another row of texels, and for light from the opposite side.
     let (n, layers) = (16usize, sheet.layers as usize);
@@ -154,7 +154,7 @@ fn baked_visibility_matches_strands_better_than_exact_maps() {
     assert!(wrong.iter().all(|wrong| *wrong > 1.1 * error), "{error}, wrongly {wrong:?}");
 }
 
-/// Block-compressed texels differ from uncompressed ones, but little, and need a quarter of the bytes.
+/// Checks that block-compressed texels differ little from uncompressed ones, and need a quarter of the bytes.
 #[test]
 fn block_compression_keeps_visibility() {
     let sheet = sheet();

@@ -16,7 +16,7 @@ use pelage_truth::decide::{LAYERS, Setting, TILES};
 pub struct ShellsConfiguration {
     /// Name of the varied setting.
     pub series: String,
-    /// Value of the varied setting, shown beside the mark.
+    /// Value of the varied setting, shown beside its mark in the plot.
     pub label: String,
     /// Recipe with the changes.
     pub recipe: Recipe,

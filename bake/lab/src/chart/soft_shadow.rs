@@ -28,10 +28,11 @@ const LEAST_N_DOT_L: f32 = 0.1;
 /// Directions towards lights: elevation above the horizon and azimuth around the vertical, degrees.
 const LIGHTS_DEG: [(f32, f32); 6] =
     [(35.0, 20.0), (60.0, 80.0), (35.0, 140.0), (60.0, 200.0), (35.0, 260.0), (60.0, 320.0)];
-/// Visible fractions of the light between which a point is in the penumbra. Below them it is in the umbra, above them
-/// fully lit.
+/// Visible fractions of the light between which a point is in the penumbra.
 const PENUMBRA: [f64; 2] = [0.05, 0.95];
+/// Visible fraction of the light up to which a point is in the umbra.
 const UMBRA: f64 = 0.02;
+/// Visible fraction of the light from which a point is fully lit.
 const LIT: f64 = 0.999;
 
 /// Method of computing an attenuation from the maps.
@@ -95,14 +96,14 @@ pub const PANELS: [Panel; 2] = [
         cost: "milliseconds",
         cost_label: "drawing the maps, milliseconds",
         error: "rmse",
-        error_label: "RMSE of the light's visible share, all points",
+        error_label: "RMSE of the visible fraction of the light, all points",
         only: None,
     },
     Panel {
         cost: "milliseconds",
         cost_label: "drawing the maps, milliseconds",
         error: "rmse_in_shadow",
-        error_label: "RMSE of the light's visible share, points not in full light",
+        error_label: "RMSE of the visible fraction of the light, points not in full light",
         only: None,
     },
 ];
@@ -178,8 +179,9 @@ pub struct SampledSurface {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Point {
     position_ws: Vec3,
-    /// Normal interpolated between the vertices, as in the runtime's shading. `face_ws` is the normal of the triangle.
+    /// Normal interpolated between the vertices, as in the runtime's shading.
     normal_ws: Vec3,
+    /// Normal of the triangle.
     face_ws: Vec3,
 }
 
@@ -311,7 +313,7 @@ fn iterated_distances(occluded: &[bool], size: usize, passes: u32) -> Vec<f32> {
 }
 
 /// Returns the attenuation of Kirsch and Döllner 2003 at a point `sd` metres behind the surface nearest to the light.
-/// The depth bias is pelage's.
+/// The depth bias is that of pelage's own methods.
 fn iterated(maps: &LightMaps, distances: &[f32], passes: u32, place: Vec4, sd: f32, n_dot_l: f32) -> f32 {
     let texel = maps.soft.texel * place.w;
     let bias = depth_bias(place.w, slanted_path(n_dot_l), &maps.soft);

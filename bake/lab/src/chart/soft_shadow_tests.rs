@@ -66,7 +66,7 @@ fn width_map_of_the_paper_is_half_at_a_straight_edge() {
     assert!(row(3)[14] > 0.0 && row(3)[17] < 1.0);
 }
 
-/// A shape that casts no shadow on itself must be fully lit. A ring must have umbra, penumbra and full light.
+/// Checks that a shape that casts no shadow on itself is fully lit. A ring must have umbra, penumbra and full light.
 #[test]
 fn reference_shadows_of_a_ball_and_a_ring_are_correct() {
     let light = vec3(0.2, 0.9, 0.1).normalize();

@@ -117,7 +117,7 @@ pub struct StrandsConfiguration {
 }
 
 impl StrandsConfiguration {
-    /// Returns whether this is the default: the runtime's choice with the first number of samples.
+    /// Returns whether this is the default: the runtime's choice with the first of [`SAMPLES`].
     pub fn is_default(&self) -> bool {
         self.way == 0 && self.samples == SAMPLES[0]
     }

@@ -8,9 +8,11 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Width and height of a panel, of the title and of a legend row, pixels.
+/// Width and height of a panel, pixels.
 const PANEL: (u32, u32) = (620, 470);
+/// Height of the title, pixels.
 const TITLE_HEIGHT: u32 = 54;
+/// Height of a row of the legend, pixels.
 const LEGEND_ROW: u32 = 22;
 
 /// Colours that are distinguishable with the common kinds of colour blindness (Okabe and Ito 2008).
@@ -83,9 +85,11 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Distances from the panel's edges to the frame: left, right, top, bottom.
 const MARGIN: [i32; 4] = [78, 18, 8, 60];
 
-/// Radius of a mark, radius of the ring around the default, and height of a letter beside a mark, pixels.
+/// Radius of a mark, pixels.
 const MARK: i32 = 5;
+/// Radius of the ring around the default, pixels.
 const RING: i32 = 10;
+/// Height of a letter beside a mark, pixels.
 const LABEL: i32 = 11;
 
 fn draw_panel(area: &Area<'_>, chart: &Chart, panel: &Panel, series: &[&str]) -> Result<(), BakeError> {
@@ -187,8 +191,8 @@ fn along(line: &[(i32, i32)]) -> Vec<(i32, i32)> {
     line.windows(2).flat_map(piece).collect()
 }
 
-/// Corners of the marks; the first shape is a circle. Each series has a colour and a shape, so that the chart is
-/// readable without colour.
+/// Corners of the mark shapes; the first shape has none, because it is a circle. Each series has a colour and a shape,
+/// so that the chart is readable without colour.
 const SHAPES: [&[(i32, i32)]; 7] = [
     &[],
     &[(-5, -5), (5, -5), (5, 5), (-5, 5)],

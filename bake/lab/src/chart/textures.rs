@@ -315,8 +315,9 @@ fn angle_deg(a: Vec3, b: Vec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b).abs()).to_degrees()
 }
 
-/// Maximum number of encoder runs, of which the fastest counts. No run begins after `LONG_S` seconds in total.
+/// Maximum number of encoder runs, of which the fastest counts.
 const RUNS: usize = 3;
+/// Total duration after which no further run begins, seconds.
 const LONG_S: f64 = 1.0;
 
 fn timed(now: &dyn Fn() -> f64, run: impl Fn() -> Result<Vec<u8>, BakeError>) -> Result<(Vec<u8>, f64), BakeError> {

@@ -1,13 +1,12 @@
-//! Topic `verlet`: error of simulated guided hair, compared with its equations ([`TrueGuide`]), and its cost. Methods
-//! differ in how they enforce the lengths of the pieces.
+//! Topic `verlet`: error and cost of simulated guided hair, compared with its equations ([`TrueGuide`]). Methods differ
+//! in how they enforce the lengths of the pieces.
 //!
-//! Each method moves the same guides through the same frames of a sixtieth of a second. The methods are the runtime's
-//! solver and methods from the literature. The runtime's solver is measured with several numbers of steps, and of
-//! solves for the tensions. The methods from the literature use the runtime's forces, whose springs are implicit, so
-//! that methods differ only in how they enforce lengths. The published form has its own forces.
+//! Each method moves the same guides through the same frames of a sixtieth of a second. The runtime's solver is
+//! measured with several numbers of steps, and of solves for the tensions. The methods from the literature use the
+//! runtime's forces, whose springs are implicit, so that only the enforcement of lengths differs. The published form
+//! has its own forces.
 //!
-//! The scenes keep hair taut. Slack hair whips: two motions that differ by a rounding error diverge, so the truth would
-//! be arbitrary.
+//! The scenes keep hair taut. Slack hair whips: a rounding error changes its motion, so the truth would be arbitrary.
 
 use super::{Cell, Panel};
 use crate::stability::hair_motion::{PrintedStep, PrintedString, sweep};
@@ -31,8 +30,7 @@ pub const SECONDS: u32 = 3;
 const TRUTH_TOLERANCE: f64 = 1e-5;
 /// Damping ratio of the springs that pull towards the groomed position; 1 is critical damping.
 const DAMPED: f32 = 0.3;
-/// Fraction of the lost speed that is restored, as in Müller 2012. Speed is lost when a point is moved to its correct
-/// distance from the previous one.
+/// Fraction of the speed lost by length corrections that is restored, as in Müller 2012.
 const RESTORED_SPEED: f32 = 0.9;
 /// Compliance of a piece, metres per metre per second squared. The weight of a guide that hangs from a piece stretches
 /// it by 1e-4 of its length.
@@ -42,14 +40,12 @@ const COMPLIANCE: f32 = 1e-8;
 ///
 /// * `points`: points per guide. `steps_per_s`: steps per second. `rounds`: mean number of passes over the lengths per
 ///   step; for the runtime's solver, the pass from root to tip is included.
-/// * `rms_percent`: RMS distance of points from their true positions, in % of the guide's length. It covers all points
-///   but the root, and all frames of three scenes. `largest_percent`: largest of these distances. `rms_turn` etc.: RMS
-///   distance in one scene.
+/// * `rms_percent`: RMS distance of all points but the root from their true positions, in % of the guide's length, over
+///   all frames of three scenes. `rms_turn` etc.: the same in one scene. `largest_percent`: largest distance.
 /// * `stretch_percent`: largest relative deviation of any piece from its length.
 /// * `nanoseconds`: time per guide and simulated second, on one core. `corrections_per_s`: number of times that each
 ///   piece's length is corrected per simulated second.
-/// * `true_steps_per_s`: steps per second of the truth. `true_change_percent`: change of the truth if it is computed
-///   with half as many steps.
+/// * `true_steps_per_s`: steps per second of the truth. `true_change_percent`: its change with half as many steps.
 pub const COLUMNS: [&str; 13] = [
     "points",
     "steps_per_s",
@@ -92,8 +88,7 @@ pub enum Scene {
     Gust,
 }
 
-/// Returns a smooth step from 0 to 1 that begins at `from` and lasts `takes` seconds. Velocity and acceleration are 0
-/// at both ends.
+/// Returns a smooth step from 0 to 1 within `takes` seconds from `from` on. Its slope and curvature are 0 at both ends.
 fn eased(time_s: f64, from: f64, takes: f64) -> f64 {
     let t = ((time_s - from) / takes).clamp(0.0, 1.0);
     t * t * t * (10.0 + t * (6.0 * t - 15.0))
@@ -169,8 +164,7 @@ pub enum MotionForm {
         /// Passes over the lengths.
         sweeps: u32,
     },
-    /// Truth for a root that moves in a straight line from frame to frame. This is the least error possible for a
-    /// method that knows only frames.
+    /// Truth for a root that moves straight between frames: the least error of any method that knows only frames.
     Straight,
 }
 
@@ -226,7 +220,7 @@ pub fn configurations() -> Vec<VerletConfiguration> {
     .collect()
 }
 
-/// Guide that begins horizontally and curves downwards, with its ballast, lengths and springs.
+/// Guide that begins horizontally and curves downwards, with lengths, springs, and the ballast that holds its shape.
 #[derive(Clone, Debug)]
 pub struct Guide {
     points: Vec<Vec3>,
@@ -553,8 +547,7 @@ impl MotionDeviation {
 }
 
 impl MotionForm {
-    /// Returns the steps per second, and the passes over the lengths per step. `found` is the result of all scenes
-    /// together.
+    /// Returns the steps per second, and the passes over the lengths per step. `found`: result of all scenes together.
     pub fn effort(&self, found: &MotionDeviation) -> Option<(f64, f64)> {
         Some(match *self {
             // Adds one pass per step: the pass from root to tip that corrects the error left by the tensions.

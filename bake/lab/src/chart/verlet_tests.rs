@@ -7,7 +7,7 @@ fn off(guide: &Guide, form: &MotionForm) -> MotionDeviation {
 }
 
 #[test]
-fn rows_differ_and_each_length_has_one_default() {
+fn rows_differ_and_each_point_count_has_one_default() {
     let all = configurations();
     for points in POINTS {
         let of: Vec<_> = all.iter().filter(|c| c.points == points).collect();
@@ -16,7 +16,7 @@ fn rows_differ_and_each_length_has_one_default() {
             assert!(of[..i].iter().all(|b| (b.series, &b.label) != (a.series, &a.label) && b.form != a.form), "{a:?}");
         }
     }
-    // In each scene, 1080 solves are three per step.
+    // A scene with 1080 solves has three per step.
     let of = MotionDeviation { squares: 1.0, count: 4, solved: 1080, ..MotionDeviation::default() };
     let row = cells(&all[0], &[of; 3], Some(5.0), &[]);
     assert_eq!(row.len(), COLUMNS.len());
@@ -24,7 +24,8 @@ fn rows_differ_and_each_length_has_one_default() {
     assert_eq!(row[10], Cell::Number(480.0));
 }
 
-/// Scenes must discriminate: without motion, all methods would seem accurate; with whipping hair, none would.
+/// Checks that the scenes discriminate: without motion, all methods would seem accurate; with whipping hair, none
+/// would.
 #[test]
 fn scenes_move_hair_and_are_resolved_at_60_frames_per_second() {
     for points in POINTS {
@@ -33,7 +34,7 @@ fn scenes_move_hair_and_are_resolved_at_60_frames_per_second() {
             let truth = guide.truth(scene, false);
             assert!(
                 truth.change <= TRUTH_TOLERANCE,
-                "{points} points, {scene:?}: steps of half the length change {}",
+                "{points} points, {scene:?}: halving the steps changes the motion by {}",
                 truth.change
             );
             let mut swung = 0.0f64;
@@ -43,13 +44,16 @@ fn scenes_move_hair_and_are_resolved_at_60_frames_per_second() {
                 swung = swung.max(places[points - 1].distance(groomed) / f64::from(guide.length()));
             }
             let known = MotionDeviation::of(&guide, &MotionForm::Straight, scene, &truth.places);
-            println!("{points} points, {scene:?}: swung {swung:.2}, frames know it to {:.1e}", known.rms());
+            println!(
+                "{points} points, {scene:?}: swing {swung:.2}, error of a root known only at frames {:.1e}",
+                known.rms()
+            );
             assert!(swung > 0.1 && known.rms() < 1e-3, "{points} points, {scene:?}: {swung}, {known:?}");
         }
     }
 }
 
-/// With short enough steps, all methods but the published one converge to the truth, because they solve the same
+/// Checks that all methods but the published one converge to the truth with short steps, because they solve the same
 /// equations.
 #[test]
 fn solvers_converge_to_the_reference() {

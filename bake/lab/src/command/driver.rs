@@ -84,7 +84,7 @@ pub struct Plan {
 pub struct PlannedRow {
     /// Name of the varied setting; rows of one series share a colour.
     pub series: String,
-    /// Short value of the varied setting, shown beside the mark.
+    /// Short value of the varied setting, shown beside its mark in the plot.
     pub label: String,
     /// Whether this is the default configuration.
     pub default: bool,

@@ -85,7 +85,7 @@ fn read(value: &Value) -> Option<Cell> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn cells(x: f64) -> Vec<Cell> {

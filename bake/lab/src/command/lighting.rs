@@ -13,9 +13,9 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::stages::stage_of;
 use pelage_tool::view::PictureView;
 
-/// Number of timed frames per configuration, and of frames before them in which pipelines and caches settle. The
-/// fastest counts, because other load only adds time.
+/// Number of timed frames per configuration. The fastest counts, because other load only adds time.
 const FRAMES: usize = 9;
+/// Number of frames before the timed ones, in which pipelines and caches settle.
 const WARM_UP: usize = 1;
 
 /// Topic `lighting`.

@@ -14,12 +14,13 @@ use pelage_tool::machine::measured_on;
 use std::time::Instant;
 use wgpu::util::DeviceExt as _;
 
-/// Number of threads per dispatch, and of evaluations per thread.
+/// Number of threads per dispatch.
 const THREADS: u32 = 1 << 16;
+/// Number of evaluations per thread.
 const EACH: u32 = 64;
-/// Number of timed runs, of which the fastest counts; and number of dispatches per run, large enough that the cost of
-/// submission is negligible.
+/// Number of timed runs, of which the fastest counts.
 const TURNS: usize = 7;
+/// Number of dispatches per run, large enough that the cost of submission is negligible.
 const AT_ONCE: u32 = 4;
 
 /// Topic `scattering`.

@@ -190,7 +190,7 @@ mod drawn {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
     use super::{Finding, Row, Table};
 

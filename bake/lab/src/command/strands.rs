@@ -29,9 +29,11 @@ use std::time::Instant;
 /// Number of turns in which the methods of a group are timed, each turn with `FRAMES` frames of each method. The
 /// fastest counts, because other load only adds time.
 const TURNS: usize = 5;
-/// Minimum number of turns if frames are slow. After `MOST_SECONDS`, no further turn begins.
+/// Minimum number of turns if frames are slow.
 const FEWEST_TURNS: usize = 2;
+/// Duration after which no further turn begins, seconds.
 const MOST_SECONDS: f64 = 30.0;
+/// Number of frames of each method per turn.
 const FRAMES: usize = 3;
 
 /// Degrees by which the camera turns between two pictures for flicker. The model then moves by about a pixel at the

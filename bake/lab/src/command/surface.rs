@@ -9,8 +9,9 @@ use pelage_tool::exit::Failure;
 use pelage_tool::machine::processor;
 use std::time::Instant;
 
-/// Number of runs per configuration, of which the median counts. Long runs are not repeated.
+/// Number of runs per configuration, of which the median counts.
 const RUNS: usize = 3;
+/// Total duration after which no further run begins, seconds.
 const LONG_S: f64 = 1.0;
 
 /// Topic `surface`.

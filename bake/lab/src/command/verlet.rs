@@ -12,9 +12,10 @@ use pelage_tool::machine::measured_on;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Minimum number of turns in which a method is timed. Each turn covers all scenes; together they take at least
-/// `TIMED_S` seconds. The fastest counts, because other load only adds time and misses some of the short turns.
+/// Minimum number of turns in which a method is timed; each covers all scenes. The fastest counts, because other load
+/// only adds time and misses some of the short turns.
 const FEWEST_TURNS: usize = 5;
+/// Minimum total duration of the turns, seconds.
 const TIMED_S: f64 = 0.3;
 
 /// Topic `verlet`.

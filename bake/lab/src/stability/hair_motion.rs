@@ -214,9 +214,9 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let mut out = Vec::new();
 
     let hangs = both(&base, 3.0, &|_, places| stretch(places));
-    out.push(finding("64 points hang", longer, hangs, 0.01, 0.1));
+    out.push(finding("a string of 64 points hangs at rest", longer, hangs, 0.01, 0.1));
     let gallops = both(&HangingString { root: &gallop, ..base }, 0.0, &|_, places| stretch(places));
-    out.push(finding("64 points at a gallop", longer, gallops, 0.03, 0.3));
+    out.push(finding("a string of 64 points at a gallop", longer, gallops, 0.03, 0.3));
 
     let stiff = HangingString {
         points: 16,
@@ -273,7 +273,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     };
     let pushed = both(&HangingString { points: 16, seconds: 2.0, spheres: &body, ..base }, 0.0, &inside);
     out.push(finding(
-        "head and neck move through the hair",
+        "a head and a neck move through the hair",
         "greatest penetration, as a share of the sphere's radius",
         pushed,
         0.02,
@@ -283,6 +283,6 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let jump = |time_s: f32| Vec3::X * if time_s > 0.5 { 100.0 } else { 0.0 };
     let jumped =
         both(&HangingString { points: 16, seconds: 2.0, root: &jump, ..base }, 0.0, &|_, places| stretch(places));
-    out.push(finding("a root that jumps 100 m unannounced", longer, jumped, 0.01, 100.0));
+    out.push(finding("a root that jumps 100 m without a reset of the motion", longer, jumped, 0.01, 100.0));
     Ok(out)
 }

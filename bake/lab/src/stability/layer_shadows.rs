@@ -120,8 +120,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         fails_above: 0.5,
     });
     // Light from below the surface is blocked by the body, so none of it may arrive. Seen from the light, the outermost
-    // layer is the last one. Its map does not show this, because it contains only the layers above, of which there are
-    // none.
+    // layer is the last one. The map of this layer shows no shadow, because it contains only the layers above.
     let angles = [110.0, 130.0, 155.0, 180.0];
     let range = Shading::default().back_light_range;
     let arriving = |back: &dyn Fn(f32) -> f32| {
@@ -136,7 +135,7 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     };
     out.push(Finding {
         case: "light from behind the skin, 110 to 180 degrees off the normal".into(),
-        measure: "largest mean share of the light that reaches the outermost layer",
+        measure: "largest mean fraction of the light that reaches the outermost layer",
         naive: arriving(&|_| 1.0),
         safe: arriving(&|n_dot_l| back_attenuation(n_dot_l, range)),
         bound: 0.0,

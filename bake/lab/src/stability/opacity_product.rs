@@ -58,9 +58,9 @@ fn depths(strands: &Strands, n: usize, filter_width: f64) -> Vec<f64> {
     depths
 }
 
-/// Texels along a side of a layer. Strands are rasterised at `FINER` times as many texels along each axis, and then
-/// reduced.
+/// Number of texels along a side of a layer.
 const TEXELS: usize = 64;
+/// Factor by which the texels are finer along each axis when strands are rasterised; the result is then reduced.
 const FINER: usize = 4;
 
 /// Returns the mean transmittance of `slabs` stacked layers with 8-bit opacities. `fine` has the optical depths of the

@@ -1,4 +1,4 @@
-//! Hair between guides at a parting: an average of guides that fall to opposite sides stands up.
+//! Hair between guides at a parting: the average of guides that fall to opposite sides is upright.
 
 use super::row::{Finding, Row};
 use glam::Vec3;

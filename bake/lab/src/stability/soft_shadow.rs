@@ -139,13 +139,13 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         bound,
         fails_above,
     };
-    let share = "largest error of the light's visible share";
+    let share = "largest error of the visible fraction of the light";
     Ok(vec![
         finding("lit skin beside a shadow's edge, depths equal except for rounding", share, lit_surface(), 0.002, 0.9),
         finding("lit skin, light 15 to 27 degrees above its horizon", share, at_the_horizon(), 0.02, 0.5),
         finding(
             "a path across the edge of a shadow cast from 0.1 m, 100 steps per penumbra width",
-            "largest step of the light's visible share",
+            "largest step of the visible fraction of the light",
             across_the_edge(0.1),
             0.05,
             0.5,

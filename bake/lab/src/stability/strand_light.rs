@@ -19,8 +19,9 @@ pub const ROW: Row<DrawnRowTest> = Row {
     drive,
 };
 
-/// Number of rays of the truth per point. `STEP_PX` is the spacing of the points, pixels.
+/// Number of rays of the truth per point.
 const RAYS: u32 = 16;
+/// Spacing of the points, pixels.
 const STEP_PX: u32 = 4;
 /// Direction towards the light.
 const LIGHT: Vec3 = vec3(-0.3, 0.4, 0.8);

@@ -25,12 +25,15 @@ pub const ROW: Row<DrawnRowTest> = Row {
 
 /// Width and height of the picture, pixels. It is large because each pixel has only one sample, which is hit or not.
 pub const SIZE: u32 = 640;
-/// Side of the visible square, metres. `SKIN_M` is the side of the mesh, which is a little smaller.
+/// Side of the visible square, metres.
 const VISIBLE_SIDE_M: f32 = 1.1;
+/// Side of the square mesh, metres; a little smaller than the visible square.
 const SKIN_M: f32 = 1.0;
+/// Width of a tile, metres.
 const TILE_M: f32 = 0.125;
-/// Number of rays per pixel of the truth, whose picture has an eighth of the width and height.
+/// Number of rays per pixel of the truth.
 const TRUE_SAMPLES: u32 = 1024;
+/// Width and height of the truth's picture, pixels.
 const TRUE_SIZE: u32 = SIZE / 8;
 
 /// Bakes a square with hair of one width, with `density` strands per tile. Strands are oblique to the pixel grid,

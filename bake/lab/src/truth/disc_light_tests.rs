@@ -28,17 +28,17 @@ fn penumbra_of_a_half_plane_matches_the_formula() {
         let truth = cut_disc(2.0 * x / width);
         let distant = DiscLight::Directional { towards_light_ws: DVec3::Y * 3.0, penumbra };
         let share = scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, &distant, 4096);
-        assert!((share - truth).abs() < 0.01, "at {x}: {share}, not {truth}");
+        assert!((share - truth).abs() < 0.01, "at {x}: found {share}, expected {truth}");
         if step.abs() > 8 {
             assert_eq!(share, truth.round(), "at {x}, outside of the penumbra");
         }
         // Charts use 256 rays, so their error is tested as well.
         let rough = scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, &distant, 256);
-        assert!((rough - truth).abs() < 0.04, "at {x}: {rough}, not {truth}");
+        assert!((rough - truth).abs() < 0.04, "at {x}: found {rough}, expected {truth}");
         // A point light straight above each point gives the same visible fraction; the half plane is halfway to it.
         let near = DiscLight::Point { position_ws: DVec3::new(x, 5.0, 0.1), penumbra };
         let share = scene.visible_share(DVec3::new(x, 0.0, 0.1), DVec3::Y, &near, 4096);
-        assert!((share - truth).abs() < 0.01, "point light at {x}: {share}, not {truth}");
+        assert!((share - truth).abs() < 0.01, "point light at {x}: found {share}, expected {truth}");
     }
     // A slanted light shifts the shadow of the edge and widens its penumbra.
     let towards_light_ws = DVec3::new(1.0, 1.0, 0.0);
@@ -61,7 +61,7 @@ fn point_light_below_the_occluder_is_visible() {
     assert_eq!([share(0.45), share(0.55)], [1.0, 0.0]);
 }
 
-/// A convex surface does not shadow itself, except where it faces away from the light.
+/// Checks that a convex surface does not shadow itself, except where it faces away from the light.
 #[test]
 fn a_sphere_is_lit_on_one_side() {
     for scale in [1e-3, 1.0, 1e3] {
@@ -70,7 +70,9 @@ fn a_sphere_is_lit_on_one_side() {
         let positions: Vec<Vec3> = mesh.positions.iter().map(|p| *p * scale + offset).collect();
         let scene = Occluder::new(&positions, &mesh.triangles).unwrap_or_else(|e| panic!("{e}"));
         let light = DiscLight::Directional { towards_light_ws: DVec3::new(0.3, 0.8, -0.2), penumbra: 0.1 };
-        let DiscLight::Directional { towards_light_ws, .. } = light else { unreachable!("it was made so") };
+        let DiscLight::Directional { towards_light_ws, .. } = light else {
+            unreachable!("the light was created as a directional one")
+        };
         let mut lit = 0;
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|i| positions[i as usize].as_dvec3());
@@ -96,7 +98,7 @@ fn a_sphere_is_lit_on_one_side() {
 }
 
 #[test]
-fn the_disc_is_covered_evenly() {
+fn rays_cover_the_light_disc_evenly() {
     let points: Vec<glam::DVec2> = stratified(3, 10_000).map(disc).collect();
     assert!(points.iter().all(|p| p.length() <= 1.0));
     for radius in [0.25, 0.5, 0.75] {

@@ -35,9 +35,9 @@ use std::f64::consts::TAU;
 const DAMPED: f64 = 0.3;
 /// Time step of the finite differences for velocities of the mesh surface, seconds.
 const MOMENT_S: f64 = 1e-4;
-/// Maximum number of Newton iterations that correct lengths after a step. They stop at the error `EXACT`, in lengths of
-/// the guide; only rounding is left then.
+/// Maximum number of Newton iterations that correct lengths after a step.
 const ROUNDS: usize = 12;
+/// Error at which the iterations stop, in lengths of the guide; only rounding is left then.
 const EXACT: f64 = 1e-13;
 
 /// Position and motion of a guide's root on the mesh surface.

@@ -33,8 +33,8 @@ fn simulate(guide: &TrueGuide<'_>, from: Vec<DVec3>, times: &[f64], steps_per_s:
 
 const TIMES: [f64; 4] = [0.3, 0.9, 2.0, 3.3];
 
-/// The point is released at an angle so small that its sine equals the angle. The expected motion is x = A e^(−ct/2)
-/// (cos wt + c/2w sin wt).
+/// Checks a point that is released at an angle so small that its sine equals the angle. The expected motion is x = A
+/// e^(−ct/2) (cos wt + c/2w sin wt).
 #[test]
 fn one_point_swings_as_a_damped_pendulum() {
     let (points, ballast) = (hanging(2, 0.3), [DVec3::ZERO; 2]);
@@ -60,8 +60,8 @@ fn one_point_swings_as_a_damped_pendulum() {
     check(TrueGuide { gravity: DVec3::ZERO, bend_hz: 1.3, ..bare }, 0.0, (TAU * 1.3) * (TAU * 1.3));
 }
 
-/// Two points hang below each other. In the normal modes, their deflections have the ratio 1 : 1 ± √2, and the squared
-/// frequencies are (2 ∓ √2) g/l.
+/// Checks two points that hang below each other. In the normal modes, their deflections have the ratio 1 : 1 ± √2, and
+/// the squared frequencies are (2 ∓ √2) g/l.
 #[test]
 fn double_pendulum_swings_in_its_normal_modes() {
     let (points, ballast) = (hanging(3, 0.4), [DVec3::ZERO; 3]);
@@ -98,7 +98,7 @@ fn steady_wind_tilts_a_string_by_the_expected_angle() {
     }
 }
 
-/// The string is released sideways without losses. It whips, and conserves its energy.
+/// Checks a string that is released sideways without losses. It whips, and must conserve its energy.
 #[test]
 fn energy_and_lengths_are_conserved() {
     let (points, ballast) = (hanging(6, 0.3), [DVec3::ZERO; 6]);
@@ -129,7 +129,7 @@ fn halving_the_step_reduces_the_error_sixteenfold() {
     for straight in [false, true] {
         let tips = [4, 8, 16].map(|steps| guide.frames(&sway, straight, (90, 1.0 / 60.0), steps)[89][6]);
         let order = tips[0].distance(tips[1]) / tips[1].distance(tips[2]);
-        assert!((10.0..24.0).contains(&order), "{order} times as near");
+        assert!((10.0..24.0).contains(&order), "halving the step reduced the error {order} times");
     }
     let followed = guide.converged(&sway, false, (90, 1.0 / 60.0), 1e-6);
     assert!(followed.change <= 1e-6 && followed.places.len() == 90, "{}", followed.change);
@@ -142,8 +142,8 @@ fn halving_the_step_reduces_the_error_sixteenfold() {
     assert!(many < 0.1 * few && few < 0.01, "{few} m, {many} m");
 }
 
-/// Without gravity, only the motion of the mesh surface acts on the hair. Hair with a stiff spring moves rigidly with
-/// the surface.
+/// Checks motion without gravity, in which only the mesh surface acts on the hair. Hair with a stiff spring must move
+/// rigidly with the surface.
 #[test]
 fn stiff_hair_moves_rigidly_with_its_root() {
     let points = hanging(5, 0.2);

@@ -31,9 +31,9 @@ fn mean(field: &StrandField, z: f64, light: DVec3) -> f64 {
     field.transmittance(0.5, 0.5, z, 1.0, light, 90_000)
 }
 
-/// A layer of parallel hairs at height 0.25, four per tile, that run along v from tile to tile. Seen from the mesh
-/// surface, they cover four diameters of the tile's width. Light slanted across the hairs sees narrower gaps; a slant
-/// along them has no effect.
+/// Checks a layer of parallel hairs at height 0.25, four per tile, that run along v from tile to tile. Seen from the
+/// mesh surface, they cover four diameters of the tile's width. Light slanted across the hairs sees narrower gaps; a
+/// slant along them has no effect.
 #[test]
 fn parallel_hairs_cover_the_sum_of_their_diameters() {
     let line = |i: u8| {
@@ -50,7 +50,7 @@ fn parallel_hairs_cover_the_sum_of_their_diameters() {
         let truth = 1.0 - share / across;
         let found = mean(&wall, 0.0, light);
         assert!((found - truth).abs() < 2e-3, "{angle}° {azimuth}°: {found}, not {truth}");
-        assert_eq!(mean(&wall, 0.3, light), 1.0, "above it there is nothing");
+        assert_eq!(mean(&wall, 0.3, light), 1.0, "no hair is above this point");
     }
     // From the height of the hairs' axes, only rays that start in a hair are blocked.
     assert!((mean(&wall, 0.25, DVec3::Z) - (1.0 - share)).abs() < 2e-3);
@@ -64,8 +64,8 @@ fn parallel_hairs_cover_the_sum_of_their_diameters() {
     assert!((edge - 0.5).abs() < 0.01, "{edge}");
 }
 
-/// A single upright hair casts a shadow of its own width, whose length is the hair's height times the tangent of the
-/// light's angle. The shadow continues through the next tiles.
+/// Checks that a single upright hair casts a shadow of its own width. The shadow is as long as the hair's height times
+/// the tangent of the light's angle, and continues through the next tiles.
 #[test]
 fn upright_hair_casts_a_shadow_of_its_length() {
     let (radius, height) = (0.01, 0.5);
@@ -90,8 +90,8 @@ fn upright_hair_casts_a_shadow_of_its_length() {
     }
 }
 
-/// A strand that leans from one tile into the next, across the light's direction. It does not block its own light, but
-/// its copies do, wherever the tile's borders are. A second strand always blocks the light.
+/// Checks a strand that leans from one tile into the next, across the light's direction. It must not block its own
+/// light, but its copies must, wherever the tile's borders are. A second strand always blocks the light.
 #[test]
 fn strand_is_shadowed_by_its_copies_and_not_by_itself() {
     let (radius, root) = (0.02f32, vec3(0.9, 0.5, 0.0));
@@ -104,9 +104,15 @@ fn strand_is_shadowed_by_its_copies_and_not_by_itself() {
         // but blocks that of another strand.
         let along = (tip - root).as_dvec3();
         assert!(alone.lights_strand(place, 0, along) && !alone.lights_strand(place, 1, along));
-        assert!(alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.6)), "above the copy");
-        assert!(!alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.05)), "the copy in the next tile");
-        assert!(!alone.lights_strand(place, 0, DVec3::new(-1.0, 0.0, 0.05)), "the copy in the tile before");
+        assert!(alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.6)), "the ray must pass above the copy");
+        assert!(
+            !alone.lights_strand(place, 0, DVec3::new(1.0, 0.0, 0.05)),
+            "the copy in the next tile must block the ray"
+        );
+        assert!(
+            !alone.lights_strand(place, 0, DVec3::new(-1.0, 0.0, 0.05)),
+            "the copy in the previous tile must block the ray"
+        );
         assert!(alone.lights_strand(place, 0, DVec3::new(0.0, 1.0, 2.0)));
         assert!(!alone.lights_strand(place, 0, -DVec3::Z) && !alone.lights_strand(place, 0, DVec3::ZERO));
         let above = place.as_vec3() + vec3(0.0, 0.0, 0.1);
@@ -142,7 +148,7 @@ fn transmittance_is_periodic_and_zero_for_light_from_below() {
         shares.push(t(0.0, 0.0));
     }
     let free = shares.iter().filter(|free| **free).count();
-    assert!((10..=90).contains(&free), "{free} of 100 rays are free: neither free nor blocked was put to the test");
+    assert!((10..=90).contains(&free), "{free} of 100 rays are free, expected both free and blocked rays");
     for light in [DVec3::X, -DVec3::Z, DVec3::ZERO, DVec3::NAN] {
         assert_eq!(field.transmittance(0.5, 0.5, 0.1, 0.1, light, 4), 0.0);
     }
@@ -151,7 +157,7 @@ fn transmittance_is_periodic_and_zero_for_light_from_below() {
     assert_eq!(field.transmittance(0.5, 0.5, 0.1, 0.0, DVec3::new(1.0, 0.7, 1e-9), 1), 0.0);
 }
 
-/// Hairs many texels wide, for which layers and rays agree except for the volume's blur and density.
+/// Checks hairs many texels wide, for which layers and rays must agree except for the volume's blur and density.
 #[test]
 fn layers_of_wide_hairs_agree_with_ray_casting() {
     let hair = pelage_bake::recipe::HairParams {

@@ -18,7 +18,7 @@ fn rough() -> SampledVolume {
 }
 
 fn close(a: f64, b: f64, tolerance: f64) {
-    assert!((a - b).abs() <= tolerance, "{a} is not {b} within {tolerance}");
+    assert!((a - b).abs() <= tolerance, "found {a}, expected {b} ± {tolerance}");
 }
 
 #[test]
@@ -67,8 +67,8 @@ fn single_layer_has_a_tent_shaped_optical_depth() {
     }
 }
 
-/// An upright sheet across u. A ray along v within the sheet meets nothing else; a ray along u crosses the whole sheet
-/// once per tile.
+/// Checks an upright sheet across u. A ray along v within the sheet meets nothing else; a ray along u crosses the whole
+/// sheet once per tile.
 #[test]
 fn upright_sheet_absorbs_by_its_thickness() {
     let (texels, layers, height, alpha) = (16, 8, 0.5, 0.4f64);
@@ -125,7 +125,7 @@ fn steps_converge_to_the_integral() {
         let exact = volume.transmittance(start.x, start.y, start.z, light);
         let errors = [200, 2_000, 20_000].map(|steps| (stepped(steps) - exact).abs());
         assert!(errors[2] < 1e-7 && errors[2] < errors[0] / 20.0, "{angle}°: {exact}, errors {errors:?}");
-        assert!(exact > 1e-6, "{angle}°: {exact} says little");
+        assert!(exact > 1e-6, "{angle}°: {exact} is too dark to compare");
     }
 }
 

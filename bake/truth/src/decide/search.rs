@@ -6,10 +6,11 @@ use super::{Decision, Figure, Judge, Limits, Setting, SettingFigures, SettingSpa
 /// Minimum gain that justifies a measurement, as a fraction of the objective.
 const WORTH: f64 = 0.02;
 
-/// Relative differences below which frame times (`FRAME_TIE`) or errors (`ERROR_TIE`) count as equal, so that the
-/// smallest package is chosen. Two measurements of one frame time differ by about 8 %, and an error difference of 1 %
-/// is invisible.
+/// Relative difference below which frame times count as equal, so that the smallest package is chosen. Two measurements
+/// of one frame time differ by about 8 %.
 const FRAME_TIE: f64 = 0.08;
+/// Relative difference below which errors count as equal, so that the smallest package is chosen. A difference of 1 %
+/// cannot be seen.
 const ERROR_TIE: f64 = 0.01;
 
 /// Minimum relative difference at which times count as different, however narrow their spread.

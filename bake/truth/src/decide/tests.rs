@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
 use std::convert::Infallible;
@@ -92,10 +92,17 @@ fn the_choice_is_as_good_as_that_of_an_exhaustive_search() {
             let figure = limits.objective() as usize;
             let (ours, least) = (decision.chosen().measured.figures(), best.measured.figures());
             assert!(limits.excess(ours) <= 0.0, "{limits:?}");
-            assert!(ours[figure] <= 1.1 * least[figure], "{limits:?}: {:?} instead of {best:?}", decision.chosen());
+            assert!(
+                ours[figure] <= 1.1 * least[figure],
+                "{limits:?}: chose {:?}, expected {best:?}",
+                decision.chosen()
+            );
         }
     }
-    assert!(met > searches / 3 && met < searches, "{met} of {searches} can be met: the limits ask nothing");
+    assert!(
+        met > searches / 3 && met < searches,
+        "{met} of {searches} searches met their limits, expected some but not all"
+    );
     // The model is useful only if most settings need no measurement.
     println!("{measured} measurements in {searches} searches");
     assert!(4 * measured < searches * space.settings().len(), "{measured} measurements in {searches} searches");
@@ -151,7 +158,7 @@ fn the_binding_limit_is_the_one_that_the_next_setting_breaks() {
 }
 
 #[test]
-fn setting_words_reproduce_the_setting() {
+fn setting_arguments_reproduce_the_setting() {
     let mut recipe = Recipe::default();
     let setting = Setting { layers: 24, tile_texels: 128, fins: false };
     for word in setting.set_arguments() {
@@ -159,7 +166,10 @@ fn setting_words_reproduce_the_setting() {
     }
     assert_eq!(Setting::of(&recipe), setting);
     assert_eq!(setting.applied_to(&Recipe::default()), recipe);
-    assert!(SettingSpace::around(&recipe).settings().iter().all(|s| !s.fins), "a recipe without fins gets none");
+    assert!(
+        SettingSpace::around(&recipe).settings().iter().all(|s| !s.fins),
+        "a recipe without fins must stay without"
+    );
     let few = SettingSpace::around(&recipe).up_to(10);
     assert!(few.settings().iter().all(|s| s.layers <= 12 || *s == Setting::of(&recipe)), "{few:?}");
     assert!(few.settings().iter().any(|s| s.layers == 12) && few.settings()[0] == Setting::of(&recipe));
@@ -176,7 +186,7 @@ fn limits_are_positive_numbers() {
 }
 
 #[test]
-fn equal_times_are_decided_by_size() {
+fn settings_with_equal_times_are_chosen_by_size() {
     // Judge whose error and time do not depend on the texels.
     struct TexelBlindJudge;
     impl Judge for TexelBlindJudge {
@@ -261,7 +271,11 @@ fn choice_is_pareto_optimal_despite_noisy_times() {
                 met += 1;
                 // The search times only few settings again.
                 assert!(judge.again <= 24, "{} timed again", judge.again);
-                assert_eq!(chosen.measured.frame.ms, judge.quiet(&chosen.setting).frame.ms, "timed in turns");
+                assert_eq!(
+                    chosen.measured.frame.ms,
+                    judge.quiet(&chosen.setting).frame.ms,
+                    "the choice must have been timed in turns"
+                );
                 for other in &decision.trials {
                     let within = limits.excess(other.measured.figures()) <= 0.0;
                     let (m, own) = (&other.measured, &chosen.measured);
@@ -281,7 +295,11 @@ fn choice_is_pareto_optimal_despite_noisy_times() {
                     assert!(cheaper.measured.error >= chosen.measured.error, "{cheaper:?}, {chosen:?}");
                 }
                 for trial in neighbours.iter().flatten() {
-                    assert_eq!(trial.measured.frame.ms, judge.quiet(&trial.setting).frame.ms, "timed in turns");
+                    assert_eq!(
+                        trial.measured.frame.ms,
+                        judge.quiet(&trial.setting).frame.ms,
+                        "the neighbours must have been timed in turns"
+                    );
                 }
             }
         }

@@ -29,17 +29,17 @@ mod tests {
     use pelage_bake::recipe::natural;
 
     #[test]
-    fn settings_follow_the_pixels() {
+    fn fitted_settings_follow_the_sizes_on_screen() {
         let recipe = natural();
         let at = |height_px, texel_px| {
             let fitted = fitted(&recipe, &OnScreen { height_px, texel_px, ..OnScreen::default() }, 128);
             (fitted.slice.layers, fitted.slice.tile_texels)
         };
         assert_eq!(at(11.4, 0.75), (11, 128));
-        assert_eq!(at(22.8, 1.5), (21, 256), "twice as large");
-        assert_eq!(at(1e4, 1e4), (64, 2048), "never more than is advised");
-        assert_eq!(recipe.hair.root_radius, 0.009, "of the tile");
-        assert_eq!(at(0.0, 0.0), (4, 64), "a texel is as wide as a root");
+        assert_eq!(at(22.8, 1.5), (21, 256), "the sizes on the screen are twice as large");
+        assert_eq!(at(1e4, 1e4), (64, 2048), "counts must not exceed the advised maximum");
+        assert_eq!(recipe.hair.root_radius, 0.009, "the radius is relative to the tile");
+        assert_eq!(at(0.0, 0.0), (4, 64), "a texel must not be wider than a root");
         assert_eq!(Recipe { slice: recipe.slice.clone(), ..fitted(&recipe, &OnScreen::default(), 128) }, recipe);
     }
 }

@@ -142,9 +142,13 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_counted_once() {
+    fn pixels_on_shared_edges_are_counted_once() {
         let mut raster = Raster::new(64, 32);
-        assert_eq!(square(&mut raster, 1.0, 1.0, 1.0, DrawMode::Opaque).pixels, 64 * 32, "edges are drawn once");
+        assert_eq!(
+            square(&mut raster, 1.0, 1.0, 1.0, DrawMode::Opaque).pixels,
+            64 * 32,
+            "shared edges must be drawn once"
+        );
         assert_eq!(raster.opaque_pixels(), 64 * 32);
         // The rectangle covers half of each side of the picture and is aligned to whole pixels.
         let mut raster = Raster::new(64, 32);
@@ -158,8 +162,16 @@ mod tests {
     fn hidden_and_back_facing_triangles_are_not_counted() {
         let mut raster = Raster::new(32, 32);
         square(&mut raster, 0.5, 1.0, 1.0, DrawMode::Opaque);
-        assert_eq!(square(&mut raster, 1.0, 1.0, 2.0, DrawMode::Layer).pixels, 16 * 32, "half lies behind");
-        assert_eq!(square(&mut raster, 1.0, 1.0, 0.5, DrawMode::Layer).pixels, 32 * 32, "all lies before");
+        assert_eq!(
+            square(&mut raster, 1.0, 1.0, 2.0, DrawMode::Layer).pixels,
+            16 * 32,
+            "half of it is behind the opaque surface"
+        );
+        assert_eq!(
+            square(&mut raster, 1.0, 1.0, 0.5, DrawMode::Layer).pixels,
+            32 * 32,
+            "all of it is in front of the opaque surface"
+        );
         let (pixels, mean, most) = raster.layers();
         assert_eq!((pixels, most), (32 * 32, 2));
         assert!((mean - 1.5).abs() < 1e-9);

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
 use glam::Vec2;
@@ -68,7 +68,7 @@ fn changes(found: &Prognosis) -> Vec<&str> {
 fn advice_is_given_only_when_it_applies() {
     let (near, pixels) = (6.0, 600);
     let plain = prognosis(0, &[], pixels, near, 1);
-    assert_eq!(plain.advice, [], "all is well, {:?}", plain.on_screen);
+    assert_eq!(plain.advice, [], "expected no advice: {:?}", plain.on_screen);
     let advised = |sets: &[&str], pixels, distance_m, texels| {
         let found = prognosis(texels, sets, pixels, distance_m, 1);
         for advice in &found.advice {
@@ -134,7 +134,7 @@ fn close_ups_need_more_layers_or_more_distance() {
     assert_eq!(look(&at_gap(2.5, &[], distance_m)), None);
     let near = at_gap(9.0, &[], distance_m);
     let more = look(&near).unwrap();
-    assert_eq!(near.advice[0], more, "what mends the look comes first");
+    assert_eq!(near.advice[0], more, "advice that improves the look must come first");
     assert!(more.change.starts_with("slice.layers=4") && more.found.contains("9.0 pixels"), "{more:?}");
     assert_eq!(look(&at_gap(9.0, &[&more.change], distance_m)), None, "{more:?}");
     let nearer = at_gap(20.0, &[], distance_m);
@@ -168,7 +168,10 @@ fn doctor_cameras_match_the_runtime() {
         let theirs = projection.clip_from_view(true) * Camera::look_at(eye, target, projection).view_from_world;
         for point in [Vec3::ZERO, 0.2 * Vec3::X, 0.2 * Vec3::Y, 0.2 * Vec3::Z] {
             let [a, b] = [ours, theirs].map(|clip| clip * (target + point).extend(1.0)).map(|c| (c.x / c.w, c.y / c.w));
-            assert!((a.0 - b.0).abs() < 1e-4 && (a.1 - b.1).abs() < 1e-4, "{towards}: {point} at {a:?}, not {b:?}");
+            assert!(
+                (a.0 - b.0).abs() < 1e-4 && (a.1 - b.1).abs() < 1e-4,
+                "{towards}: {point} at {a:?}, expected {b:?}"
+            );
         }
     }
 }
@@ -183,7 +186,7 @@ fn predicted_work_scales_with_size_and_layers() {
     let full = ["detail.enabled=false"];
     let (one, ten) = (prognosis(0, &full, 300, 6.0, 1), prognosis(0, &full, 300, 6.0, 10));
     assert_eq!((of(&ten, "shells").1, of(&ten, "skin").0), (10 * of(&one, "shells").1, 10.0 * of(&one, "skin").0));
-    assert_eq!(ten.memory, one.memory, "what stands still is shared");
+    assert_eq!(ten.memory, one.memory, "instances at rest must share memory");
     // A picture with twice the side has four times the pixels. Above `MOST_PIXELS` they are counted on a smaller
     // picture.
     let (large, huge) = (prognosis(0, &full, 600, 6.0, 1), prognosis(0, &full, 4800, 6.0, 1));

@@ -234,7 +234,7 @@ impl Look {
     /// Sets one key: `shadow.penumbra=0.3`. Strings need no quotes.
     ///
     /// # Errors
-    /// As [`Look::read`], without a line. The look is then unchanged.
+    /// Same as [`Look::read`], without a line. The look is then unchanged.
     pub fn set(&mut self, assignment: &str) -> Result<(), ParamError> {
         pelage_params::set(self, assignment)
     }
@@ -311,7 +311,7 @@ impl Look {
     /// Reads a look file as [`Look::read`] does. Resolves relative paths in it against `folder`.
     ///
     /// # Errors
-    /// As [`Look::read`].
+    /// Same as [`Look::read`].
     pub fn read_in(&mut self, folder: &Path, text: &str) -> Result<(), ParamError> {
         let before = self.environment.sky.take();
         let read = self.read(text);

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use super::*;
 #[cfg(feature = "draw")]
@@ -18,7 +18,7 @@ fn short(flag: &str) -> &'static ShortForm {
 }
 
 #[test]
-fn every_short_form_sets_a_knob_of_its_own() {
+fn every_short_form_sets_a_different_knob() {
     let all: Vec<_> = SHORT_FORMS.iter().chain([&SAMPLES]).collect();
     for (i, short) in all.iter().enumerate() {
         let elsewhere = cfg!(not(feature = "study")) && short.key.starts_with("study.");
@@ -33,7 +33,7 @@ fn every_short_form_sets_a_knob_of_its_own() {
 }
 
 #[test]
-fn flags_keep_accepting_their_words() {
+fn flags_still_accept_their_values() {
     let mut look = Look::default();
     for (flag, word) in [
         ("size", "64X32"),
@@ -97,7 +97,7 @@ fn flags_keep_accepting_their_words() {
         let before = look.clone();
         let error = short(flag).apply(&mut look, word).unwrap_err().to_string();
         assert!(error.contains(message), "--{flag} {word}: {error}");
-        assert_eq!(look, before, "a refused value must change nothing");
+        assert_eq!(look, before, "a rejected value must change nothing");
     }
 }
 
@@ -149,10 +149,10 @@ fn look_errors_name_line_key_found_and_expected() {
     assert_eq!(wrong.validate().unwrap_err().name, "light.direction");
 }
 
-/// Checks the knobs of published forms by their flags, their keys, and the keys of earlier files. Another build must
-/// say where to find them.
+/// Checks that the knobs of published forms can be set by their flags, by their keys, and by the keys of older files.
+/// Builds without these knobs must name the build that has them.
 #[test]
-fn printed_forms_require_the_lab_build() {
+fn published_forms_require_the_lab_build() {
     let mut look = Look::default();
     let results = [
         short("slant").apply(&mut look, "printed"),

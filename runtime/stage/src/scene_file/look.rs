@@ -61,7 +61,7 @@ impl SceneFile {
     /// Applies one key of `[view]`.
     fn view(&self, look: &mut Look, name: &str, value: &toml::Value) -> Result<(), String> {
         if let Some((_, place)) = KEYS_OF_OTHER_TABLES.iter().find(|(key, _)| *key == name) {
-            return Err(format!("expected it {place}"));
+            return Err(format!("expected this key {place}"));
         }
         let short = short_form(name)?;
         let values = match value {

@@ -1,10 +1,10 @@
-#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use crate::Look;
 
 /// Reads a scene file that contains `text`. Its packages do not exist.
 fn read(text: &str) -> Result<LoadedScene, StageError> {
-    let nothing = |path: &str| Err(format!("{path}: cannot read: it is not there"));
+    let nothing = |path: &str| Err(format!("{path}: cannot read: it does not exist"));
     SceneFile::parse("nowhere/a.toml", text.into())?.load(&nothing)
 }
 
@@ -228,7 +228,7 @@ fn errors_in_a_scene_look_name_line_and_key() {
         ("[view]\nink_widht = 3", &["line 2, view.ink_widht", "did you mean ink_width?"]),
         ("[view]\nself_shadow = [[1]]", &["line 2, view.self_shadow", "found array", "a word or a number"]),
         ("[view]\nrestart = true", &["line 2, view.restart", "unknown key"]),
-        ("[view]\nframes = 3", &["line 2, view.frames", "expected it in [sequence]"]),
+        ("[view]\nframes = 3", &["line 2, view.frames", "expected this key in [sequence]"]),
         ("[look.ink]\ntone = 3", &["a.toml: line 2, look.ink.tone: found 3, expected a number 0..=1"]),
         ("[look.ink]\ntoen = 3", &["line 2, look.ink.toen: unknown key; did you mean ink.tone?"]),
         ("look = \"faulty.toml\"", &["scenes/faulty.toml: line 3, ink.tone: found 3"]),

@@ -10,7 +10,9 @@ use pelage_formats::meaning::scattering::gaussian_light::GaussianLight;
 const DIRECTIONS: usize = 256;
 /// Candidate standard deviations of lobes, degrees. Light from narrower sources is not broad.
 const WIDTHS_DEG: [f64; 6] = [8.0, 12.0, 18.0, 27.0, 40.0, 60.0];
+/// Minimum standard deviation of a moved lobe, degrees.
 const LEAST_DEG: f64 = 8.0;
+/// Maximum standard deviation of a moved lobe, degrees.
 const MOST_DEG: f64 = 75.0;
 /// Minimum fraction of the sum of squares that a lobe must explain to be added.
 const MIN_GAIN: f64 = 1e-7;

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 const REACHES_DEG: [f64; 4] = [3.0, 4.5, 6.0, 8.0];
 /// Width of the ring around the sun, degrees. Light in the ring approximates the sky without the sun.
 const RING_DEG: f64 = 3.0;
-/// Fraction of the sun's mean light: the sun ends where the light of the ring around it is at most this fraction.
+/// Edge criterion of the sun: the ring around it has at most this fraction of the sun's mean light.
 const EDGE_SHARE: f64 = 0.1;
 
 /// Separates the sun from a sky. Returns the sun, if it has at least the fraction `least` of all light, and the sky

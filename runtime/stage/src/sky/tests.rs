@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use glam::{DVec3, Vec3};
 
@@ -13,7 +13,7 @@ fn lobe(towards: [f32; 3], width_deg: f32, radiance: [f32; 3]) -> LightLobe {
 #[test]
 fn panorama_orientation_matches_other_programs() {
     let sky = painted((8, 4), |_| DVec3::ONE);
-    assert!(sky.towards(0, 0).y > 0.9 && sky.towards(0, 3).y < -0.9, "rows go downwards");
+    assert!(sky.towards(0, 0).y > 0.9 && sky.towards(0, 3).y < -0.9, "rows must go downwards");
     // The centre of the picture is +x; +z is to the right of it.
     assert_eq!([DVec3::X, DVec3::Z, DVec3::NEG_Z].map(|way| sky.pixel(way).0), [4, 6, 2]);
     for (x, y) in [(0, 0), (7, 3), (3, 1)] {

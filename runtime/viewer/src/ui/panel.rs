@@ -13,16 +13,16 @@ pub fn look(ui: &mut Ui, app: &mut App) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         ui.heading("Look");
-        ui.weak("how it is drawn");
+        ui.weak("how the model is drawn");
     });
     ui.horizontal(|ui| {
-        if ui.button("Save look").on_hover_text("all its keys, for `render --look`").clicked() {
+        if ui.button("Save look").on_hover_text("writes all keys of the look, for `render --look`").clicked() {
             app.save_look();
         }
         if ui.button("Save picture").on_hover_text("same pixels as `pelage render` (P)").clicked() {
             app.save_picture();
         }
-        if ui.button("Save sequence").on_hover_text("the clip once, 24 pictures a second").clicked() {
+        if ui.button("Save sequence").on_hover_text("one cycle of the clip at 24 pictures per second").clicked() {
             app.save_sequence();
         }
     });
@@ -40,7 +40,7 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         ui.heading("Recipe");
-        ui.weak("how it is baked");
+        ui.weak("how the model is baked");
     });
     ui.horizontal(|ui| {
         let save = ui

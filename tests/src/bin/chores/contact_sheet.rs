@@ -13,8 +13,11 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let [out, columns, size, models @ ..] = arguments else {
         bail!("expected OUT.png COLUMNS WxH MODEL [bake options] [+ MODEL [bake options]]…");
     };
-    let columns: usize =
-        columns.parse().ok().filter(|n| *n > 0).with_context(|| format!("{columns}: no number of columns"))?;
+    let columns: usize = columns
+        .parse()
+        .ok()
+        .filter(|n| *n > 0)
+        .with_context(|| format!("found {columns}, expected the number of columns"))?;
     let models: Vec<&[String]> = models.split(|a| a == "+").filter(|m| !m.is_empty()).collect();
     ensure!(!models.is_empty(), "no model given");
     let workshop = ChoreFolder::default();

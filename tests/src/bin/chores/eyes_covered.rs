@@ -66,8 +66,11 @@ fn distant_camera(
     let look = ["--style", "bare", "--orbit", orbit, "--look-at", eyes, "--size", SIZE, "--json", "--quiet"];
     let run = workshop.run(&[&["render", &paths[0], "-o", &paths[1]], &look[..]].concat())?;
     let report: Value = serde_json::from_str(&run.stdout)?;
-    let near: Viewpoint =
-        report["camera"].as_str().context("no camera is named")?.parse().map_err(|e: String| anyhow::anyhow!(e))?;
+    let near: Viewpoint = report["camera"]
+        .as_str()
+        .context("the report has no camera")?
+        .parse()
+        .map_err(|e: String| anyhow::anyhow!(e))?;
     let way = near.eye - near.target;
     let eye = near.target + way.normalize() * away_m;
     let half = (near.fov_deg.to_radians() / 2.0).tan() * way.length() / away_m;
@@ -84,9 +87,9 @@ fn with_green_eyes(workshop: &ChoreFolder, baked: &Baked, name: &str) -> anyhow:
     workshop.run(&["unpack", &words[0], &words[1], "--quiet"])?;
     let path = folder.join("manifest.json");
     let mut manifest: Value = serde_json::from_str(&std::fs::read_to_string(&path)?)?;
-    let radius_m = manifest["manifest"]["bounds"]["radius"].as_f64().context("the manifest names no radius")? as f32;
+    let radius_m = manifest["manifest"]["bounds"]["radius"].as_f64().context("the manifest has no radius")? as f32;
     let mut eyes = Vec::new();
-    for material in manifest["manifest"]["materials"].as_array_mut().context("the manifest names no materials")? {
+    for material in manifest["manifest"]["materials"].as_array_mut().context("the manifest has no materials")? {
         let name = material["name"].as_str().unwrap_or_default().to_owned();
         let is_eye = name.to_lowercase().contains("eye") && material["furred"] == false;
         ensure!(material["base_color"].is_array(), "{name:?} has no colour");
@@ -126,7 +129,7 @@ mod tests {
     use image::{Rgb, RgbImage};
 
     #[test]
-    fn covered_green_pixels_count_and_highlights_do_not() {
+    fn hidden_eye_pixels_count_as_covered_and_highlights_do_not() {
         let picture = |pixels: [[u8; 3]; 4]| RgbImage::from_fn(4, 1, |x, _| Rgb(pixels[x as usize]));
         let bare = picture([[0, 200, 0], [0, 200, 0], [204, 209, 217], [0, 0, 0]]);
         assert_eq!(covered(&bare, &bare), (2, 0.0, 0.0));
@@ -134,6 +137,6 @@ mod tests {
         assert_eq!((pixels, lost), (2, 0.5));
         assert!((area - 0.5).abs() < 1e-9, "{area}");
         let white_hair = picture([[200, 200, 200], [0, 200, 0], [0, 0, 0], [0, 0, 0]]);
-        assert_eq!(covered(&bare, &white_hair).1, 0.5, "hair covers, however light it is");
+        assert_eq!(covered(&bare, &white_hair).1, 0.5, "light hair must count as cover");
     }
 }

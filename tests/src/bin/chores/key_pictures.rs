@@ -13,9 +13,9 @@ const WHOLE: &str = "--camera=0.5,0.42,0.66/0,0.235,0.01/28";
 const SHOULDER: &str = "--camera=0.6,0.4,0.6/0.03,0.225,-0.045/6";
 
 pub fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let [folder, keys @ ..] = arguments else { bail!("expected the FOLDER of the page, then keys") };
+    let [folder, keys @ ..] = arguments else { bail!("expected the FOLDER of the page, optionally followed by keys") };
     let unknown = keys.iter().find(|key| KEY_PICTURES.iter().all(|picture| picture.key != key.as_str()));
-    ensure!(unknown.is_none(), "no picture is of {unknown:?}");
+    ensure!(unknown.is_none(), "there is no picture of the key {unknown:?}");
     let workshop = ChoreFolder::default();
     let model = workspace().join("assets/models/hare.glb").display().to_string();
     for picture in KEY_PICTURES.iter().filter(|picture| keys.is_empty() || keys.iter().any(|key| key == picture.key)) {

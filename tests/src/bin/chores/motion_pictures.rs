@@ -16,7 +16,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
     let (picture, more) = match arguments {
         [picture] => (picture, None),
         [picture, model] => (picture, Some(model)),
-        _ => bail!("expected PICTURE.png, and perhaps a model"),
+        _ => bail!("expected PICTURE.png, optionally followed by a model"),
     };
     let asset = |kind: &str, name: &str| workspace().join("assets").join(kind).join(name).display().to_string();
     let own = |name: &str| {

@@ -48,7 +48,8 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
     };
     // Panics are caught and reported as faults, so the hook's messages are suppressed.
     std::panic::set_hook(Box::new(|_| ()));
-    let loader = if gpu { Some(Loader::open().context("no adapter; --no-gpu goes without")?) } else { None };
+    let loader =
+        if gpu { Some(Loader::open().context("no adapter; --no-gpu skips drawing and loading")?) } else { None };
     let report = mutate::run(&plan, loader.as_ref(), out.as_deref())?;
     print!("{}", report.text(seed));
     Ok(if report.faulty() == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })

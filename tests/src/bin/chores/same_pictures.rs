@@ -549,12 +549,12 @@ pub fn run(arguments: &[String]) -> anyhow::Result<ExitCode> {
     let data = pelage_needs::data_folder();
     let data = data.is_dir().then(|| std::path::absolute(&data)).transpose()?;
     if data.is_none() {
-        eprintln!("note: no test data, and so none of the models that they hold");
+        eprintln!("note: without the test data, the cases of its models are skipped");
     }
     let pair =
         Pair { before: Binary::new("before", before, &out)?, after: Binary::new("after", after, &out)?, data, out };
     if std::fs::read(&pair.before.path)? == std::fs::read(&pair.after.path)? {
-        eprintln!("note: BEFORE and AFTER are the same bytes");
+        eprintln!("note: BEFORE and AFTER are identical files");
     }
     make_sources(&pair.out.join("made"))?;
     if bench { pair.bench(rounds) } else { pair.compare(&only) }
@@ -601,7 +601,7 @@ impl Binary {
         }
         arguments.extend(case.options.split_whitespace().map(String::from));
         let report = self.run(&arguments)?;
-        let outputs = report["outputs"].as_array().context("render names no pictures")?;
+        let outputs = report["outputs"].as_array().context("the report of render lists no pictures")?;
         let read = |path: &Value| {
             let path = PathBuf::from(path.as_str().context("a picture without a name")?);
             let picture = image::open(&path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -734,7 +734,7 @@ impl Pair {
         for ((before_path, before), (after_path, after)) in before.iter().zip(&after) {
             ensure!(
                 before.pixels().any(|p| p != before.get_pixel(0, 0)),
-                "nothing is drawn before: all pixels are alike"
+                "the picture of BEFORE is empty: all its pixels are equal"
             );
             let found = ByteDifference::between(before, after)?;
             if found.channels == 0 {
@@ -778,8 +778,8 @@ impl Pair {
             }
         }
         println!(
-            "\nMedians of {rounds} rounds, in each of which both ran, one after the other; \
-             ratios are medians of the rounds' ratios."
+            "\nMedians of {rounds} rounds. In each round, both binaries ran, one after the other. \
+             Ratios are medians of the rounds' ratios."
         );
         if left_out.is_empty() {
             return Ok(ExitCode::SUCCESS);
@@ -858,7 +858,7 @@ fn first_difference(before: &Path, after: &Path) -> anyhow::Result<Option<String
 type PassTimes = Vec<(String, f64)>;
 
 fn pass_times(report: &Value) -> anyhow::Result<PassTimes> {
-    let passes = report["passes"].as_array().context("bench names no passes")?;
+    let passes = report["passes"].as_array().context("the report of bench lists no passes")?;
     let named = passes.iter().filter_map(|p| Some((p["name"].as_str()?.to_owned(), p["median_ms"].as_f64()?)));
     let whole = [
         ("whole frame", &report["frame_ms"]["median"]),
@@ -927,7 +927,7 @@ fn edit(name: &str, to: &Path, change: impl FnOnce(&mut Value)) -> anyhow::Resul
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use std::collections::BTreeSet;
 
@@ -973,12 +973,12 @@ mod tests {
     fn case_list_is_complete() {
         let names: Vec<_> = Case::all().map(|case| case.name()).collect();
         assert!(names.len() >= 44);
-        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "two cases of one name");
+        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "two cases have the same name");
         let pictures: BTreeSet<_> = Case::all().map(|case| (case.subject, case.options)).collect();
-        assert_eq!(pictures.len(), names.len(), "one picture under two names");
+        assert_eq!(pictures.len(), names.len(), "two cases draw the same picture");
         let used: BTreeSet<_> = Case::all().flat_map(|case| case.packages()).collect();
         let baked: BTreeSet<_> = PACKAGES.iter().map(|package| package.0).collect();
-        assert_eq!(used, baked, "every package is drawn, and every case has its package");
+        assert_eq!(used, baked, "packages of the cases and baked packages must be the same");
     }
 
     #[test]

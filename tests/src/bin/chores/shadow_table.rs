@@ -52,7 +52,7 @@ fn measure(workshop: &ChoreFolder, name: &str, model: &[String]) -> anyhow::Resu
     let package = workshop.bake(name, model)?.package.display().to_string();
     let report: Value = serde_json::from_str(&workshop.run(&["bench", &package, "--json", "--quiet"])?.stdout)?;
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-    let passes = report["passes"].as_array().context("bench names no passes")?;
+    let passes = report["passes"].as_array().context("the report of bench lists no passes")?;
     let pass = |name: &str| passes.iter().find(|p| p["name"] == name).map_or(f64::NAN, |p| number(&p["median_ms"]));
     Ok(format!(
         "| {name} | {} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} | {:.2} | {:.2} |",

@@ -38,7 +38,7 @@ pub fn run(arguments: &[String]) -> anyhow::Result<()> {
         last = window.wait_for("truth");
     }
     let truth = window.save("F12");
-    ensure!(truth != panels, "the same picture twice");
+    ensure!(truth != panels, "the two pictures must differ");
     std::fs::copy(&truth, Path::new(folder).join("window_truth.png"))?;
     println!("{folder}/window.png, {folder}/window_truth.png: FLIP {}", last["flip"]);
     Ok(())

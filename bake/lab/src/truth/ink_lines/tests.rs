@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use glam::DVec2;
 use glam::{DVec3, Vec3};
@@ -156,14 +156,14 @@ fn sphere_outline_is_a_circle_from_edges_and_from_normals() {
     assert!((silhouette + contour) / round > 0.99 && (silhouette + contour) / round < 1.3, "{silhouette} {contour}");
     assert_eq!((crease, border), (0.0, 0.0));
     let (least, most) = radii(&edges);
-    assert!(least > 24.5 && most <= 25.0 + 1e-9, "{least} to {most} pixels");
+    assert!(least > 24.5 && most <= 25.0 + 1e-9, "distances from the centre: {least} to {most} pixels");
 
     let params = LineParams { contour: ContourForm::Interpolated, ..LineParams::default() };
     let smooth = seen_with(&ball, eye, &params, false);
     let [silhouette, contour, ..] = lengths(&smooth);
     assert!(((silhouette + contour) / round - 1.0).abs() < 0.02, "{silhouette} {contour}");
     let (least, most) = radii(&smooth);
-    assert!(least > 24.5 && most <= 25.0 + 1e-9, "{least} to {most} pixels");
+    assert!(least > 24.5 && most <= 25.0 + 1e-9, "distances from the centre: {least} to {most} pixels");
     // Every pixel of each mask is within 1.5 pixels of the other mask.
     let (a, b) = (edges.mask(&LineKind::ALL), smooth.mask(&LineKind::ALL));
     let far = |of: &Mask, to: &Mask| {
