@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         for id in ids {
             let data = &mut segments.get_mut(id).value;
             shaders::blank_comments(data);
-            shaders::set_left(data);
+            shaders::remove_indentation(data);
         }
         output.emit(Path::new(folder))
     });
