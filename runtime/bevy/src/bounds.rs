@@ -78,9 +78,9 @@ mod tests {
     fn only_spheres_towards_the_light_cast_shadows() {
         let lit = sphere(0.0, 0.0, 1.0);
         assert_eq!(extent_towards_light(lit, Vec3::Y, sphere(0.5, 5.0, 0.5)), Some(5.5));
-        assert_eq!(extent_towards_light(lit, Vec3::Y, sphere(2.0, 5.0, 0.5)), None, "beside the way of the light");
-        assert_eq!(extent_towards_light(lit, Vec3::Y, sphere(0.0, -2.0, 0.5)), None, "behind it");
-        assert_eq!(extent_towards_light(lit, Vec3::Y, sphere(0.0, 0.0, 0.2)), Some(0.2), "within it");
+        assert_eq!(extent_towards_light(lit, Vec3::Y, sphere(2.0, 5.0, 0.5)), None, "beside the path of the light");
+        assert_eq!(extent_towards_light(lit, Vec3::Y, sphere(0.0, -2.0, 0.5)), None, "behind the lit sphere");
+        assert_eq!(extent_towards_light(lit, Vec3::Y, sphere(0.0, 0.0, 0.2)), Some(0.2), "inside the lit sphere");
     }
 
     #[test]
@@ -89,12 +89,12 @@ mod tests {
         assert_eq!(texels(&[]), 512);
         assert_eq!(texels(&[sphere(0.0, 0.0, 1.0)]), 512);
         assert_eq!(texels(&[sphere(0.0, 0.0, 1.0), sphere(2.0, 0.0, 1.0)]), 1024);
-        assert_eq!(texels(&[sphere(0.0, 0.0, 1.0), sphere(90.0, 0.0, 1.0)]), 1500, "not more than the device has");
+        assert_eq!(texels(&[sphere(0.0, 0.0, 1.0), sphere(90.0, 0.0, 1.0)]), 1500, "limited by the device");
         let wanted = ShadowParams::default().with(|shadows| shadows.map_size = 4096);
         assert_eq!(
             enlarge_maps(wanted, &[sphere(0.0, 0.0, 1.0)], 2048).map_size,
             4096,
-            "what is asked for is not made less"
+            "a requested size is never reduced"
         );
     }
 }

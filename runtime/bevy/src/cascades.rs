@@ -165,8 +165,8 @@ fn extent_before_first_plane(view_from_world: Mat4, instance: &Instance) -> f32 
     view_from_world.transform_point3(sphere.center).z + sphere.radius
 }
 
-/// Returns a cascade's projection for objects in front of its first plane. The depth is 1 at the plane and falls to
-/// 1 - [`COMPRESSED_DEPTH`] at the distance `nearest_m` in front of it. Points behind the plane have a depth above 1 and
+/// Returns a cascade's projection for objects in front of its first plane. The depth is 1 at the plane and falls to 1 -
+/// [`COMPRESSED_DEPTH`] at the distance `nearest_m` in front of it. Points behind the plane have a depth above 1 and
 /// are clipped.
 fn compress_depth(clip_from_view: Mat4, nearest_m: f32) -> Mat4 {
     let mut compressed = clip_from_view;
@@ -207,7 +207,7 @@ mod tests {
         let compressed = compress_depth(clip_from_view, 4.0);
         let depth = |matrix: Mat4, z: f32| (matrix * Vec4::new(0.3, 0.2, z, 1.0)).z;
         assert_eq!(depth(clip_from_view, -5.0), 0.5);
-        assert!(depth(compressed, -0.01) > 1.0, "behind the plane it is clipped");
+        assert!(depth(compressed, -0.01) > 1.0, "points behind the plane are clipped");
         for z in [0.0, 1.0, 3.9] {
             let found = depth(compressed, z);
             assert!((1.0 - COMPRESSED_DEPTH..=1.0).contains(&found), "{z} m before the plane: {found}");

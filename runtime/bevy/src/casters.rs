@@ -124,8 +124,8 @@ impl CasterDraws<'_> {
     }
 }
 
-/// Returns the casters that can shade anything in `spheres`. Also returns a sphere of radius 0 that the maps must cover
-/// in addition. It marks how far the casters extend towards the light. The maps are as wide as the animals; parts of a
+/// Returns the casters that can shade anything in `spheres`, and a sphere of radius 0 that the maps must also cover.
+/// The sphere marks how far the casters extend towards the light. The maps are as wide as the animals; parts of a
 /// caster beyond that width are ignored.
 fn select_casters<'a>(
     casters: &'a [Caster],

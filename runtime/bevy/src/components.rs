@@ -90,9 +90,9 @@ pub struct PelageMorphs(pub Vec<(String, f32)>);
 /// animal.
 ///
 /// Fur has its own shadow maps. Do not mark grounds: they receive the animals' shadows through Bevy's own maps. The
-/// depth range of the fur's maps includes all casters towards the sun. An object casts no shadow on fur that is closer
-/// to it than a thousandth of that range. Positions must be in `Mesh`'s default format, uncompressed. The mesh must be
-/// neither skinned nor morphed.
+/// depth range of the fur's maps includes all casters towards the sun. If fur is closer to an object than a thousandth
+/// of that range, the object casts no shadow on it. Positions must be in `Mesh`'s default format, uncompressed. The
+/// mesh must be neither skinned nor morphed.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct PelageShadowCaster;
 

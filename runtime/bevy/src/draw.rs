@@ -19,7 +19,7 @@ use bevy_render::view::{
 };
 use pelage_runtime::{FrameParams, Instance, Sphere, Style};
 
-/// Components of a camera that drawing needs.
+/// Components of a camera that are read to draw its animals.
 type CameraParts = (
     &'static ExtractedCamera,
     &'static ExtractedView,

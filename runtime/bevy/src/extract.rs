@@ -86,7 +86,7 @@ fn motion(clip: Option<(&PelageClip, &ClipLookup)>, joints: Option<&PelageJoints
     }
 }
 
-/// Components that the extraction of an animal reads.
+/// Components from which an animal is extracted.
 type AnimalParts = (
     Entity,
     &'static Pelage,

@@ -89,7 +89,7 @@ mod tests {
         let near = |a: Vec3, b: Vec3| assert!((a - b).length() < 1e-4, "{a} is not {b}");
         near(params.light.color(), Vec3::new(2.0, 1.0, 0.5));
         assert!(params.soft_shadow);
-        assert_eq!(params.fill_lights.len(), 1, "a sun of other layers is not seen");
+        assert_eq!(params.fill_lights.len(), 1, "the sun in another layer is ignored");
         near(params.fill_lights[0].color(), Vec3::new(1.0, 0.5, 0.25) / PI);
         near(params.ambient, Vec3::new(0.5, 1.0, 1.0));
     }

@@ -74,14 +74,14 @@ mod tests {
     #[test]
     fn clips_loop_hold_and_pause_at_any_speed() {
         let clip = |time_s, speed| PelageClip { time_s, speed, ..PelageClip::new("Walk") };
-        assert!((time_after(&clip(0.9, 1.0), 0.2, 1.0) - 0.1).abs() < 1e-6, "it begins anew");
-        assert!((time_after(&clip(0.1, -1.0), 0.2, 1.0) - 0.9).abs() < 1e-6, "backwards, too");
+        assert!((time_after(&clip(0.9, 1.0), 0.2, 1.0) - 0.1).abs() < 1e-6, "the clip loops");
+        assert!((time_after(&clip(0.1, -1.0), 0.2, 1.0) - 0.9).abs() < 1e-6, "it also loops backwards");
         let held = PelageClip { looped: false, ..clip(0.9, 1.0) };
         assert_eq!(time_after(&held, 0.2, 1.0), 1.0);
         let paused = PelageClip { paused: true, ..clip(0.4, 1.0) };
         assert_eq!(time_after(&paused, 0.2, 1.0), 0.4);
         assert_eq!(time_after(&clip(f32::NAN, 1.0), 0.2, 1.0), 0.0);
         assert_eq!(time_after(&clip(0.0, f32::INFINITY), 0.2, 1.0), 0.0);
-        assert_eq!(time_after(&clip(0.4, 1.0), 0.2, 0.0), 0.6, "a clip of no length stays where a look-up holds");
+        assert_eq!(time_after(&clip(0.4, 1.0), 0.2, 0.0), 0.6, "the time of a clip without duration is not wrapped");
     }
 }

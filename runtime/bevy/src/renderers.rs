@@ -58,11 +58,12 @@ pub(crate) struct PreparedFrame {
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Frames(pub(crate) HashMap<Entity, Vec<PreparedFrame>>);
 
-/// Messages that were already logged, because each frame repeats the errors of the previous one.
+/// Log that skips repeated messages, because each frame repeats the errors of the previous one.
 #[derive(Debug, Default)]
 pub(crate) struct LogOnce(HashSet<String>);
 
-/// Maximum number of different messages that are logged: a number in a message may change every frame.
+/// Maximum number of different messages that are logged. Without a limit, a number that changes every frame would fill
+/// the log.
 const MAX_MESSAGES: usize = 100;
 
 impl LogOnce {
@@ -87,7 +88,7 @@ impl LogOnce {
     }
 }
 
-/// Renderer of a pass, with its models and the messages already logged.
+/// Renderer for one kind of pass, with the models and the log that all renderers share.
 pub(crate) struct PassRenderer<'a> {
     pub(crate) renderer: &'a mut Renderer,
     models: &'a mut HashMap<AssetId<PelageModel>, LoadedModel>,

@@ -456,6 +456,8 @@ pub(crate) fn frame_params(look: &Look, light_color: Vec3) -> FrameParams {
 fn no_ink_error(file: &str) -> JsValue {
     pelage_error(
         "asked",
-        &format!("{file}: style ink: the package has none, expected one baked with ink.enabled = true in its recipe"),
+        &format!(
+            "{file}: style ink: found no ink data, expected a package baked with ink.enabled = true in its recipe"
+        ),
     )
 }

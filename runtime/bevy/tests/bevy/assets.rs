@@ -29,7 +29,7 @@ fn load(test_app: &mut TestApp, file: &Path) -> (Handle<PelageModel>, Option<Str
             _ => std::thread::sleep(std::time::Duration::from_millis(1)),
         }
     }
-    panic!("{} is neither loaded nor refused", file.display());
+    panic!("{} was neither loaded nor rejected", file.display());
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn damaged_packages_are_errors_and_the_app_lives_on() {
     let (handle, error) = load(&mut test_app, &file);
     assert_eq!(error, None);
     let ball = test_app.world().spawn(Pelage::fur(handle)).id();
-    assert!(test_app.picture(&camera).pixel(16, 12)[..3] != [0; 3], "the sound one is drawn among the damaged ones");
+    assert!(test_app.picture(&camera).pixel(16, 12)[..3] != [0; 3], "the intact package is drawn");
     let bounds = test_app.world().get::<Aabb>(ball).unwrap().half_extents;
     assert!((bounds.x - 0.125).abs() < 1e-3, "skin and fur: {bounds}");
 }
@@ -122,7 +122,7 @@ fn files_other_than_packages_are_refused_by_name() {
     for file in files {
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
         let error = PelageModel::from_bytes(&name, fs::read(&file).unwrap()).err();
-        let error = error.unwrap_or_else(|| panic!("{name} was taken for a package")).to_string();
+        let error = error.unwrap_or_else(|| panic!("{name} was accepted as a package")).to_string();
         assert!(error.starts_with(&name), "{error}");
     }
 }

@@ -85,8 +85,8 @@ fn frame_cost_is_measured_against_the_runtime_alone() {
     let gpu = Gpu { device: device.clone(), queue, info };
     let animal = spawn_animal(&mut test_app);
     let mut draw_alone = runtime_drawer(&gpu);
-    // Interleave the variants, so that other load on the machine affects all of them alike. Of each variant, the
-    // minimum time is the one least disturbed.
+    // Interleave the variants, so that other load on the machine affects all of them alike. The minimum time of each
+    // variant is the least disturbed.
     let mut fastest = [f64::INFINITY; 4];
     for number in 0..WARM + FRAMES {
         let time_s = STEP_S * number as f32;

@@ -28,7 +28,7 @@ fn example_scene_is_set_up_and_its_animals_walk() {
     let (changed, _) = fur.differences(&ink);
     assert!((0.2..20.0).contains(&changed), "fur and ink differ by {changed}");
     restyle(&mut test_app, scene::fur_style());
-    assert_eq!(test_app.picture(&camera), fur, "and back");
+    assert_eq!(test_app.picture(&camera), fur, "the fur style is restored");
     let place = |test_app: &mut TestApp| {
         let mut animals = test_app.world().query_filtered::<&Transform, With<Pelage>>();
         animals.iter(test_app.app.world()).map(|transform| transform.translation).collect::<Vec<_>>()

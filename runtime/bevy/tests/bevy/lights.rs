@@ -101,7 +101,7 @@ fn exposure_suns_and_ambient_light_come_from_bevy() {
         green_sum(&full)
     );
     test_app.world().despawn(sun);
-    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "no sun, no light");
+    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "without a sun there is no light");
     let ambient = bevy_light::AmbientLight { brightness: 1000.0, ..Default::default() };
     test_app.world().entity_mut(camera.entity).insert(ambient);
     assert!(green_sum(&test_app.picture(&camera)) > 10_000, "a camera's own ambient light");
@@ -144,7 +144,7 @@ fn environment_map_lights_from_its_direction_and_rotates() {
     let dimmer = green_sum(&shine(&mut test_app, lights, 15.0));
     assert!(dimmer * 3 < green_sum(&lit) * 2, "two stops: {dimmer} beside {}", green_sum(&lit));
     test_app.world().insert_resource(PelageEnvironment::default());
-    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "and none again");
+    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "no light after the environment is removed");
     assert_eq!(test_app.renderers().logged_messages().count(), 0);
 }
 
@@ -163,7 +163,7 @@ fn fur_leans_as_time_passes_and_comes_to_rest() {
     (0..5).for_each(|_| test_app.advance(0.1));
     let blown = test_app.picture(&camera);
     assert!(blown.differences(&still).0 > 0.5, "{:?}", blown.differences(&still));
-    assert_eq!(test_app.picture(&camera), blown, "no time passes");
+    assert_eq!(test_app.picture(&camera), blown, "nothing moves while no time passes");
     blow(&mut test_app, Vec3::ZERO);
     (0..80).for_each(|_| test_app.advance(0.1));
     let calm = test_app.picture(&camera);
@@ -191,13 +191,13 @@ fn clips_move_the_animal_and_faults_are_reported_once() {
     assert!(bent.differences(&first).0 > 0.5, "{:?}", bent.differences(&first));
     test_app.world().get_mut::<PelageClip>(ball).unwrap().paused = true;
     test_app.advance(0.25);
-    assert_eq!(test_app.picture(&camera), bent, "a clip that is paused");
+    assert_eq!(test_app.picture(&camera), bent, "a paused clip does not move the animal");
     test_app.world().get_mut::<PelageClip>(ball).unwrap().time_s = 0.0;
-    assert_eq!(test_app.picture(&camera), first, "and sought");
+    assert_eq!(test_app.picture(&camera), first, "seeking moves the animal back");
     test_app.world().get_mut::<PelageClip>(ball).unwrap().name = "fly".into();
     let rest = test_app.picture(&camera);
     test_app.world().entity_mut(ball).remove::<PelageClip>();
-    assert_eq!(test_app.picture(&camera), rest, "an unknown clip is rest");
+    assert_eq!(test_app.picture(&camera), rest, "an animal with an unknown clip is at rest");
 
     // An animal scaled to zero, and one with the pose of a different skeleton, must not affect the others.
     let model = test_app.world().get::<Pelage>(ball).unwrap().model.clone();
@@ -215,8 +215,8 @@ fn clips_move_the_animal_and_faults_are_reported_once() {
     test_app.world().get_mut::<Pelage>(ball).unwrap().style = Style::Fur(wrong);
     (0..5).for_each(|_| test_app.app.update());
     let logged: Vec<_> = test_app.renderers().logged_messages().collect();
-    let told = |words: &&str| words.contains("FurParams::layers is 0, expected 1..=1024");
-    assert!(logged.len() == 2 && logged.iter().any(told), "{logged:?}");
+    let names_layers = |words: &&str| words.contains("FurParams::layers is 0, expected 1..=1024");
+    assert!(logged.len() == 2 && logged.iter().any(names_layers), "{logged:?}");
     test_app.world().get_mut::<Pelage>(ball).unwrap().style = Style::default();
-    assert_eq!(test_app.picture(&camera), rest, "and the app lives on");
+    assert_eq!(test_app.picture(&camera), rest, "the app continues after the error");
 }

@@ -43,12 +43,12 @@ fn check_occlusion(test_app: &mut TestApp, pelage: &Pelage) {
         let alone = test_app.picture(&camera);
         assert!(
             alone.pixels().any(|p| p[..3] != [0; 3]) && count_red(&alone) == 0,
-            "{msaa:?}: a ball is there, and not red"
+            "{msaa:?}: the ball is visible, and not red"
         );
 
         let wall = test_app.spawn_cuboid(Vec3::new(0.3, 0.3, 0.02), Vec3::Z * -0.2, Color::srgb(1.0, 0.0, 0.0));
         let before = test_app.picture(&camera);
-        assert_eq!(middle_pixel(&before), middle_pixel(&alone), "{msaa:?}: the ball hides what is behind it");
+        assert_eq!(middle_pixel(&before), middle_pixel(&alone), "{msaa:?}: the ball hides the wall behind it");
         assert!(
             count_red(&before) > 200,
             "{msaa:?}: the wall is seen beside the ball, in {} pixels",
@@ -118,11 +118,11 @@ fn bevy_frame_equals_that_of_the_runtime_alone() {
         let picture = test_app.picture(&camera);
         // Tolerance: Bevy blends in half floats and encodes at the end, while the canvas blends in bytes.
         let (mean, most) = picture.differences(&alone);
-        assert!(mean < 0.4 && most <= 12, "{:?}: {mean} in the mean, {most} at most", pelage.style.kind());
+        assert!(mean < 0.4 && most <= 12, "{:?}: mean difference {mean}, maximum {most}", pelage.style.kind());
         // Negative control: a moved ball gives a different picture.
         *test_app.world().get_mut::<Transform>(ball).unwrap() = Transform::from_xyz(0.01, 0.0, 0.0);
         let (mean, _) = test_app.picture(&camera).differences(&alone);
-        assert!(mean > 1.0, "{:?}: moved by a centimetre, it differs by {mean}", pelage.style.kind());
+        assert!(mean > 1.0, "{:?}: after a move of 1 cm, the mean difference is only {mean}", pelage.style.kind());
         test_app.world().despawn(ball);
     }
 }
@@ -163,14 +163,17 @@ fn several_cameras_draw_the_animal_in_their_viewports() {
         let right = picture.crop([SIZE[0], 0], SIZE);
         let (mean, most) = right.differences(&alone);
         let kind = pelage.style.kind();
-        assert!(mean < 0.5, "{kind:?}: the right half differs by {mean} in the mean, {most} at most");
+        assert!(mean < 0.5, "{kind:?}: mean difference of the right half {mean}, maximum {most}");
         let left = picture.crop([0, 0], SIZE);
-        assert!(left.pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: nothing of it falls beside its part");
-        assert_eq!(test_app.picture(&whole), alone, "{kind:?}: other cameras change nothing");
+        assert!(left.pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: nothing is drawn outside the viewport");
+        assert_eq!(test_app.picture(&whole), alone, "{kind:?}: the picture does not depend on other cameras");
 
         // A camera with other render layers must not see the animal.
         test_app.world().entity_mut(whole.entity).insert(RenderLayers::layer(3));
-        assert!(test_app.picture(&whole).pixels().all(|p| p[..3] == [0; 3]), "{kind:?}: not in its layers");
+        assert!(
+            test_app.picture(&whole).pixels().all(|p| p[..3] == [0; 3]),
+            "{kind:?}: other render layers are not drawn"
+        );
         test_app.remove([ball, whole.entity, wide.entity, half.entity]);
     }
 }
@@ -189,8 +192,8 @@ fn despawned_animals_are_freed() {
     assert!(models > 100_000 && both > 10_000, "{models} bytes of models, {both} of animals");
     test_app.world().despawn(balls[0]);
     test_app.app.update();
-    assert_eq!(test_app.renderers().animals_gpu_bytes(), both / 2, "one of two is gone");
-    assert_eq!(test_app.renderers().models_gpu_bytes(), models, "the other keeps the model");
+    assert_eq!(test_app.renderers().animals_gpu_bytes(), both / 2, "one of two animals is freed");
+    assert_eq!(test_app.renderers().models_gpu_bytes(), models, "the other animal keeps the model");
     test_app.world().despawn(balls[1]);
     drop(model);
     // Bevy drops the asset a frame after its last handle.

@@ -53,11 +53,11 @@ fn main() -> ExitCode {
         picture = tail.next().map(PathBuf::from);
         packages.extend(tail.filter(|_| picture.is_some()));
         if picture.is_none() {
-            return usage_error("--picture needs the name of a PNG file");
+            return usage_error("--picture: expected the name of a PNG file");
         }
     }
     if packages.is_empty() {
-        return usage_error("no package is named");
+        return usage_error("expected at least one package");
     }
     let (mut app, drawn) = (app(picture.is_none()), picture.map(picture::PictureRequest::new));
     let server = app.world().resource::<AssetServer>().clone();

@@ -34,6 +34,7 @@ pub fn remove_indentation(data: &mut [u8]) {
     }
 }
 
+/// Removes indentation and blank lines, and fills the end with spaces.
 fn remove_line_starts(lines: &mut [u8]) {
     let left: Vec<&[u8]> =
         lines.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start).filter(|line| !line.is_empty()).collect();
