@@ -17,13 +17,13 @@ const MIN_STRENGTH_CHANGE: f32 = 0.01;
 pub(crate) struct FurState {
     tips: wgpu::Buffer,
     leaned: wgpu::Buffer,
-    /// Number of the last motion update applied to the tips. The next field counts the updates since the tips were
-    /// reset.
+    /// Number of the last motion update applied to the tips.
     life: Option<u64>,
+    /// Number of updates since the tips were reset.
     lives: u32,
-    /// Strength of the current lean. The next field is the largest strength requested by the frames with the current
-    /// time.
+    /// Strength of the current lean.
     strength: f32,
+    /// Largest strength requested by the frames with the current time.
     wanted: f32,
 }
 
@@ -32,12 +32,14 @@ pub(crate) struct FurState {
 pub(crate) struct FurUpdate {
     pub(crate) tips: wgpu::Buffer,
     pub(crate) strength: f32,
-    /// 1: the fur is reset in this frame; 2: it was reset in the previous update; otherwise 0.
+    /// Reset state: 1 if the fur is reset in this frame, 2 if it was reset in the previous update, otherwise 0.
     pub(crate) begins: u32,
 }
 
-/// Returns the strength of the lean in a frame in which the fur is `height_px` pixels high. `of`: strength for fur high
-/// enough to lean fully.
+/// Returns the strength of the lean in a frame.
+///
+/// * `of`: full strength, used if the fur is high enough on screen
+/// * `height_px`: height of the fur on screen, pixels
 pub(crate) fn lean_strength(of: f32, height_px: f32) -> f32 {
     let [none, all] = FADE_IN_PX;
     let way = ((height_px - none) / (all - none)).clamp(0.0, 1.0);

@@ -33,13 +33,14 @@ pub(crate) struct GuideMotionState {
 #[derive(Clone, Debug)]
 pub(crate) struct GuideMotion {
     pub(crate) params: HairMotionParams,
-    /// Number of this update. The next field is that of the previous update, if there was one.
+    /// Number of this update.
     pub(crate) update: u64,
+    /// Number of the previous update, if there was one.
     pub(crate) previous_update: Option<u64>,
     pub(crate) world_from_model: Mat3,
-    /// World position of the model's origin. The next field is the displacement of the origin since the previous
-    /// update.
+    /// World position of the model's origin.
     pub(crate) origin: Vec3,
+    /// Displacement of the origin since the previous update.
     pub(crate) displacement: Vec3,
     /// Time at which the wind is evaluated, seconds.
     pub(crate) time_s: f32,
@@ -50,9 +51,9 @@ pub(crate) struct GuideMotion {
     pub(crate) frame_before_s: f32,
     /// Colliders before and after the frame, relative to the current origin.
     pub(crate) colliders: Vec<[Capsule; 2]>,
-    /// The hair is reset to its groomed state.
+    /// Whether the hair is reset to its groomed state.
     pub(crate) is_fresh: bool,
-    /// The hair is at rest: only newly drawn strand sets need to be updated.
+    /// Whether the hair is at rest; then only newly drawn strand sets are updated.
     pub(crate) is_at_rest: bool,
 }
 
@@ -101,8 +102,8 @@ impl GuideMotion {
 /// Returns the hair motion in this frame, and the state to keep. If the time is unchanged and nothing has moved, the
 /// stored update is returned.
 ///
-/// * `rest_s`: seconds without movement after which hair comes to rest
-/// * `is_posed`: the surface has changed since the previous frame
+/// * `rest_s`: time without movement after which hair comes to rest, seconds
+/// * `is_posed`: whether the surface has changed since the previous frame
 /// * `life`: number for a new update
 pub(crate) fn advance_motion(
     past: Option<&GuideMotionState>,

@@ -37,8 +37,8 @@ impl Motion {
     /// Maximum number of layers of a [`Motion::Blend`]; each costs the evaluation of a whole pose.
     pub const MAX_LAYERS: usize = 16;
 
-    /// Returns what makes the motion invalid for the skeleton of `animation`, as the found and the expected value;
-    /// `None` if it is valid.
+    /// Returns the found and the expected value if the motion is invalid for the skeleton of `animation`; `None` if it
+    /// is valid.
     fn fault(&self, animation: &Animation) -> Option<(String, String)> {
         let moment = |clip: Option<usize>, time_s: f32| {
             if !time_s.is_finite() {

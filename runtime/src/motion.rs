@@ -28,8 +28,9 @@ struct OwnerState {
     pose: Pose,
     /// Hair motion state, if the hair of the model moves.
     past: Option<GuideMotionState>,
-    /// Fur motion state, if the fur has ever leaned. The next field tells whether it leans now.
+    /// Fur motion state, if the fur has ever leaned.
     fur: Option<FurState>,
+    /// Whether the fur leaned in the owner's last frame.
     is_leaning: bool,
     /// Revision; changes whenever the shape in model space changes. Unique among all owners.
     revision: u64,
@@ -82,8 +83,9 @@ struct StrandState {
     points: wgpu::Buffer,
     /// Guide points, if the strands follow guides.
     guides: Option<wgpu::Buffer>,
-    /// Guide particles, if they may move. The next field is the last motion update applied to them.
+    /// Guide particles, if they may move.
     particles: Option<wgpu::Buffer>,
+    /// Number of the last motion update applied to the particles.
     life: Option<u64>,
     /// Revision of the pose for which the points and guides were computed; 0 if they are still empty.
     revision: u64,
@@ -100,11 +102,11 @@ pub(crate) struct PosedStrands {
     pub(crate) guides: Option<wgpu::Buffer>,
     /// Guide particles, if they may move.
     pub(crate) particles: Option<wgpu::Buffer>,
-    /// The particles do not continue the previous update: hair is reset to its groomed state.
+    /// Whether the hair is reset to its groomed state, because the particles do not continue the previous update.
     pub(crate) is_fresh: bool,
-    /// An earlier frame with the same time has already applied this update to the particles.
+    /// Whether an earlier frame with the same time has already applied this update to the particles.
     pub(crate) is_updated: bool,
-    /// The stored points must be recomputed: they have another pose, or are those of too few strands.
+    /// Whether the stored points must be recomputed, because they have another pose or belong to too few strands.
     pub(crate) stale: bool,
     /// Share of the strands that are posed.
     pub(crate) share: f32,
@@ -327,7 +329,7 @@ impl StrandState {
         Self {
             points: buffer("pelage posed strands", strands.posed_bytes()),
             guides: strands.guided().map(|guided| buffer("pelage posed guides", guided.guides.size())),
-            particles: strands.particle_bytes().map(|bytes| buffer("pelage pearls", bytes)),
+            particles: strands.particle_bytes().map(|bytes| buffer("pelage particles", bytes)),
             life: None,
             revision: 0,
             share: 0.0,

@@ -127,7 +127,7 @@ impl Scene {
             let free: Vec<f32> =
                 (0..POINTS).map(|k| of_guide * MOTION.freedom(k as f32 / (POINTS - 1) as f32)).collect();
             let groomed = GroomedGuide { points, ballast: &ballast, free: &free };
-            let mut pearls: Vec<Particle> = self.rooted(side, at(0).0).groomed(points);
+            let mut particles: Vec<Particle> = self.rooted(side, at(0).0).groomed(points);
             for frame in 1..frames {
                 let colliders: Vec<_> = at(frame - 1).1.into_iter().zip(at(frame).1).map(|(a, b)| [a, b]).collect();
                 let moment = Frame {
@@ -139,10 +139,10 @@ impl Scene {
                     colliders: &colliders,
                 };
                 let [before, now] = [frame - 1, frame].map(|frame| self.rooted(side, at(frame).0));
-                advance_frame(&mut pearls, &groomed, &springs, &moment, before, now);
+                advance_frame(&mut particles, &groomed, &springs, &moment, before, now);
             }
             let back = Mat3::from_mat4(at(frames - 1).0).inverse();
-            all.extend(pearls.iter().map(|pearl| back * pearl.place));
+            all.extend(particles.iter().map(|particle| back * particle.place));
         }
         all
     }

@@ -3,9 +3,9 @@
 //! When the runtime draws a shadow map, it requests the depth of other casters. Bevy keeps the vertices of all meshes
 //! in a few buffers. They are drawn from these, with pipelines that read only positions.
 
+use crate::bounds::{enclosing_sphere, extent_towards_light};
 use crate::extract::{Caster, Scene};
-use crate::reach::{above, around};
-use crate::renderers::{Drawing, Said};
+use crate::renderers::{LogOnce, PassRenderer};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_math::{Mat4, Vec3};
@@ -37,12 +37,12 @@ fn vs_caster(
 ";
 
 /// Vertex attributes: the four columns of `clip_from_model`, stored consecutively.
-const MATRIX: [wgpu::VertexAttribute; 4] =
+const MATRIX_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
 /// Cache key of a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Kind {
+struct PipelineKey {
     stride: u64,
     position_offset: u64,
     topology: wgpu::PrimitiveTopology,
@@ -53,10 +53,10 @@ struct Kind {
 
 /// Cache of pipelines by their key.
 #[derive(Resource, Debug, Default)]
-pub(crate) struct CasterPipelines(HashMap<Kind, wgpu::RenderPipeline>);
+pub(crate) struct CasterPipelines(HashMap<PipelineKey, wgpu::RenderPipeline>);
 
 /// A mesh in Bevy's buffers.
-struct Placed<'a> {
+struct CasterMesh<'a> {
     vertices: MeshBufferSlice<'a>,
     indices: Option<(MeshBufferSlice<'a>, wgpu::IndexFormat)>,
     topology: wgpu::PrimitiveTopology,
@@ -74,30 +74,30 @@ pub(crate) struct CasterDraws<'w> {
 }
 
 impl CasterDraws<'_> {
-    /// Prepares a frame of `instances`, whose bounding spheres are `reaches`. Its shadow maps contain the casters that
+    /// Prepares a frame of `instances`, whose bounding spheres are `spheres`. Its shadow maps contain the casters that
     /// can shade the instances.
     pub(crate) fn prepare(
         &mut self,
-        drawing: &mut Drawing,
+        pass_renderer: &mut PassRenderer,
         scene: &Scene,
         device: &RenderDevice,
         encoder: &mut wgpu::CommandEncoder,
         params: &FrameParams,
         instances: &[Instance],
-        reaches: &[Sphere],
+        spheres: &[Sphere],
     ) -> Result<Frame, RuntimeError> {
         let Self { meshes, allocator, pipelines } = self;
-        let (casters, bounds) = shading(&scene.casters, reaches, params);
+        let (casters, bounds) = select_casters(&scene.casters, spheres, params);
         // Skip meshes that are not on the GPU yet; they are drawn in a later frame. `revision` changes when the set of
         // drawn meshes does.
-        let placed: Vec<Placed> =
-            casters.iter().filter_map(|caster| place(caster, meshes, allocator, drawing.said)).collect();
-        if placed.is_empty() {
-            return drawing.renderer.prepare(encoder, params, instances);
+        let caster_meshes: Vec<CasterMesh> =
+            casters.iter().filter_map(|caster| find_mesh(caster, meshes, allocator, pass_renderer.log)).collect();
+        if caster_meshes.is_empty() {
+            return pass_renderer.renderer.prepare(encoder, params, instances);
         }
         let device = device.wgpu_device();
         let mut draw = |pass: &mut wgpu::RenderPass<'_>, view: &LightView, which: CasterPass| {
-            let matrices: Vec<u8> = placed
+            let matrices: Vec<u8> = caster_meshes
                 .iter()
                 .flat_map(|mesh| (view.clip_from_world * mesh.transform).to_cols_array())
                 .flat_map(f32::to_le_bytes)
@@ -111,30 +111,35 @@ impl CasterDraws<'_> {
                 },
             );
             pass.set_vertex_buffer(1, matrices.slice(..));
-            for (number, mesh) in (0u32..).zip(&placed) {
-                let pipeline = pipelines.0.entry(mesh.kind(which)).or_insert_with_key(|kind| pipeline(device, kind));
+            for (number, mesh) in (0u32..).zip(&caster_meshes) {
+                let pipeline =
+                    pipelines.0.entry(mesh.pipeline_key(which)).or_insert_with_key(|key| create_pipeline(device, key));
                 pass.set_pipeline(pipeline);
                 mesh.draw(pass, number..number + 1);
             }
         };
-        let revision = revision(&casters, &placed, scene.meshes_changed);
+        let revision = revision(&casters, &caster_meshes, scene.meshes_changed);
         let casters = Casters { bounds, revision, draw: &mut draw };
-        drawing.renderer.prepare_with(encoder, params, instances, Hooks::default().casters(casters))
+        pass_renderer.renderer.prepare_with(encoder, params, instances, Hooks::default().casters(casters))
     }
 }
 
-/// Returns the casters that can shade anything in `reaches`. Also returns a sphere of radius 0 that the maps must cover
-/// in addition. It marks how far the casters extend towards the light. The maps are as wide as the animals; parts of a
+/// Returns the casters that can shade anything in `spheres`, and a sphere of radius 0 that the maps must also cover.
+/// The sphere marks how far the casters extend towards the light. The maps are as wide as the animals; parts of a
 /// caster beyond that width are ignored.
-fn shading<'a>(casters: &'a [Caster], reaches: &[Sphere], params: &FrameParams) -> (Vec<&'a Caster>, Option<Sphere>) {
+fn select_casters<'a>(
+    casters: &'a [Caster],
+    spheres: &[Sphere],
+    params: &FrameParams,
+) -> (Vec<&'a Caster>, Option<Sphere>) {
     let (Light::Directional { towards_light, .. }, true) = (params.light, params.soft_shadow) else {
         return (Vec::new(), None);
     };
     let towards_light = towards_light.normalize_or(Vec3::Y);
-    let Some(lit) = reaches.iter().copied().reduce(around) else { return (Vec::new(), None) };
+    let Some(lit) = spheres.iter().copied().reduce(enclosing_sphere) else { return (Vec::new(), None) };
     let height = |caster: &Caster| {
-        let shades = reaches.iter().any(|reach| above(*reach, towards_light, caster.bounds).is_some());
-        shades.then(|| above(lit, towards_light, caster.bounds)).flatten()
+        let shades = spheres.iter().any(|sphere| extent_towards_light(*sphere, towards_light, caster.bounds).is_some());
+        shades.then(|| extent_towards_light(lit, towards_light, caster.bounds)).flatten()
     };
     let (shading, heights): (Vec<_>, Vec<_>) =
         casters.iter().filter_map(|caster| Some((caster, height(caster)?))).unzip();
@@ -142,11 +147,11 @@ fn shading<'a>(casters: &'a [Caster], reaches: &[Sphere], params: &FrameParams) 
     (shading, highest_m.map(|m| Sphere { center: lit.center + m * towards_light, radius: 0.0 }))
 }
 
-impl Placed<'_> {
-    fn kind(&self, pass: CasterPass) -> Kind {
+impl CasterMesh<'_> {
+    fn pipeline_key(&self, pass: CasterPass) -> PipelineKey {
         let strip = self.topology == wgpu::PrimitiveTopology::TriangleStrip;
         let strip_indices = self.indices.as_ref().map(|(_, format)| *format).filter(|_| strip);
-        Kind {
+        PipelineKey {
             stride: self.stride,
             position_offset: self.position_offset,
             topology: self.topology,
@@ -168,12 +173,12 @@ impl Placed<'_> {
 }
 
 /// Finds a mesh in Bevy's buffers. `None` if it is not on the GPU yet, or if it cannot be drawn (a warning is logged).
-fn place<'a>(
+fn find_mesh<'a>(
     caster: &Caster,
     meshes: &RenderAssets<RenderMesh>,
     allocator: &'a MeshAllocator,
-    said: &mut Said,
-) -> Option<Placed<'a>> {
+    log: &mut LogOnce,
+) -> Option<CasterMesh<'a>> {
     let mesh = meshes.get(caster.mesh)?;
     let vertices = allocator.mesh_vertex_slice(&caster.mesh)?;
     let indices = match mesh.buffer_info {
@@ -189,36 +194,36 @@ fn place<'a>(
     let flat = matches!(topology, wgpu::PrimitiveTopology::TriangleList | wgpu::PrimitiveTopology::TriangleStrip);
     let Some(position) = position.filter(|position| position.format == VertexFormat::Float32x3 && flat) else {
         let found = position.map(|position| position.format);
-        said.warn(format!(
-            "a mesh with ShadesPelage casts no shadow on fur: its topology is {topology:?} and its positions are \
+        log.warn(format!(
+            "a mesh with PelageShadowCaster casts no shadow on fur: its topology is {topology:?} and its positions are \
              {found:?}, expected triangles with Float32x3 positions"
         ));
         return None;
     };
     let (stride, position_offset) = (layout.layout().array_stride, position.offset);
-    Some(Placed { vertices, indices, topology, stride, position_offset, transform: caster.transform })
+    Some(CasterMesh { vertices, indices, topology, stride, position_offset, transform: caster.transform })
 }
 
 /// Returns a revision that changes whenever the casters change.
-fn revision(casters: &[&Caster], placed: &[Placed], meshes_changed: u64) -> u64 {
+fn revision(casters: &[&Caster], caster_meshes: &[CasterMesh], meshes_changed: u64) -> u64 {
     let mut hasher = DefaultHasher::new();
     meshes_changed.hash(&mut hasher);
     casters.iter().for_each(|caster| caster.mesh.hash(&mut hasher));
-    for mesh in placed {
+    for mesh in caster_meshes {
         mesh.transform.to_cols_array().map(f32::to_bits).hash(&mut hasher);
         mesh.vertices.range.hash(&mut hasher);
     }
     hasher.finish()
 }
 
-fn pipeline(device: &wgpu::Device, kind: &Kind) -> wgpu::RenderPipeline {
+fn create_pipeline(device: &wgpu::Device, key: &PipelineKey) -> wgpu::RenderPipeline {
     let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("pelage caster"),
         source: wgpu::ShaderSource::Wgsl(SHADER.into()),
     });
     let position = [wgpu::VertexAttribute {
         format: wgpu::VertexFormat::Float32x3,
-        offset: kind.position_offset,
+        offset: key.position_offset,
         shader_location: 0,
     }];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -230,27 +235,27 @@ fn pipeline(device: &wgpu::Device, kind: &Kind) -> wgpu::RenderPipeline {
             compilation_options: Default::default(),
             buffers: &[
                 Some(wgpu::VertexBufferLayout {
-                    array_stride: kind.stride,
+                    array_stride: key.stride,
                     step_mode: wgpu::VertexStepMode::Vertex,
                     attributes: &position,
                 }),
                 Some(wgpu::VertexBufferLayout {
                     array_stride: size_of::<[f32; 16]>() as u64,
                     step_mode: wgpu::VertexStepMode::Instance,
-                    attributes: &MATRIX,
+                    attributes: &MATRIX_ATTRIBUTES,
                 }),
             ],
         },
         primitive: wgpu::PrimitiveState {
-            topology: kind.topology,
-            strip_index_format: kind.strip_indices,
-            cull_mode: kind.pass.cull_mode(),
+            topology: key.topology,
+            strip_index_format: key.strip_indices,
+            cull_mode: key.pass.cull_mode(),
             ..Default::default()
         },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: ShadowMaps::DEPTH_FORMAT,
             depth_write_enabled: Some(true),
-            depth_compare: Some(kind.pass.compare()),
+            depth_compare: Some(key.pass.compare()),
             stencil: Default::default(),
             bias: Default::default(),
         }),

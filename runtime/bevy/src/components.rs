@@ -33,12 +33,12 @@ impl Pelage {
     /// Creates an animal in ink, painted over the camera's picture. With [`InkBackground::Paper`] in the parameters,
     /// paper hides the background wherever no other object covers it.
     pub fn ink(model: Handle<PelageModel>) -> Self {
-        Self { model, style: ink() }
+        Self { model, style: ink_style() }
     }
 }
 
 /// Returns the ink style that paints over Bevy's picture.
-pub(crate) fn ink() -> Style {
+pub(crate) fn ink_style() -> Style {
     Style::Ink(InkParams::default().with(|ink| ink.background = InkBackground::Picture))
 }
 
@@ -52,7 +52,7 @@ impl AsAssetId for Pelage {
 
 /// Playback of a clip. An animal without this component stays at rest.
 #[derive(Component, Clone, Debug, PartialEq)]
-#[require(ClipPlace)]
+#[require(ClipLookup)]
 pub struct PelageClip {
     /// Name of the clip, as for [`PelageModel::clip`]. If the model has no such clip, a warning is logged and the
     /// animal stays at rest.
@@ -90,11 +90,11 @@ pub struct PelageMorphs(pub Vec<(String, f32)>);
 /// animal.
 ///
 /// Fur has its own shadow maps. Do not mark grounds: they receive the animals' shadows through Bevy's own maps. The
-/// depth range of the fur's maps includes all casters towards the sun. An object casts no shadow on fur that is closer
-/// to it than a thousandth of that range. Positions must be in `Mesh`'s default format, uncompressed. The mesh must be
-/// neither skinned nor morphed.
+/// depth range of the fur's maps includes all casters towards the sun. If fur is closer to an object than a thousandth
+/// of that range, the object casts no shadow on it. Positions must be in `Mesh`'s default format, uncompressed. The
+/// mesh must be neither skinned nor morphed.
 #[derive(Component, Clone, Copy, Debug, Default)]
-pub struct ShadesPelage;
+pub struct PelageShadowCaster;
 
 /// Settings of the fur's shadow maps, for all lights and cameras. `map_size` is the size for one animal. If animals of
 /// the same style are spread out in a picture, their maps have up to four times as many texels per side.
@@ -124,7 +124,7 @@ impl Default for PelageHair {
 
 /// Result of looking up a [`PelageClip`] in the model of its entity.
 #[derive(Component, Clone, Debug, Default)]
-pub struct ClipPlace {
+pub struct ClipLookup {
     /// Index and length in seconds; `None` if not found.
     pub(crate) found: Option<(usize, f32)>,
 }

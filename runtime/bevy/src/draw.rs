@@ -3,9 +3,9 @@
 use crate::Pelage;
 use crate::casters::CasterDraws;
 use crate::extract::{Animal, Scene};
-use crate::renderers::{Drawing, Frames, PassKind, PelageRenderers, Prepared};
+use crate::renderers::{Frames, PassKind, PassRenderer, PelageRenderers, PreparedFrame};
 use crate::view::View;
-use crate::{lights, reach};
+use crate::{bounds, lights};
 use bevy_camera::visibility::RenderLayers;
 use bevy_camera::{CompositingSpace, MainPassResolutionOverride};
 use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
@@ -19,7 +19,7 @@ use bevy_render::view::{
 };
 use pelage_runtime::{FrameParams, Instance, Sphere, Style};
 
-/// Components of a camera that drawing needs.
+/// Components of a camera that are read to draw its animals.
 type CameraParts = (
     &'static ExtractedCamera,
     &'static ExtractedView,
@@ -58,39 +58,46 @@ pub(crate) fn prepare(
     }
     let main_entity = extracted.retained_view_entity.main_entity;
     if space.is_some_and(|space| space.0 == Some(CompositingSpace::Srgb)) {
-        let words = format!(
+        let message = format!(
             "camera {main_entity:?} composites in sRGB, which pelage does not support because fur is in linear light. \
              Its animals are not drawn; remove CompositingSpace::Srgb"
         );
-        return renderers.warn(words);
+        return renderers.warn(message);
     }
     if !camera.hdr {
-        let words = format!(
+        let message = format!(
             "camera {main_entity:?} has no Hdr: Bevy then applies exposure and tone mapping in its mesh shaders. The \
              fur shaders do neither, so fur comes out too bright beside meshes. Add bevy_camera::Hdr to the camera"
         );
-        renderers.warn(words);
+        renderers.warn(message);
     }
     let kind = PassKind { color: target.main_texture_format(), depth: CORE_3D_DEPTH_FORMAT, samples: msaa.samples() };
     let device = ctx.render_device().clone();
-    let Some(mut drawing) = renderers.of(kind, &device, &queue) else { return };
+    let Some(mut pass_renderer) = renderers.for_pass(kind, &device, &queue) else { return };
     let view = View::new(extracted, jitter, main_size.map(|size| **size));
     let layers = layers.cloned().unwrap_or_default();
     let ambient = scene.ambients.get(&main_entity).copied().unwrap_or(scene.ambient);
     let mut prepared = Vec::new();
-    for group in groups(&mut drawing, &scene, &view, animals) {
-        let (camera_of_style, viewport) = view.of_style(group.style.kind());
-        let reaches: Vec<Sphere> = group.instances.iter().map(reach::of_animal).collect();
+    for group in groups(&mut pass_renderer, &scene, &view, animals) {
+        let (camera_of_style, viewport) = view.camera_and_viewport(group.style.kind());
+        let spheres: Vec<Sphere> = group.instances.iter().map(bounds::animal_bounds).collect();
         let params = FrameParams::new(camera_of_style, [viewport.z, viewport.w]).with(|params| {
-            lights::light(params, &scene.suns, ambient, camera.exposure, &layers);
+            lights::set_lights(params, &scene.suns, ambient, camera.exposure, &layers);
             params.environment = scene.environment.as_ref().map(|lights| lights.scaled(camera.exposure));
-            params.shadows = reach::maps_of(scene.shadows, &reaches, device.limits().max_texture_dimension_2d);
+            params.shadows = bounds::enlarge_maps(scene.shadows, &spheres, device.limits().max_texture_dimension_2d);
             params.style = group.style.clone();
-            scene.move_hair(params);
+            scene.set_hair_motion(params);
         });
-        let frame =
-            casters.prepare(&mut drawing, &scene, &device, ctx.command_encoder(), &params, &group.instances, &reaches);
-        prepared.extend(drawing.or_say(frame).map(|frame| Prepared { frame, viewport, part: view.rect }));
+        let frame = casters.prepare(
+            &mut pass_renderer,
+            &scene,
+            &device,
+            ctx.command_encoder(),
+            &params,
+            &group.instances,
+            &spheres,
+        );
+        prepared.extend(pass_renderer.or_log(frame).map(|frame| PreparedFrame { frame, viewport, part: view.rect }));
     }
     frames.0.insert(entity, prepared);
 }
@@ -98,7 +105,7 @@ pub(crate) fn prepare(
 /// Groups the animals by style, because a frame of the runtime has one style. Animals are sorted from far to near
 /// within a group, and groups by their farthest animal.
 fn groups<'a>(
-    drawing: &mut Drawing,
+    pass_renderer: &mut PassRenderer,
     scene: &Scene,
     view: &View,
     mut animals: Vec<(MainEntity, &'a Animal)>,
@@ -108,7 +115,7 @@ fn groups<'a>(
     animals.sort_by(|(a_is, a), (b_is, b)| distance(b).total_cmp(&distance(a)).then(a_is.cmp(b_is)));
     let mut groups: Vec<Group<'a>> = Vec::new();
     for (entity, animal) in animals {
-        let Some(instance) = drawing.instance(scene, entity, animal) else { continue };
+        let Some(instance) = pass_renderer.instance(scene, entity, animal) else { continue };
         match groups.iter_mut().find(|group| *group.style == animal.style) {
             Some(group) => group.instances.push(instance),
             None => groups.push(Group { style: &animal.style, instances: vec![instance] }),
@@ -134,7 +141,7 @@ pub(crate) fn draw(
         multiview_mask: None,
     });
     let pass = pass.wgpu_pass();
-    for Prepared { frame, viewport, part } in frames {
+    for PreparedFrame { frame, viewport, part } in frames {
         let [x, y, width, height] = viewport.as_vec4().to_array();
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
         pass.set_scissor_rect(part.x, part.y, part.z, part.w);

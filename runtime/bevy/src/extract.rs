@@ -1,8 +1,8 @@
 //! Data that is extracted from the main world to the render world each frame.
 
 use crate::components::{
-    ClipPlace, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows,
-    ShadesPelage,
+    ClipLookup, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadowCaster,
+    PelageShadows,
 };
 use crate::lights::{Ambient, Sun};
 use crate::model::PelageModel;
@@ -32,7 +32,7 @@ pub(crate) struct Animal {
     pub(crate) morphs: PelageMorphs,
     pub(crate) style: Style,
     /// Whether it casts shadows on Bevy's meshes.
-    pub(crate) throws_shadow: bool,
+    pub(crate) casts_shadow: bool,
     pub(crate) layers: RenderLayers,
 }
 
@@ -70,29 +70,29 @@ pub(crate) struct Scene {
 
 impl Scene {
     /// Copies the parameters of hair motion and the current time from the scene to `params`.
-    pub(crate) fn move_hair(&self, params: &mut FrameParams) {
+    pub(crate) fn set_hair_motion(&self, params: &mut FrameParams) {
         (params.time_s, params.hair_motion) = (self.time_s, self.hair_motion);
     }
 }
 
 /// Returns the pose of an animal.
-fn motion(clip: Option<(&PelageClip, &ClipPlace)>, joints: Option<&PelageJoints>) -> Motion {
+fn motion(clip: Option<(&PelageClip, &ClipLookup)>, joints: Option<&PelageJoints>) -> Motion {
     match (joints, clip) {
         (Some(joints), _) => Motion::Joints(joints.0.clone()),
-        (None, Some((clip, ClipPlace { found: Some((index, _)) }))) => {
+        (None, Some((clip, ClipLookup { found: Some((index, _)) }))) => {
             Motion::Clip { clip: *index, time_s: clip.time_s }
         }
         _ => Motion::Rest,
     }
 }
 
-/// Components that the extraction of an animal reads.
+/// Components from which an animal is extracted.
 type AnimalParts = (
     Entity,
     &'static Pelage,
     &'static GlobalTransform,
     &'static InheritedVisibility,
-    Option<(&'static PelageClip, &'static ClipPlace)>,
+    Option<(&'static PelageClip, &'static ClipLookup)>,
     (Option<&'static PelageJoints>, Option<&'static PelageMorphs>),
     Option<&'static RenderLayers>,
     Has<NotShadowCaster>,
@@ -113,7 +113,7 @@ pub(crate) fn animals(
                 motion: motion(clip, joints),
                 morphs: morphs.cloned().unwrap_or_default(),
                 style: pelage.style.clone(),
-                throws_shadow: visible.get() && !dark,
+                casts_shadow: visible.get() && !dark,
                 layers: layers.cloned().unwrap_or_default(),
             };
             (MainEntity::from(entity), animal)
@@ -164,7 +164,7 @@ pub(crate) fn environment(mut scene: ResMut<Scene>, environment: Extract<Res<Pel
 /// Extracts the meshes that cast shadows on fur.
 pub(crate) fn casters(
     mut scene: ResMut<Scene>,
-    casters: Extract<Query<(Entity, &Mesh3d, &GlobalTransform, &InheritedVisibility, &Aabb), With<ShadesPelage>>>,
+    casters: Extract<Query<(Entity, &Mesh3d, &GlobalTransform, &InheritedVisibility, &Aabb), With<PelageShadowCaster>>>,
     mut changes: Extract<MessageReader<AssetEvent<Mesh>>>,
 ) {
     let mut visible: Vec<_> = casters.iter().filter(|(_, _, _, visible, _)| visible.get()).collect();

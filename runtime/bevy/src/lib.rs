@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod bounds;
 #[cfg(feature = "pbr")]
 mod cascades;
 mod casters;
@@ -9,12 +10,11 @@ mod extract;
 mod lights;
 mod model;
 mod motion;
-mod reach;
 mod renderers;
 mod view;
 
 pub use components::{
-    Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadows, ShadesPelage,
+    Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadowCaster, PelageShadows,
 };
 pub use model::{PelageLoadError, PelageModel, PelageModelLoader};
 pub use pelage_runtime as runtime;
@@ -51,7 +51,7 @@ impl Plugin for PelagePlugin {
             .init_resource::<PelageShadows>()
             .init_resource::<PelageHair>()
             .init_resource::<PelageEnvironment>()
-            .add_systems(PostUpdate, (motion::fit_boxes, (motion::find_clips, motion::play_clips).chain()));
+            .add_systems(PostUpdate, (motion::insert_bounding_boxes, (motion::find_clips, motion::play_clips).chain()));
         let Some(render_app) = app.get_sub_app_mut(RenderApp) else { return };
         let options = RendererOptions {
             anisotropy: self.anisotropy,
@@ -71,8 +71,8 @@ impl Plugin for PelagePlugin {
             .add_systems(
                 Render,
                 (
-                    renderers::update.in_set(RenderSystems::PrepareResources),
-                    renderers::release.in_set(RenderSystems::Cleanup),
+                    renderers::drop_unused.in_set(RenderSystems::PrepareResources),
+                    renderers::drop_frames.in_set(RenderSystems::Cleanup),
                 ),
             )
             .add_systems(

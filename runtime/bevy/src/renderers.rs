@@ -24,7 +24,7 @@ pub(crate) struct PassKind {
 
 /// A package loaded to the GPU, or one that failed to load.
 #[derive(Debug)]
-struct Loaded {
+struct LoadedModel {
     package: Arc<NamedPackage<'static>>,
     /// Model; `None` if the device cannot draw it (an error is logged).
     model: Option<Model>,
@@ -39,14 +39,14 @@ pub(crate) struct Options(pub(crate) RendererOptions);
 pub struct PelageRenderers {
     options: RendererOptions,
     by_pass: HashMap<PassKind, Option<Renderer>>,
-    models: HashMap<AssetId<PelageModel>, Loaded>,
+    models: HashMap<AssetId<PelageModel>, LoadedModel>,
     owners: HashSet<MainEntity>,
-    said: Said,
+    log: LogOnce,
 }
 
 /// A prepared frame, and the area of the target that it is drawn to.
 #[derive(Debug)]
-pub(crate) struct Prepared {
+pub(crate) struct PreparedFrame {
     pub(crate) frame: Frame,
     /// Viewport for which the frame was prepared, pixels: left, top, width and height.
     pub(crate) viewport: UVec4,
@@ -56,49 +56,55 @@ pub(crate) struct Prepared {
 
 /// Frames to draw, by the view's entity in the render world. They are dropped after Bevy has submitted them.
 #[derive(Resource, Debug, Default)]
-pub(crate) struct Frames(pub(crate) HashMap<Entity, Vec<Prepared>>);
+pub(crate) struct Frames(pub(crate) HashMap<Entity, Vec<PreparedFrame>>);
 
-/// Messages that were already logged, because each frame repeats the errors of the previous one.
+/// Log that skips repeated messages, because each frame repeats the errors of the previous one.
 #[derive(Debug, Default)]
-pub(crate) struct Said(HashSet<String>);
+pub(crate) struct LogOnce(HashSet<String>);
 
-/// Maximum number of different messages that are logged: a number in a message may change every frame.
-const MOST_FAULTS: usize = 100;
+/// Maximum number of different messages that are logged. Without a limit, a number that changes every frame would fill
+/// the log.
+const MAX_MESSAGES: usize = 100;
 
-impl Said {
+impl LogOnce {
     /// Logs an error once.
-    pub(crate) fn error(&mut self, words: String) {
-        if self.is_new(&words) {
-            error!("{words}");
-            self.0.insert(words);
+    pub(crate) fn error(&mut self, message: String) {
+        if self.is_new(&message) {
+            error!("{message}");
+            self.0.insert(message);
         }
     }
 
     /// Logs a warning once.
-    pub(crate) fn warn(&mut self, words: String) {
-        if self.is_new(&words) {
-            warn!("{words}");
-            self.0.insert(words);
+    pub(crate) fn warn(&mut self, message: String) {
+        if self.is_new(&message) {
+            warn!("{message}");
+            self.0.insert(message);
         }
     }
 
-    fn is_new(&self, words: &str) -> bool {
-        self.0.len() < MOST_FAULTS && !self.0.contains(words)
+    fn is_new(&self, message: &str) -> bool {
+        self.0.len() < MAX_MESSAGES && !self.0.contains(message)
     }
 }
 
-/// Renderer of a pass, with its models and the messages already logged.
-pub(crate) struct Drawing<'a> {
+/// Renderer for one kind of pass, with the models and the log that all renderers share.
+pub(crate) struct PassRenderer<'a> {
     pub(crate) renderer: &'a mut Renderer,
-    models: &'a mut HashMap<AssetId<PelageModel>, Loaded>,
-    pub(crate) said: &'a mut Said,
+    models: &'a mut HashMap<AssetId<PelageModel>, LoadedModel>,
+    pub(crate) log: &'a mut LogOnce,
 }
 
 impl PelageRenderers {
     /// Returns the renderer for passes of this kind. `None` if the device cannot draw into such passes (an error is
     /// logged).
-    pub(crate) fn of(&mut self, kind: PassKind, device: &RenderDevice, queue: &RenderQueue) -> Option<Drawing<'_>> {
-        let Self { options, by_pass, models, said, .. } = self;
+    pub(crate) fn for_pass(
+        &mut self,
+        kind: PassKind,
+        device: &RenderDevice,
+        queue: &RenderQueue,
+    ) -> Option<PassRenderer<'_>> {
+        let Self { options, by_pass, models, log, .. } = self;
         let renderer = by_pass.entry(kind).or_insert_with(|| {
             let options = RendererOptions {
                 color_format: kind.color,
@@ -110,27 +116,27 @@ impl PelageRenderers {
             match Renderer::new(device.wgpu_device(), queue, &options) {
                 Ok(renderer) => Some(renderer),
                 Err(fault) => {
-                    said.error(format!("pelage cannot draw into a camera's pass: {fault}"));
+                    log.error(format!("pelage cannot draw into a camera's pass: {fault}"));
                     None
                 }
             }
         });
-        renderer.as_mut().map(|renderer| Drawing { renderer, models, said })
+        renderer.as_mut().map(|renderer| PassRenderer { renderer, models, log })
     }
 
     /// Logs a warning once.
-    pub(crate) fn warn(&mut self, words: String) {
-        self.said.warn(words);
+    pub(crate) fn warn(&mut self, message: String) {
+        self.log.warn(message);
     }
 
     /// Drops the models whose assets were removed or replaced, and the data of removed animals.
     fn forget(&mut self, scene: &Scene) {
-        let same = |id: &AssetId<PelageModel>, loaded: &mut Loaded| {
+        let same = |id: &AssetId<PelageModel>, loaded: &mut LoadedModel| {
             scene.packages.get(id).is_some_and(|package| Arc::ptr_eq(package, &loaded.package))
         };
         self.models.retain(same);
-        for gone in self.owners.iter().filter(|owner| !scene.animals.contains_key(*owner)) {
-            self.by_pass.values_mut().flatten().for_each(|renderer| renderer.forget(gone.to_bits()));
+        for removed in self.owners.iter().filter(|owner| !scene.animals.contains_key(*owner)) {
+            self.by_pass.values_mut().flatten().for_each(|renderer| renderer.forget(removed.to_bits()));
         }
         self.owners.clear();
         self.owners.extend(scene.animals.keys());
@@ -147,8 +153,8 @@ impl PelageRenderers {
     }
 
     /// Returns the logged messages: errors of packages and frames, and warnings. Each appears once.
-    pub fn said(&self) -> impl Iterator<Item = &str> {
-        self.said.0.iter().map(String::as_str)
+    pub fn logged_messages(&self) -> impl Iterator<Item = &str> {
+        self.log.0.iter().map(String::as_str)
     }
 }
 
@@ -156,11 +162,17 @@ impl FromWorld for PelageRenderers {
     /// Creates an empty state for a device. Bevy calls this again after the device was lost.
     fn from_world(world: &mut World) -> Self {
         let options = world.get_resource::<Options>().cloned().unwrap_or_default().0;
-        Self { options, by_pass: HashMap::new(), models: HashMap::new(), owners: HashSet::new(), said: Said::default() }
+        Self {
+            options,
+            by_pass: HashMap::new(),
+            models: HashMap::new(),
+            owners: HashSet::new(),
+            log: LogOnce::default(),
+        }
     }
 }
 
-impl Drawing<'_> {
+impl PassRenderer<'_> {
     /// Returns an animal as an instance of the runtime; loads its model if needed. `None` while the asset is missing,
     /// or if the model cannot be drawn.
     pub(crate) fn instance(&mut self, scene: &Scene, entity: MainEntity, animal: &Animal) -> Option<Instance> {
@@ -169,27 +181,27 @@ impl Drawing<'_> {
             let model = match self.renderer.load_bytes(&package.bytes) {
                 Ok(model) => Some(model),
                 Err(fault) => {
-                    self.said.error(format!("{}: {fault}", package.name));
+                    self.log.error(format!("{}: {fault}", package.name));
                     None
                 }
             };
-            Loaded { package: package.clone(), model }
+            LoadedModel { package: package.clone(), model }
         });
         let model = loaded.model.as_ref()?;
         // Skip an animal scaled to zero: it would be an error, and then no animal of the frame would be drawn.
-        let there = animal.transform.is_finite() && Mat3::from_mat4(animal.transform).determinant() != 0.0;
+        let drawable = animal.transform.is_finite() && Mat3::from_mat4(animal.transform).determinant() != 0.0;
         if let (Motion::Joints(joints), Some(skeleton)) = (&animal.motion, model.skeleton())
             && joints.len() != skeleton.joints.len()
         {
             let (found, expected) = (joints.len(), skeleton.joints.len());
-            self.said.error(format!("{}: PelageJoints has {found} matrices, expected {expected}", package.name));
+            self.log.error(format!("{}: PelageJoints has {found} matrices, expected {expected}", package.name));
             return None;
         }
         let mut morphs = Vec::new();
         for (name, weight) in &animal.morphs.0 {
             match model.morph_index(name).filter(|_| weight.is_finite()) {
                 Some(index) => morphs.push((index, *weight)),
-                None => self.said.error(format!(
+                None => self.log.error(format!(
                     "{}: PelageMorphs has {name:?} with weight {weight}, expected a morph target of the model and a \
                      finite weight",
                     package.name
@@ -198,21 +210,21 @@ impl Drawing<'_> {
         }
         let instance = Instance::new(entity.to_bits(), model).at(animal.transform).moving(animal.motion.clone());
         let instance = instance.morphing(morphs);
-        there.then_some(instance)
+        drawable.then_some(instance)
     }
 
     /// Returns the frame; if preparing it failed, logs the error and returns `None`.
-    pub(crate) fn or_say(&mut self, frame: Result<Frame, RuntimeError>) -> Option<Frame> {
-        frame.map_err(|fault| self.said.error(format!("pelage cannot draw a frame: {fault}"))).ok()
+    pub(crate) fn or_log(&mut self, frame: Result<Frame, RuntimeError>) -> Option<Frame> {
+        frame.map_err(|fault| self.log.error(format!("pelage cannot draw a frame: {fault}"))).ok()
     }
 }
 
 /// Drops unused data before the passes of a frame.
-pub(crate) fn update(mut renderers: ResMut<PelageRenderers>, scene: Res<Scene>) {
+pub(crate) fn drop_unused(mut renderers: ResMut<PelageRenderers>, scene: Res<Scene>) {
     renderers.forget(&scene);
 }
 
 /// Drops the frames after Bevy has submitted them.
-pub(crate) fn release(mut frames: ResMut<Frames>) {
+pub(crate) fn drop_frames(mut frames: ResMut<Frames>) {
     frames.0.clear();
 }

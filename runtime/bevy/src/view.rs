@@ -26,7 +26,7 @@ impl View {
         if let Some(jitter) = jitter {
             jitter.jitter_projection(&mut clip_from_view, rect.zw().as_vec2());
         }
-        let view_from_world = rigid(view.world_from_view.to_matrix()).inverse();
+        let view_from_world = remove_scale(view.world_from_view.to_matrix()).inverse();
         Self { camera: Camera { view_from_world, projection: Projection::Custom(clip_from_view) }, rect }
     }
 
@@ -34,7 +34,7 @@ impl View {
     ///
     /// Ink uses textures that begin at the corner of the target, not of the view. An ink frame therefore extends from
     /// the target's corner to the far corner of the view. The camera is widened to the same area.
-    pub(crate) fn of_style(&self, style: StyleKind) -> (Camera, UVec4) {
+    pub(crate) fn camera_and_viewport(&self, style: StyleKind) -> (Camera, UVec4) {
         let corner = self.rect.xy() + self.rect.zw();
         if style != StyleKind::Ink || self.rect.xy() == UVec2::ZERO {
             return (self.camera, self.rect);
@@ -59,7 +59,7 @@ impl View {
 }
 
 /// Removes the scale from a transform, because Bevy's cameras may be in scaled hierarchies.
-fn rigid(world_from_view: Mat4) -> Mat4 {
+fn remove_scale(world_from_view: Mat4) -> Mat4 {
     let axis = |column: Vec4| column.truncate().normalize_or_zero().extend(0.0);
     Mat4::from_cols(
         axis(world_from_view.x_axis),
@@ -86,11 +86,12 @@ mod tests {
             at * rect.zw().as_vec2().extend(1.0) + rect.xy().as_vec2().extend(0.0)
         };
         for point in [Vec3::ZERO, Vec3::X * 0.4, Vec3::new(-0.3, 0.5, 0.2)] {
-            let [fur, ink] = [StyleKind::Fur, StyleKind::Ink].map(|style| pixel(view.of_style(style), point));
+            let [fur, ink] =
+                [StyleKind::Fur, StyleKind::Ink].map(|style| pixel(view.camera_and_viewport(style), point));
             assert!((fur - ink).length() < 1e-3, "{point}: {fur} in fur, {ink} in ink");
         }
         let corner = View { rect: UVec4::new(0, 0, 60, 40), ..view };
-        assert_eq!(corner.of_style(StyleKind::Ink), (camera, corner.rect));
+        assert_eq!(corner.camera_and_viewport(StyleKind::Ink), (camera, corner.rect));
     }
 
     #[test]
@@ -98,6 +99,6 @@ mod tests {
         let scaled =
             Mat4::from_scale_rotation_translation(Vec3::splat(3.0), bevy_math::Quat::from_rotation_y(0.5), Vec3::X);
         let plain = Mat4::from_rotation_translation(bevy_math::Quat::from_rotation_y(0.5), Vec3::X);
-        assert!(rigid(scaled).abs_diff_eq(plain, 1e-6));
+        assert!(remove_scale(scaled).abs_diff_eq(plain, 1e-6));
     }
 }

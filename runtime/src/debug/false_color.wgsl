@@ -6,8 +6,9 @@ override SHOW_AS: u32 = 0u;
 
 // Luminance weights of linear sRGB (ITU-R BT.709).
 const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
-// Brightness of a false colour without light. The next constant is the brightness that full light adds.
+// Brightness of a false colour without light.
 const DARK_SHADE: f32 = 0.35;
+// Brightness that full light adds to a false colour.
 const SHADE_GAIN: f32 = 0.65;
 // Colour that each fragment adds when overlap is counted.
 const FRAGMENT_STEP: vec3<f32> = vec3(0.06, 0.025, 0.01);
@@ -39,8 +40,8 @@ fn false_color_with(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<
     return color;
 }
 
-// Returns the false colour of a geometry type (0 mesh surface, 1 far fur layer, 2 shells, 3 fins), mixed with that of
-// the next type by `share`, 0..1.
+// Returns the false colour of a geometry type, mixed with that of the next type by `share`, 0..1. `geometry`: 0 mesh
+// surface, 1 far fur layer, 2 shells, 3 fins.
 fn false_color(color: vec4<f32>, geometry: u32, share: f32) -> vec4<f32> {
     return false_color_with(color, mix(geometry_color(geometry), geometry_color(geometry + 1u), share), geometry < 2u);
 }

@@ -3,7 +3,7 @@
 // Far fur layer: all fur layers as seen from above, flattened into one layer on the mesh surface. Replaces layers where
 // fur is too small on screen for them.
 
-// The far fur layer is drawn on the surface.
+// Whether the far fur layer is drawn on the surface.
 override COAT: bool = false;
 
 // Returns the combined transmittance of all layers for key light on its way to the mesh surface (formulas 4.2).
@@ -19,12 +19,13 @@ struct FarFur {
     undercoat: vec3<f32>,
     base_color: vec3<f32>,
     spot: Spot,
-    // Direction towards the key light in the tile frame; the next field is the half vector H.
+    // Direction towards the key light in the tile frame.
     light_ts: vec3<f32>,
+    // Half vector H in the tile frame.
     half_ts: vec3<f32>,
-    // Hair length relative to that of the hair tile. The next field is the slope that the lean of the vertex adds to
-    // the hair.
+    // Hair length relative to that of the hair tile.
     length: f32,
+    // Slope that the lean of the vertex adds to the hair.
     slope: f32,
     // Share of the hair that grows, times the weight with which the far fur layer has replaced the layers.
     share: f32,

@@ -10,8 +10,9 @@ struct StrandConstants {
     dry_points: u32,
     // Radius that the largest stored value represents, metres.
     radius: f32,
-    // First strand of the part; the next field is the end of the range.
+    // First strand of the part.
     first: u32,
+    // End of the part's strand range.
     end: u32,
     // Share of the strands that are drawn.
     share: f32,

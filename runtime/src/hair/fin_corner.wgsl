@@ -10,6 +10,7 @@ struct AttributeVertex {
     groom: u32,
 }
 
+// Fin on the mesh edge from vertex `a` to vertex `b`. `start` and `length`: its range in the fin texture.
 struct Fin {
     a: u32,
     b: u32,
@@ -28,6 +29,7 @@ const CORNERS: u32 = 6u;
 // Number of quads stacked on each leaning fin, so that it can bend.
 const LEANING_ROWS: u32 = 3u;
 
+// Returns a vertex from the storage buffers, in the form that vertex buffers give it.
 fn vertex_of(index: u32) -> Vertex {
     let g = vertices[index];
     let a = attributes[index];
@@ -62,6 +64,7 @@ struct FinCorner {
     turned: f32,
 }
 
+// Returns a corner of a fin from its index in the draw call, CORNERS for each quad.
 fn fin_corner(index: u32) -> FinCorner {
     let rows = select(1u, LEANING_ROWS, LEAN);
     let quad = index / CORNERS;

@@ -11,20 +11,20 @@
 @group(2) @binding(5) var visibility: texture_2d_array<f32>;
 @group(2) @binding(6) var wet_visibility: texture_2d_array<f32>;
 
-// The direction texture has two components.
+// Whether the direction texture has two components.
 override PLANAR_DIRECTIONS: bool = false;
-// The number of drawn layers differs from that of baked layers.
+// Whether the number of drawn layers differs from that of baked layers.
 override RESAMPLED: bool = false;
-// A level of detail drops or fades some of the layers.
+// Whether a level of detail drops or fades some of the layers.
 override DETAIL: bool = false;
-// At least one vertex is bare or wet.
+// Whether at least one vertex is bare or wet.
 override GROOM_VERTICES: bool = false;
-// The material has a groom texture.
+// Whether the material has a groom texture.
 override GROOM_TEXTURE: bool = false;
-// The package has wet hair, which is mixed in.
+// Whether the package has wet hair, which is mixed in.
 override WET: bool = false;
 
-// Hair uses the base colour and groom of the surface at its root.
+// Whether hair uses the base colour and groom of the surface at its root.
 override AT_ROOT: bool = false;
 
 // Threshold of the alpha test for layers: half a step of an 8-bit texel. Fragments below it are invisible and write no
@@ -73,6 +73,8 @@ fn groom_at(at_vertex: vec2<f32>, uv: vec2<f32>) -> vec2<f32> {
     return groom;
 }
 
+// Returns the groom from vertex attributes alone: share of the hair that grows, and wetness. `at_vertex`: bareness and
+// wetness.
 fn groom_of_vertex(at_vertex: vec2<f32>) -> vec2<f32> {
     if GROOM_VERTICES {
         return vec2(1.0 - at_vertex.x, at_vertex.y);
@@ -80,6 +82,7 @@ fn groom_of_vertex(at_vertex: vec2<f32>) -> vec2<f32> {
     return vec2(1.0, 0.0);
 }
 
+// Applies a texel of the groom texture to a groom.
 fn groom_with(groom: vec2<f32>, texel: vec4<f32>) -> vec2<f32> {
     return vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
 }
@@ -103,6 +106,7 @@ fn base_color_at_root(tint: vec4<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec4<f
     return base_color(tint, uv);
 }
 
+// Returns the groom of hair that is visible at `uv` and has its root at `root`, as base_color_at_root does for colour.
 fn groom_at_root(at_vertex: vec2<f32>, uv: vec2<f32>, root: vec2<f32>) -> vec2<f32> {
     var groom = groom_of_vertex(at_vertex);
     if GROOM_TEXTURE {
@@ -130,6 +134,7 @@ fn baked_at(uv: vec2<f32>, layer: u32, wetness: f32, kept: f32, length: f32, slo
     return baked;
 }
 
+// Sample of the hair volume.
 struct Hair {
     // Premultiplied colour and opacity.
     color: vec4<f32>,

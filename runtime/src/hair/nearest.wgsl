@@ -1,7 +1,9 @@
 // Nearest hair segments per pixel, in an area of the picture. Each pixel has NEAREST keys, nearest first, followed by
 // the optical depth of the segments behind them (formulas 4.11).
 
+// Number of segments that are stored per pixel.
 const NEAREST: u32 = 8u;
+// Number of words per pixel: the keys, then the optical depth behind them.
 const OF_A_PIXEL: u32 = NEAREST + 1u;
 // Fixed-point value that represents optical depth 1 in the last word of a pixel.
 const OPTICAL_DEPTH: f32 = 256.0;
@@ -30,11 +32,13 @@ fn nearest_key(depth: f32, covered: f32) -> u32 {
     return ((bitcast<u32>(nearness) >> 6u) << 8u) | u32(covered * 255.0 + 0.5);
 }
 
+// Returns the depth of a key.
 fn depth_of(key: u32) -> f32 {
     let nearness = bitcast<f32>((key >> 8u) << 6u);
     return select(1.0 - nearness, nearness, REVERSED_DEPTH);
 }
 
+// Returns the share of the pixel, 0..=1, that the segment of a key covers.
 fn covered_by(key: u32) -> f32 {
     return f32(key & 255u) / 255.0;
 }

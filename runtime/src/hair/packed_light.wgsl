@@ -1,6 +1,7 @@
 // Light packed into 32 bits: nine bits per channel and a shared five-bit exponent. The value of a channel is its nine
 // bits times 2^(exponent - PACKED_OFFSET).
 
+// Bias of the packed exponent.
 const PACKED_OFFSET: i32 = 24;
 // Largest representable channel value: 511 * 2^(31 - 24).
 const MOST_PACKED: f32 = 65408.0;
@@ -14,6 +15,7 @@ fn power_of_two(exponent: i32) -> f32 {
     return bitcast<f32>(u32(exponent + 127) << 23u);
 }
 
+// Packs light, linear RGB; larger values are clamped to MOST_PACKED.
 fn packed_light(light: vec3<f32>) -> u32 {
     let c = clamp(light, vec3(0.0), vec3(MOST_PACKED));
     let most = max(max(c.r, c.g), max(c.b, 6e-8));
@@ -27,6 +29,7 @@ fn packed_light(light: vec3<f32>) -> u32 {
     return bits.r | (bits.g << 9u) | (bits.b << 18u) | (u32(exponent) << 27u);
 }
 
+// Unpacks light, linear RGB.
 fn unpacked_light(bits: u32) -> vec3<f32> {
     let channels = vec3(bits & 511u, (bits >> 9u) & 511u, (bits >> 18u) & 511u);
     return vec3<f32>(channels) * power_of_two(i32(bits >> 27u) - PACKED_OFFSET);

@@ -7,10 +7,12 @@
 @group(2) @binding(2) var<storage, read> tile: array<vec4<u32>>;
 @group(2) @binding(3) var<uniform> constants: StrandConstants;
 
+// Returns the world-space position of an element of `posed` that holds a point.
 fn world_place(index: u32) -> vec3<f32> {
     return (instance.world_from_model * vec4(posed[index].xyz, 1.0)).xyz;
 }
 
+// Returns the world-space unit normal of an element of `posed` that holds a normal.
 fn world_normal(index: u32) -> vec3<f32> {
     let normal = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * posed[index].xyz;
     return normalize_or(normal, vec3(0.0, 1.0, 0.0));

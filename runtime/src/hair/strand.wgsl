@@ -7,12 +7,12 @@ struct Strand {
     base_uv: vec2<f32>,
     // Vertex colour, unorm.
     color: u32,
-    // Bareness and wetness, unorm. The next field is the packed openness of the body at the strand.
+    // Bareness and wetness, unorm; then the packed openness of the body at the strand.
     groom: u32,
     // Index of the strand in the tile.
     of_tile: u32,
-    // Random number in 0..1. The strand is drawn if this number is below the share of strands that are drawn. 1 for
-    // strands that do not grow.
+    // Selection number, random in 0..1. The strand is drawn if the number is below the share of strands that are drawn.
+    // The number of a strand that does not grow is 1.
     selection: f32,
     lean: f32,
     fur_height: f32,

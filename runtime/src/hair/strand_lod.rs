@@ -63,9 +63,9 @@ const MIXED_FROM: f32 = 0.8;
 /// bright as layers, and layers between them would fill dark gaps.
 const BLENDED_FROM_PX: f32 = 0.2025;
 
-/// Progress of the transition from layers to strands at which all strands are present. The next constant is the
-/// progress at which layers begin to fade.
+/// Progress of the transition from layers to strands at which all strands are present.
 const STRANDS_COMPLETE_AT: f32 = 0.6;
+/// Progress of the transition from layers to strands at which layers begin to fade.
 const LAYERS_FADE_FROM: f32 = 0.4;
 
 /// Returns the share of the strands and of the layers' opacity at a point of the transition from layers, 0, to single
@@ -94,7 +94,7 @@ pub(super) fn strand_transition(fur: &FurParams, width_px: f32, samples: u32) ->
 const MAX_DEVIATION_PX: f32 = 0.28;
 
 /// Strand width in pixels below which the allowed deviation grows in inverse proportion to the width. At such widths,
-/// it depends on chance which strands the samples hit, and this causes the largest error.
+/// chance decides which strands the samples hit, and this causes the largest error.
 const UNDERSAMPLED_WIDTH_PX: f32 = 0.5;
 
 /// Number of samples above which the allowed deviation no longer decreases.

@@ -1,5 +1,5 @@
-//! Override constants of the hair shaders. Code that a package or a frame does not need is compiled out, because on
-//! rasterisers that mask instead of branching, a branch on a uniform costs as much as its body.
+//! Override constants of the hair shaders. Code that a package or a frame does not need is compiled out. The reason:
+//! some rasterisers mask instead of branching, and a branch on a uniform then costs as much as its body.
 
 use super::detail::{InstanceDrawing, StrandSetDrawing};
 use crate::gpu::{Constants, flag};
@@ -49,37 +49,37 @@ pub(crate) use hair_wgsl;
 /// Shader variant for an instance in a frame: all settings that select its pipelines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Variant {
-    /// The instance is mirrored: its front faces wind clockwise.
+    /// Whether the instance is mirrored, so that its front faces wind clockwise.
     pub(crate) mirrored: bool,
-    /// The number of drawn layers differs from that of baked layers.
+    /// Whether the number of drawn layers differs from that of baked layers.
     pub(crate) resampled: bool,
-    /// Some layers are skipped or fading.
+    /// Whether some layers are skipped or fading.
     pub(crate) detail: bool,
-    /// The far fur layer is drawn on the surface.
+    /// Whether the far fur layer is drawn on the surface.
     pub(crate) coat: bool,
-    /// Fins are drawn.
+    /// Whether fins are drawn.
     pub(crate) fins: bool,
-    /// Single strands are drawn, of fur or of hair groups.
+    /// Whether single strands are drawn, of fur or of hair groups.
     pub(crate) strands: bool,
-    /// Strands shadow each other by the deep opacity map.
+    /// Whether strands shadow each other by the deep opacity map.
     pub(crate) deep_shadow: bool,
-    /// Hair shadows itself by the layer-wise maps.
+    /// Whether hair shadows itself by the layer-wise maps.
     self_shadow: bool,
-    /// Hair shadows itself by data baked into the package.
+    /// Whether hair shadows itself by data baked into the package.
     baked_shadow: bool,
-    /// Guided hair also casts shadows on the hair; the baked data does not include them.
+    /// Whether guided hair casts shadows on the hair, which the baked data does not include.
     guided_shadow: bool,
-    /// The layers of the layer-wise maps differ from those drawn.
+    /// Whether the layers of the layer-wise maps differ from those drawn.
     pub(crate) maps_between: bool,
-    /// The number of layer-wise maps differs from the baked layer count.
+    /// Whether the number of layer-wise maps differs from the baked layer count.
     pub(crate) maps_resampled: bool,
-    /// Soft shadows are on.
+    /// Whether soft shadows are on.
     soft_shadow: bool,
-    /// There are fill lights, which cast no shadows.
+    /// Whether there are fill lights, which cast no shadows.
     pub(crate) fill_lights: bool,
     /// Index of the first broad-light table for the model's fibres, if there is an environment map.
     pub(crate) environment: Option<u32>,
-    /// The key light is black.
+    /// Whether the key light is black.
     dark_key: bool,
     /// Scattering mode, if hair is lit with the tables of its fibres.
     scattering: Option<Scattering>,

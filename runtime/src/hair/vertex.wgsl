@@ -1,7 +1,8 @@
 //! uses light/point, light/visibility, shared/frame, shared/tile_frame, surface/place
 // Vertex computations shared by all hair geometries. Only values that are linear over a triangle are computed here.
-// Examples are the direction to the light and the half vector H, both in the tile frame of the direction texture.
+// Examples: the direction to the light, and the half vector H, in the tile frame of the direction texture.
 
+// Values of a vertex that all hair geometries pass to their fragments.
 struct HairVertex {
     position: vec4<f32>,
     light_ts: vec3<f32>,
@@ -18,6 +19,8 @@ struct HairVertex {
     spot: Spot,
 }
 
+// Returns the values that all hair geometries pass to their fragments. `position`: world-space position of the hair
+// above the surface vertex `v`.
 fn hair_vertex(v: Vertex, tile: TileFrame, position: vec3<f32>) -> HairVertex {
     let light = direction_to(frame.light_ws, position);
     let eye = direction_to(frame.eye_ws, position);

@@ -1,5 +1,6 @@
 // Wind velocity. Rust counterpart: formats/src/meaning/hair_motion/wind.rs.
 
+// Wind of a frame: mean velocity, m/s; strength and period of gusts; strength and size of eddies.
 struct Wind {
     velocity: vec3<f32>,
     gust: f32,
@@ -17,10 +18,11 @@ fn wave(turns: f32) -> f32 {
     return 8.0 * part * (1.0 - 2.0 * abs(part));
 }
 
-// Amplitudes of the two waves of a gust. The next constants belong to the second wave: its frequency relative to the
-// first, incommensurable with it, and its phase in turns.
+// Amplitudes of the two waves of a gust.
 const GUST_WAVES: vec2<f32> = vec2(0.6, 0.4);
+// Frequency of the second wave of a gust relative to the first; the two are incommensurable.
 const GUST_RATIO: f32 = 2.618;
+// Phase of the second wave of a gust, turns.
 const GUST_PHASE: f32 = 0.3;
 
 // The two waves of each component of an eddy. xyz: wave vector, turns per eddy size; w: phase, turns.

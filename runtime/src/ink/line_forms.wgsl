@@ -26,6 +26,7 @@ fn line_cost(d: vec2<f32>, w: f32) -> f32 {
     return dot(d, d) - w * w;
 }
 
+// Returns the distance of a pixel from a feature at offset `d`.
 fn line_distance(d: vec2<f32>) -> f32 {
     return length(d);
 }

@@ -11,12 +11,15 @@ struct InkModel {
     periods: f32,
     // 1 if the wash depends only on the angle between the normal and the direction to the eye; otherwise 0.
     normalised: f32,
-    // Weight of the wash tile. The next fields are the weights of the base colour's darkness and of fur strokes.
+    // Weight of the wash tile.
     grain: f32,
+    // Weight of the base colour's darkness.
     tone: f32,
+    // Weight of fur strokes.
     fur: f32,
-    // Factor on the line width. The next field is the variation of brush pressure.
+    // Factor on the line width.
     line: f32,
+    // Variation of brush pressure.
     pressure: f32,
     // Factor on the breadth of the sphere map's rim.
     swell: f32,

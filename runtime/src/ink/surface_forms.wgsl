@@ -1,6 +1,6 @@
 // Default form of the surface functions. A study of Fang 2006 in its published form replaces this file.
 
-// Returns the grain that is attached to the surface.
+// Returns the grain at a fragment: here the grain `on_surface`, which is attached to the surface.
 fn form_of_grain(on_surface: vec4<f32>, position: vec2<f32>) -> vec4<f32> {
     return on_surface;
 }

@@ -1,18 +1,20 @@
 //! uses light/scatter, shared/visibility, surface/place
 // Baked lighting of a point of hair: the share of each light that the other strands let through.
 
-// The package contains baked visibility, and the frame uses it.
+// Whether the package contains baked visibility, and the frame uses it.
 override BAKED_SHADOW: bool = false;
-// Single strands shadow each other in the key light by the deep opacity map.
+// Whether single strands shadow each other in the key light by the deep opacity map.
 override DEEP_SHADOW: bool = false;
 
+// Baked lighting data at a point of hair.
 struct Baked {
     // Texel of the baked visibility, in the form that visibility_towards expects.
     texel: vec4<f32>,
-    // Share of the hair that grows at the point. The next fields: hair length relative to that of the hair tile; slope
-    // that the lean of the vertex adds to the hair.
+    // Share of the hair that grows at the point.
     kept: f32,
+    // Hair length relative to that of the hair tile.
     length: f32,
+    // Slope that the lean of the vertex adds to the hair.
     slope: f32,
     // Value of light_within for a layer that represents others below it.
     within: f32,

@@ -16,7 +16,8 @@ pub(crate) struct DeepMapSettings {
     pub(crate) slabs: u32,
     /// Total depth of the slabs of a texel, metres.
     pub(crate) reach_m: f32,
-    /// Some of the hair is guided. If so, the map also stores the optical depth of all guided hair at each texel.
+    /// Whether some of the hair is guided. If so, the map also stores the optical depth of all guided hair at each
+    /// texel.
     pub(crate) guided: bool,
     /// Map depth, 0..=1, at which the slabs begin if they span the depth of all hair. Unused (0) if they begin at the
     /// first hair of each texel.

@@ -1,13 +1,13 @@
 // Default placement of the slabs for strand shadows, and offset of the light lookup (formulas 4.10). A study of the
 // published forms replaces this file.
 
-// Returns the depth at which the slabs of a texel begin, which is `first`. `first`: depth of the texel's first hair;
-// `whole`: least depth of all hair.
+// Returns the depth at which the slabs of a texel begin: here `first`, the depth of the texel's first hair. `whole`:
+// least depth of all hair.
 fn slabs_begin(first: f32, whole: f32) -> f32 {
     return first;
 }
 
-// Whether the map stores hair that is `behind` slabs deeper than the first hair of its texel.
+// Returns whether the map stores hair that is `behind` slabs deeper than the first hair of its texel.
 fn is_kept(behind: f32, slabs: u32) -> bool {
     return true;
 }

@@ -7,11 +7,11 @@
 @group(0) @binding(6) var environment_map: texture_2d_array<f32>;
 @group(0) @binding(7) var broad_tables: texture_2d_array<f32>;
 
-// The frame has an environment map.
+// Whether the frame has an environment map.
 override ENVIRONMENT: bool = false;
 // Index of the first broad-light table for this package's fibres.
 override BROAD_FIRST: u32 = 0u;
-// The key light is black; only its direction is used.
+// Whether the key light is black; then only its direction is used.
 override DARK_KEY: bool = false;
 
 // Size of the broad-light tables, texels (formulas 4.15): mean cosine, angle to the eye, angle of the light, azimuth.
@@ -20,6 +20,7 @@ const BROAD_TO: f32 = 24.0;
 const BROAD_FROM: f32 = 24.0;
 const BROAD_PHI: f32 = 16.0;
 
+// Environment light at a point of a surface.
 struct Around {
     // Total light from above the horizon of the surface.
     whole: vec3<f32>,
@@ -29,14 +30,16 @@ struct Around {
     towards: vec3<f32>,
 }
 
+// Samples a layer of the environment map.
 fn environment_texel(place: vec2<f32>, layer: u32) -> vec3<f32> {
     return textureSampleLevel(environment_map, map_sampler, place, layer, 0.0).rgb;
 }
 
 // Minimum open share of a body, relative to that of most bodies.
 const LEAST_OPEN: f32 = 0.02;
-// Minimum length of a mean light direction. The next constant is its minimum height above the surface.
+// Minimum length of a mean light direction.
 const LEAST_LONG: f32 = 0.05;
+// Minimum height of a mean light direction above the surface.
 const LEAST_HIGH: f32 = 0.05;
 
 // Returns the environment light at a point of a body with that colour (formulas 4.15).
@@ -147,9 +150,9 @@ fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
     return mix(mix(a, b, share.x), mix(c, d, share.x), share.y);
 }
 
-// Concentration kappa_p around the fibre for the paths R and TRT, which are centred on the eye (formulas 4.15). The
-// next constant is that of TT, which is centred on the opposite side.
+// Concentration kappa_p around the fibre for the paths R and TRT, which are centred on the eye (formulas 4.15).
 const REFLECTED_ABOUT: f32 = 0.7;
+// Concentration kappa_p around the fibre for the path TT, which is centred on the opposite side (formulas 4.15).
 const THROUGH_ABOUT: f32 = -3.0;
 
 // Mean cosines A_p towards the eye around the fibre (formulas 4.15), for R, TT, TRT and the rest.
@@ -198,8 +201,9 @@ fn scatter_around(
     let across = sqrt(1.0 - sin_j * sin_j) * cos_o;
     let cos_phi = clamp((dot(light, eye) - sin_j * sin_o) / max(across, 1e-6), -1.0, 1.0);
     let phi = acos(cos_phi) / PI;
-    // Mean cosine of the light's inclination; the next value is that of the difference angle.
+    // Mean cosine of the light's inclination.
     let cos_i = sqrt(max(1.0 - mean_square(mean, sin_j), 0.0));
+    // Mean cosine of the difference angle.
     let cos_d = sqrt(clamp(0.5 * (1.0 + cos_i * cos_o + mean * sin_j * sin_o), 0.0, 1.0));
     let absorbed = fibre_absorption(color, optics.y);
     let left = fibre_transmittance(cos_d, optics, absorbed);

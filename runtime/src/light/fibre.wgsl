@@ -1,9 +1,9 @@
 //! uses hair/hair, shared/kajiya_kay, surface/place
 // Optics of a single hair: Kajiya-Kay as in Yang 2006, eq. (1) (formulas 4.1).
 
-// The exponent pd is 2, so sin^2 needs no power function.
+// Whether the exponent pd is 2; then sin^2 needs no power function.
 override SQUARED_DIFFUSE: bool = false;
-// The specular constant ks is not zero.
+// Whether the specular constant ks is not zero.
 override SPECULAR: bool = false;
 
 // Returns the direction to the eye: the light's direction mirrored at H. H gets short where it is interpolated between

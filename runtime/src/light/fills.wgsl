@@ -2,11 +2,12 @@
 //! shared/tile_frame, surface/place
 // Fill lights, which cast no shadows.
 
+// Maximum number of fill lights per frame.
 const MAX_FILL_LIGHTS: u32 = 32u;
 
 @group(0) @binding(2) var<uniform> fill_lights: array<FillLight, MAX_FILL_LIGHTS>;
 
-// The frame has fill lights.
+// Whether the frame has fill lights.
 override FILL_LIGHTS: bool = false;
 
 // Returns the tile frame of a point of hair, in which lights are evaluated.

@@ -4,20 +4,22 @@
 
 // Light that reaches a point. Geometries may compute parts of it per vertex.
 struct Arriving {
-    // ka times the ambient light, times the share that reaches the point's height.
+    // Coefficient ka times the ambient light, times the share that reaches the point's height.
     ambient: vec3<f32>,
-    // kd times the key light; the next field is ks times the key light.
+    // Coefficient kd times the key light.
     diffuse: vec3<f32>,
+    // Coefficient ks times the key light.
     specular: vec3<f32>,
-    // Direction towards the key light in the tile frame; the next field is the half vector H. Both have a length near
-    // 1. With lighting at vertices, the next field holds the factors from half_or_factors instead.
+    // Direction towards the key light in the tile frame; its length is near 1.
     light_ts: vec3<f32>,
+    // Half vector H in the tile frame, with a length near 1. With lighting at vertices, the factors from
+    // half_or_factors instead.
     half_ts: vec3<f32>,
     // Back attenuation Attenu_Back.
     facing: f32,
-    // Share of the key light that the hair lets through, t; the next field is the share that other objects let through,
-    // Attenu_Shadow.
+    // Share t of the key light that the hair lets through.
     visible: f32,
+    // Share of the key light that other objects let through, Attenu_Shadow.
     past: f32,
 }
 

@@ -182,9 +182,9 @@ pub(crate) struct ShadowKey {
     /// Deep opacity map, if single strands shadow each other.
     pub(crate) deep: Option<DeepMapSettings>,
     pub(crate) soft_shadow: bool,
-    /// The optical depth of a layer grows with the slant of the light.
+    /// Whether the optical depth of a layer grows with the slant of the light.
     pub(crate) slanted: bool,
-    /// The penumbra extends to both sides of the hard edge.
+    /// Whether the penumbra extends to both sides of the hard edge.
     pub(crate) centred: bool,
     /// Number of layer-wise maps, skin included.
     pub(crate) map_layers: u32,

@@ -12,11 +12,13 @@ struct Spot {
     open: vec3<f32>,
 }
 
+// Returns the location of a point at `position`, world space, which belongs to the vertex `v`.
 fn spot_of(v: Vertex, position: vec3<f32>, tile: TileFrame) -> Spot {
     let tangent = vec4(tile.tangent_ws, v.tangent.w * instance.handedness);
     return Spot(position, tile.normal_ws, tangent, unpack_openness(v.groom.zw));
 }
 
+// Point of hair with everything that the lights need.
 struct HairPoint {
     spot: Spot,
     // Unit vector along the hair in the tile frame.

@@ -2,11 +2,11 @@
 // Multiple scattering between hair fibres (formulas 4.12, 4.13). Replaces the two lobes of Kajiya-Kay if the package
 // has tables for its fibres.
 
-// The package has fibre tables, and the frame uses them.
+// Whether the package has fibre tables, and the frame uses them.
 override SCATTERING: bool = false;
-// Light is scattered from hair to hair.
+// Whether light is scattered from hair to hair.
 override MULTIPLE: bool = false;
-// The hair hangs far from the surface at its root, as guided hair does.
+// Whether the hair hangs far from the surface at its root, as guided hair does.
 override HANGS: bool = false;
 // Index of the package's fibre for guided hair. For fur, the index is in the material.
 override FIBRE: u32 = 0u;
@@ -14,6 +14,7 @@ override FIBRE: u32 = 0u;
 @group(1) @binding(4) var fibre_tables: texture_2d_array<f32>;
 @group(1) @binding(5) var<uniform> fibres: array<Fibre, 64>;
 
+// Returns the index of the hair's fibre in the package.
 fn fibre_number() -> u32 {
     return select(material.fibre, FIBRE, HANGS);
 }
@@ -25,9 +26,9 @@ fn fibre_texel(place: vec2<f32>, layer: u32) -> vec4<f32> {
     return textureSampleLevel(fibre_tables, map_sampler, uv, 2u * fibre_number() + layer, 0.0);
 }
 
-// Returns the light that reaches a mat below hair of that colour, relative to the light on the hair (formulas 4.13). It
-// is the share `direct` that the fibres let through, times the cosine at the surface, plus the light scattered forward
-// by fibres.
+// Returns the light that reaches a mat below hair of that colour, relative to the light on the hair (formulas 4.13).
+// The result has two parts. One is the share `direct` that the fibres let through, times the cosine at the surface. The
+// other is the light scattered forward by fibres.
 fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     let straight = vec3(direct * max(n_dot_l, 0.0));
     if !MULTIPLE {

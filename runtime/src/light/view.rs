@@ -172,7 +172,7 @@ mod tests {
             }
         }
         assert!(widest > 0.3, "{light:?}: the outermost is {widest} from the middle");
-        // The point offset towards the light is nearer to the light by the length of the offset.
+        // Moving a point towards the light reduces its distance from the light by the length of the move.
         let towards = direction.normalize() * 0.1;
         let center = hull.sphere().unwrap().center;
         let (front, back) = (project(view, center + towards), project(view, center - towards));

@@ -7,11 +7,11 @@
 @group(0) @binding(4) var width_map: texture_2d<f32>;
 @group(0) @binding(5) var map_sampler: sampler;
 
-// Hair shadows hair: t of eq. (3).
+// Whether hair shadows hair: t of eq. (3).
 override SELF_SHADOW: bool = false;
-// Guided hair casts shadows on fur whose baked shadows include only the fur itself.
+// Whether guided hair casts shadows on fur whose baked shadows include only the fur itself.
 override GUIDED_SHADOW: bool = false;
-// Objects cast soft shadows: Attenu_Shadow of eq. (3).
+// Whether objects cast soft shadows: Attenu_Shadow of eq. (3).
 override SOFT_SHADOW: bool = false;
 
 // Point that receives the key light.
@@ -26,6 +26,7 @@ struct Receiver {
     n_dot_l: f32,
 }
 
+// Returns the position of a world-space point in the shadow maps: (u w, v w, depth, w).
 fn map_place(position: vec3<f32>) -> vec4<f32> {
     return frame.map_from_world * vec4(position, 1.0);
 }
@@ -53,18 +54,20 @@ fn visible_through_hair(r: Receiver) -> f32 {
     return textureSampleLevel(layer_maps, map_sampler, uv, u32(r.map_layer + 0.5), 0.0).r;
 }
 
+// Returns the scales of the shadow-width map of this frame.
 fn soft_shadow_of_frame() -> SoftShadow {
     return SoftShadow(frame.soft_shadow.x, frame.soft_shadow.y, frame.soft_shadow.z, frame.soft_shadow.w);
 }
 
+// Samples the shadow-width map. `place`: position in the maps.
 fn width_texel(place: vec4<f32>) -> vec4<f32> {
     return textureSampleLevel(width_map, map_sampler, place.xy / place.w, 0.0);
 }
 
 // Resolution of the shadow-width map's half floats, relative to their range.
 const WIDTH_MAP_STEP: f32 = 1.0 / 2048.0;
-// Slope of a ramp that rises from 0 to 1 between the occlusions 0.4 and 0.5. Above it, the map's own soft shadow is
-// used. The next constant is the ramp's offset.
+// Slope and offset of a ramp that rises from 0 to 1 between the occlusions 0.4 and 0.5. Above it, the map's own soft
+// shadow is used.
 const OCCLUDED_SLOPE: f32 = 10.0;
 const OCCLUDED_OFFSET: f32 = 4.0;
 // Slope of the ramp over -n_dot_l along which fur behind the terminator loses light to the first surface.
@@ -90,7 +93,7 @@ fn visible_past_first(place: vec4<f32>, path: f32, occlusion: f32) -> f32 {
 fn visible_past_things(r: Receiver) -> f32 {
     var past = 1.0;
     if GUIDED_SHADOW {
-        // Last layer of the maps: transmittance of guided hair only.
+        // The last layer of the maps holds the transmittance of guided hair only.
         let last = textureNumLayers(layer_maps) - 1u;
         past = textureSampleLevel(layer_maps, map_sampler, r.place.xy / r.place.w, last, 0.0).r;
     }

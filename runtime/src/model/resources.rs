@@ -59,20 +59,20 @@ pub(crate) struct Fins {
     pub(crate) buffer: wgpu::Buffer,
     /// Fin textures, in the same layout as the shell textures.
     pub(crate) textures: wgpu::BindGroup,
-    /// The direction texture has two components.
+    /// Whether the direction texture has two components.
     pub(crate) planar_directions: bool,
 }
 
 /// Attributes that vary over the vertices of a model. Shaders skip the others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VaryingAttributes {
-    /// At least one vertex leans more than the tile's strands.
+    /// Whether at least one vertex leans more than the tile's strands.
     pub(crate) lean: bool,
-    /// At least one vertex has fur whose length differs from the manifest's height, which is the height of the tile.
+    /// Whether at least one vertex has fur whose length differs from the manifest's height, the height of the tile.
     pub(crate) length: bool,
-    /// At least one vertex is bare or wet.
+    /// Whether at least one vertex is bare or wet.
     pub(crate) groom: bool,
-    /// At least one vertex has fur higher than the manifest's height.
+    /// Whether at least one vertex has fur higher than the manifest's height.
     pub(crate) beyond_height: bool,
 }
 
@@ -97,7 +97,7 @@ pub(crate) struct Part {
     pub(crate) strands: Vec<Range<u32>>,
     pub(crate) material: wgpu::BindGroup,
     pub(crate) has_texture: bool,
-    /// Hair uses the base colour of the surface at its root.
+    /// Whether hair uses the base colour of the surface at its root.
     pub(crate) at_root: bool,
     pub(crate) has_groom_texture: bool,
     pub(crate) cutout: bool,

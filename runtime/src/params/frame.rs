@@ -144,7 +144,7 @@ impl FrameParams {
             return fail("FrameParams::ambient", self.ambient.to_string(), "finite numbers");
         }
         if let Some((key, found)) = self.environment.as_ref().and_then(Environment::fault) {
-            let expected = "an environment that Environment::fault accepts".into();
+            let expected = "every value in its range".into();
             let found = format!("{key}: {found}");
             return Err(RuntimeError::Params { field: "FrameParams::environment", found, expected });
         }

@@ -54,8 +54,9 @@ pub(crate) struct Recording<'f> {
     pub(crate) ink: Option<InkScene>,
     pub(crate) uniforms: UniformSlot,
     pub(super) ring: &'f mut UniformRing,
-    /// Bind group 0 for the eye. The next field is that for the key light, if the maps are redrawn.
+    /// Bind group 0 for the eye.
     pub(super) view: wgpu::BindGroup,
+    /// Bind group 0 for the key light; `None` if the shadow maps are not redrawn.
     pub(super) light: Option<wgpu::BindGroup>,
 }
 

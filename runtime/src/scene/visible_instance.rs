@@ -19,8 +19,9 @@ pub(crate) struct VisibleInstance {
     pub(crate) look: Variant,
     /// Strand sets that are drawn.
     pub(crate) sets: Vec<VisibleStrandSet>,
-    /// Offset of the instance's uniform block for the eye. The next field is that for the key light.
+    /// Offset of the instance's uniform block for the eye.
     pub(super) view_offset: u64,
+    /// Offset of the instance's uniform block for the key light.
     pub(super) light_offset: u64,
 }
 

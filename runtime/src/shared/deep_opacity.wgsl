@@ -1,6 +1,6 @@
-// Deep opacity maps (formulas 4.10): optical depth of the hair between the key light and a point, counted from each
-// texel's first hair (after Yuksel and Keyser 2008). The buffer has three parts, each per texel: nearness of the first
-// hair; hair of each slab; all guided hair.
+// Deep opacity maps (formulas 4.10; after Yuksel and Keyser 2008): optical depth of the hair between the key light and
+// a point, counted from each texel's first hair. The buffer has three parts, each with values for every texel: nearness
+// of the first hair; hair of each slab; all guided hair.
 
 // Size: 32 bytes.
 struct DeepOpacity {

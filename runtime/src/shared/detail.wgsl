@@ -1,8 +1,8 @@
 // Levels of detail (formulas 4.7): which hair layers a level draws, and how many layers each of them represents.
 
-// Returns the number of baked layers that a layer represents in a level with the given step: itself and those below it,
-// down to the next drawn one. The result is 0 if the level does not draw the layer, and for step 0, which draws none.
-// `layer`: 1..baked.
+// Returns the number of baked layers that a layer represents in a level with the given step. These are the layer itself
+// and those below it, down to the next drawn one. The result is 0 if the level does not draw the layer, and for step 0,
+// which draws none. `layer`: 1..baked.
 fn layers_stood_for(layer: u32, baked: u32, step: u32) -> u32 {
     if step == 0u || (baked - 1u - layer) % step != 0u {
         return 0u;

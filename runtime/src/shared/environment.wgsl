@@ -8,10 +8,10 @@ fn octahedral(way: vec3<f32>) -> vec2<f32> {
     return select(folded, flat, way.y >= 0.0);
 }
 
-// Sine c of the angle below the horizon down to which light spread about a direction extends. The horizon is
-// perpendicular to that direction. The next constant, LEAST_MEAN, is the mean cosine (1 - c) / 2 of light that is
-// uniform above that angle (formulas 4.15).
+// Sine c of the angle below the horizon down to which light spread about a direction extends (formulas 4.15). The
+// horizon is perpendicular to that direction.
 const BELOW: f32 = 0.45;
+// Mean cosine (1 - c) / 2 of light that is uniform above the angle of BELOW (formulas 4.15).
 const LEAST_MEAN: f32 = 0.275;
 // Fit of the mean squared cosine perpendicular to the axis of spread light, for c = BELOW (formulas 4.15).
 const ACROSS_FIT: vec2<f32> = vec2(0.525, 0.501);
@@ -49,9 +49,9 @@ fn mean_cosine_around(concentration: f32) -> f32 {
 
 // Share of all directions that are open to the hair tips of most bodies (formulas 4.15).
 const USUALLY_OPEN: f32 = 0.725;
-// Encoding of openness: half the range of a four-bit component. The next constant is the number of values per
-// component.
+// Half the range of a four-bit component of openness.
 const OPENNESS_HALF: f32 = 7.0;
+// Number of values of a four-bit component of openness.
 const OPENNESS_VALUES: f32 = 16.0;
 // Maximum colour of a surface for which the sum of reflected light is evaluated.
 const BRIGHTEST: f32 = 0.98;

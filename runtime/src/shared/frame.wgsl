@@ -36,13 +36,15 @@ struct Instance {
     normal_x: vec4<f32>,
     normal_y: vec4<f32>,
     normal_z: vec4<f32>,
-    // ka times the ambient light. The fields for kd and ks are each multiplied by the colour of the key light.
+    // Coefficient ka times the ambient light.
     ambient: vec3<f32>,
     // Half the diffuse exponent, pd / 2.
     diffuse_half_exponent: f32,
+    // Coefficient kd times the colour of the key light.
     diffuse: vec3<f32>,
     // Half the specular exponent, ps / 2.
     specular_half_exponent: f32,
+    // Coefficient ks times the colour of the key light.
     specular: vec3<f32>,
     // Range r of Attenu_Back.
     back_light_range: f32,
@@ -60,25 +62,28 @@ struct Instance {
     wet_specular: f32,
     // Half the specular exponent of wet hair, ps / 2.
     wet_specular_half_exponent: f32,
-    // kd without the colour of the key light, for other lights. The field for ks follows.
+    // Coefficient kd without the colour of the key light, for other lights.
     diffuse_constant: vec3<f32>,
-    // Mip level, a whole number, at which hair texels are as large as those of the target: pixels of the picture, or
-    // texels of the shadow maps.
+    // Mip level, a whole number, at which hair texels are as large as those of the target. The target is the picture or
+    // the shadow maps.
     map_level: f32,
+    // Coefficient ks without the colour of the key light, for other lights.
     specular_constant: vec3<f32>,
-    // Levels of detail. detail_here: density of the level, times the share that the far fur layer leaves of it.
-    // layer_step: stride between drawn layers. layers_gone: number of layers that have changed to the next level.
-    // detail_next: density of the next level, or share of the far fur layer if that is next.
+    // Density of the level of detail, times the share that the far fur layer leaves of it.
     detail_here: f32,
+    // Stride between drawn layers.
     layer_step: u32,
+    // Number of layers that have changed to the next level.
     layers_gone: f32,
+    // Density of the next level, or share of the far fur layer if that is next.
     detail_next: f32,
     // Factor on the opacity of fins.
     fin_share: f32,
-    // Height of the far fur layer, relative to the fur height. The next field is the height at which its ambient light
-    // is evaluated, also relative. The two fields after that are the arguments of coat_light.
+    // Height of the far fur layer, relative to the fur height.
     coat_height: f32,
+    // Height at which the ambient light of the far fur layer is evaluated, relative to the fur height.
     coat_ambient_height: f32,
+    // Arguments `base` and `slope` of coat_light.
     coat_light_base: f32,
     coat_light_slope: f32,
 }

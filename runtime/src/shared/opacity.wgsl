@@ -5,9 +5,9 @@ const LOG2_E: f32 = 1.442695;
 // Maximum opacity that is resampled: 1 has no finite logarithm, and 2^-11 is far below the resolution of an 8-bit texel
 // (formulas 3.1).
 const MOST_ALPHA: f32 = 1.0 - 1.0 / 2048.0;
-// Opacity alpha below which the logarithm of 1 - alpha is computed by a series. The next constant is the logarithm
-// above which its exponential is also computed by a series.
+// Opacity alpha below which the logarithm of 1 - alpha is computed by a series.
 const SERIES_ALPHA: f32 = 0.05;
+// Logarithm of 1 - alpha above which its exponential is computed by a series.
 const SERIES_LOGARITHM: f32 = -0.1;
 
 // Returns 1 - (1 - alpha)^exponent, which preserves the product of (1 - alpha) over all layers when their number
@@ -22,8 +22,8 @@ fn resampled_opacity(alpha: f32, exponent: f32) -> f32 {
     return select(1.0 - exp2(LOG2_E * z), series, z > SERIES_LOGARITHM);
 }
 
-// Cosine between the surface normal and the direction to the eye, below which the path through a layer grows no longer
-// (formulas 4.5).
+// Minimum cosine between the surface normal and the direction to the eye. For smaller cosines, the path through a layer
+// stays the same (formulas 4.5).
 const LEAST_N_DOT_E: f32 = 0.1;
 
 // Returns the path length of a view ray through a layer, relative to its thickness, at most 10 (formulas 4.5).

@@ -165,9 +165,9 @@ pub fn multiple_scattering_by_height(root_lost: Vec3, sine: f32) -> Vec3 {
     sine * (1.0 + root) / (1.0 + sine * root)
 }
 
-/// Share of forward-scattered light that turns back in a sheet of free hanging hair. The next constant, `TURNED_BACK`,
-/// is that of backward-scattered light.
+/// Share of forward-scattered light that turns back in a sheet of free hanging hair.
 const TURNED_ON: f32 = 0.15;
+/// Share of backward-scattered light that turns back in a sheet of free hanging hair.
 const TURNED_BACK: f32 = 0.8;
 /// Share of scattered light that leaves a sheet of hanging hair at its edges.
 const LEAKS: f32 = 0.12;

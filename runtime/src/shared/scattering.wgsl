@@ -3,11 +3,13 @@
 
 // Table coordinates and cosines for a pair of light and eye directions, relative to a fibre.
 struct FibreAngles {
-    // Coordinates in the table of longitudinal scattering, 0..=1. The next field is for azimuthal scattering.
+    // Coordinates in the table of longitudinal scattering, 0..=1.
     along: vec2<f32>,
+    // Coordinates in the table of azimuthal scattering, 0..=1.
     around: vec2<f32>,
-    // Cosine of the light's inclination. The next field is the cosine of the difference angle.
+    // Cosine of the light's inclination.
     cos_i: f32,
+    // Cosine of the difference angle.
     cos_d: f32,
 }
 
@@ -19,9 +21,9 @@ struct Fibre {
     back: array<vec4<f32>, 3>,
 }
 
-// Constant of the table's axis for theta_h, which is sin theta_h / (0.3 + 0.7 |sin theta_h|) (formulas 4.12): the 0.3.
-// The next constant, LEAST_COS_D, is the minimum cosine of the difference angle, cos theta_d.
+// Constant 0.3 of the table's axis for theta_h, sin theta_h / (0.3 + 0.7 |sin theta_h|) (formulas 4.12).
 const DRAWN_OUT: f32 = 0.3;
+// Minimum cosine of the difference angle, cos theta_d (formulas 4.12).
 const LEAST_COS_D: f32 = 0.1;
 const PI: f32 = 3.14159265;
 // Longitudinal variances of the lobes R, TT, TRT and of the rest, relative to that of R: beta_TT = beta_R / 2 and
@@ -101,10 +103,11 @@ fn absorbing_fibre_shares(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> arra
 // Light in deep fur, relative to the incident light. Each fibre scatters the shares `on` and `back` forward and
 // backward (Kubelka and Munk 1931).
 struct DiffusedLight {
-    // Light that other fibres have scattered only forward. The next field is other light that arrives from the light's
-    // side. The one after it is light that returns from below.
+    // Light that other fibres have scattered only forward; its direction is close to that of the incident light.
     sent_on: vec3<f32>,
+    // Other light that arrives from the light's side.
     from_light: vec3<f32>,
+    // Light that returns from below.
     from_below: vec3<f32>,
     // Square root of the share of light that a fibre absorbs.
     root_lost: vec3<f32>,
@@ -132,10 +135,11 @@ fn multiple_scattering_by_height(root_lost: vec3<f32>, sine: f32) -> vec3<f32> {
     return sine * (1.0 + root) / (1.0 + sine * root);
 }
 
-// Share of forward-scattered light that turns back in a sheet of free hanging hair (formulas 4.13). The next constants
-// are that of backward-scattered light, and the share that leaves the sheet at its edges.
+// Share of forward-scattered light that turns back in a sheet of free hanging hair (formulas 4.13).
 const TURNED_ON: f32 = 0.15;
+// Share of backward-scattered light that turns back in a sheet of free hanging hair (formulas 4.13).
 const TURNED_BACK: f32 = 0.8;
+// Share of scattered light that leaves a sheet of hanging hair at its edges (formulas 4.13).
 const LEAKS: f32 = 0.12;
 
 // Returns the forward and backward shares of a sheet of hanging fibres, given those of one fibre (formulas 4.13).

@@ -32,6 +32,7 @@ fn tile_frame(normal_ws: vec3<f32>, tangent_ws: vec3<f32>, handedness: f32) -> T
     return TileFrame(t, handedness * cross(normal_ws, t), normal_ws);
 }
 
+// Transforms a world-space vector to the tile frame.
 fn to_tile(frame: TileFrame, v_ws: vec3<f32>) -> vec3<f32> {
     return vec3(dot(frame.tangent_ws, v_ws), dot(frame.bitangent_ws, v_ws), dot(frame.normal_ws, v_ws));
 }
@@ -48,8 +49,9 @@ fn decode_direction(texel: vec4<f32>, planar: bool) -> vec3<f32> {
     return c;
 }
 
-// Returns the sideways offset of visible hair from its root. aside.xy: offset of hair that points along the normal;
-// aside.z: additional offset per unit of the hair's sideways direction. `direction` has unit length.
+// Returns the sideways offset of visible hair from its root. `direction` has unit length.
+// * aside.xy: offset of hair that points along the normal
+// * aside.z: additional offset per unit of the hair's sideways direction
 fn root_aside(aside: vec3<f32>, direction: vec3<f32>) -> vec2<f32> {
     return aside.xy + aside.z * direction.xy;
 }

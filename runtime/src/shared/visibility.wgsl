@@ -3,8 +3,7 @@
 
 // z of the mean direction towards lights, for which the alpha channel of a texel stores t (formulas 4.9).
 const VISIBILITY_MEAN_Z: f32 = 0.585;
-// Decoding of slopes, (byte - 128) / 64, from a texel value 0..=1 (formulas 4.9): factor. The next constant is the
-// offset.
+// Factor and offset that decode a slope, (byte - 128) / 64, from a texel value 0..=1 (formulas 4.9).
 const SLOPE_SCALE: f32 = 255.0 / 64.0;
 const SLOPE_OFFSET: f32 = 2.0;
 // Minus the base-2 logarithm of e.

@@ -41,24 +41,27 @@ struct Material {
 // Overrides compile away features that a package or frame does not need. On rasterisers that mask instead of branching,
 // a branch on a uniform costs as much as its body.
 
-// The material has a base-colour texture.
+// Whether the material has a base-colour texture.
 override BASE_COLOR_TEXTURE: bool = false;
-// The material discards fragments whose opacity is below its alpha_cutoff.
+// Whether the material discards fragments whose opacity is below its alpha_cutoff.
 override CUTOUT: bool = false;
-// At least one vertex leans more than the tile's strands.
+// Whether at least one vertex leans more than the tile's strands.
 override LEAN: bool = false;
-// At least one vertex has hair of another length than the tile's.
+// Whether at least one vertex has hair of another length than the tile's.
 override SHORT: bool = false;
 
+// Returns the unit normal of a vertex in world space.
 fn normal_ws(v: Vertex) -> vec3<f32> {
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;
     return normalize_or(n, vec3(0.0, 1.0, 0.0));
 }
 
+// Returns the position of a vertex in world space.
 fn position_ws(v: Vertex) -> vec3<f32> {
     return (instance.world_from_model * vec4(v.position, 1.0)).xyz;
 }
 
+// Returns the tile frame at a vertex. `normal`: its unit normal in world space.
 fn tile_frame_of(v: Vertex, normal: vec3<f32>) -> TileFrame {
     let tangent = (instance.world_from_model * vec4(v.tangent.xyz, 0.0)).xyz;
     return tile_frame(normal, tangent, v.tangent.w * instance.handedness);

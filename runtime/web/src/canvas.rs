@@ -1,6 +1,6 @@
 //! GPU device, and the `<canvas>` that it draws on.
 
-use crate::thrown::{fault, thrown};
+use crate::js_error::{pelage_error, stage_error};
 use pelage_runtime::shared::srgb;
 use pelage_runtime::wgpu;
 use pelage_stage::{Canvas, Gpu};
@@ -8,16 +8,16 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 /// GPU device and the canvas that it presents to.
-#[wasm_bindgen]
+#[wasm_bindgen(js_name = Opened)]
 #[derive(Debug)]
-pub struct Opened {
+pub struct OpenedDevice {
     pub(crate) gpu: Gpu,
     /// Canvas; `None` if another renderer presents the image.
     pub(crate) screen: Option<Screen>,
 }
 
-#[wasm_bindgen]
-impl Opened {
+#[wasm_bindgen(js_class = Opened)]
+impl OpenedDevice {
     /// Returns the `GPUDevice`, which can be shared, and whose `lost` promise reports its loss.
     #[wasm_bindgen(getter)]
     pub fn device(&self) -> JsValue {
@@ -38,12 +38,12 @@ impl Opened {
 /// Error of kind `no-adapter` if the browser provides none; `device` if WebGPU cannot draw on the canvas, for example
 /// because it has a 2d context.
 #[wasm_bindgen]
-pub async fn open(canvas: HtmlCanvasElement) -> Result<Opened, JsValue> {
+pub async fn open(canvas: HtmlCanvasElement) -> Result<OpenedDevice, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(canvas));
-    let surface = surface.map_err(|error| thrown("device", &format!("canvas: {error}")))?;
-    let gpu = Gpu::request(&instance, Some(&surface), wanted(), None).await.map_err(fault)?;
-    Ok(Opened { screen: Some(Screen::new(&gpu, surface)), gpu })
+    let surface = surface.map_err(|error| pelage_error("device", &format!("canvas: {error}")))?;
+    let gpu = Gpu::request(&instance, Some(&surface), wanted_features(), None).await.map_err(stage_error)?;
+    Ok(OpenedDevice { screen: Some(Screen::new(&gpu, surface)), gpu })
 }
 
 /// Opens a device for use with another renderer.
@@ -52,14 +52,14 @@ pub async fn open(canvas: HtmlCanvasElement) -> Result<Opened, JsValue> {
 ///
 /// Error of kind `no-adapter` if the browser provides none.
 #[wasm_bindgen]
-pub async fn open_shared() -> Result<Opened, JsValue> {
+pub async fn open_shared() -> Result<OpenedDevice, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let gpu = Gpu::request(&instance, None, wanted(), None).await.map_err(fault)?;
-    Ok(Opened { screen: None, gpu })
+    let gpu = Gpu::request(&instance, None, wanted_features(), None).await.map_err(stage_error)?;
+    Ok(OpenedDevice { screen: None, gpu })
 }
 
 /// Returns the wanted features: block compression if available, which fits four times the texels into the same memory.
-fn wanted() -> wgpu::Features {
+fn wanted_features() -> wgpu::Features {
     wgpu::Features::TEXTURE_COMPRESSION_BC
 }
 
@@ -129,7 +129,7 @@ impl Screen {
     }
 
     /// Discards the bind group of the stage's image, because the stage has a new canvas.
-    pub fn forget_picture(&mut self) {
+    pub fn discard_image(&mut self) {
         self.picture = None;
     }
 

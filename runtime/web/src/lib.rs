@@ -7,18 +7,18 @@
 #[cfg(target_arch = "wasm32")]
 mod canvas;
 #[cfg(target_arch = "wasm32")]
+mod js_error;
+#[cfg(target_arch = "wasm32")]
 mod pass;
 #[cfg(target_arch = "wasm32")]
 mod player;
 #[cfg(target_arch = "wasm32")]
 mod report;
 #[cfg(target_arch = "wasm32")]
-mod thrown;
-#[cfg(target_arch = "wasm32")]
 mod viewer;
 
 #[cfg(target_arch = "wasm32")]
-pub use canvas::{Opened, open, open_shared};
+pub use canvas::{OpenedDevice, open, open_shared};
 #[cfg(target_arch = "wasm32")]
 pub use pass::Pass;
 #[cfg(target_arch = "wasm32")]

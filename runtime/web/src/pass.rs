@@ -1,9 +1,9 @@
 //! Drawing of a package into the frame of another renderer, such as three.js, on the same device.
 
-use crate::canvas::Opened;
+use crate::canvas::OpenedDevice;
+use crate::js_error::{invalid_argument, pelage_error, stage_error};
 use crate::report;
-use crate::thrown::{asked, fault, thrown};
-use crate::viewer::{lit, under, without_files};
+use crate::viewer::{frame_params, reject_environment_files, with_environment};
 use glam::{Mat4, Vec3};
 use js_sys::Reflect;
 use pelage_runtime::{Camera, Instance, Model, Motion, Projection, Renderer, RendererOptions, RuntimeError, wgpu};
@@ -18,7 +18,7 @@ const OWNER: u64 = 0;
 pub struct Pass {
     gpu: Gpu,
     renderer: Renderer,
-    shown: Option<(NamedPackage<'static>, Model)>,
+    loaded: Option<(NamedPackage<'static>, Model)>,
     look: Look,
     light_color: Vec3,
 }
@@ -32,7 +32,7 @@ impl Pass {
     ///
     /// Error of kind `asked` for a format that cannot be drawn to.
     #[wasm_bindgen(constructor)]
-    pub fn new(opened: &Opened, color: &str, depth: &str, reversed_depth: bool) -> Result<Self, JsValue> {
+    pub fn new(opened: &OpenedDevice, color: &str, depth: &str, reversed_depth: bool) -> Result<Self, JsValue> {
         let options = RendererOptions {
             color_format: color_format(color)?,
             depth_format: depth_format(depth)?,
@@ -40,8 +40,8 @@ impl Pass {
             ..RendererOptions::default()
         };
         let gpu = opened.gpu.clone();
-        let renderer = Renderer::new(&gpu.device, &gpu.queue, &options).map_err(asked)?;
-        Ok(Self { gpu, renderer, shown: None, look: Look::default(), light_color: Vec3::ONE })
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, &options).map_err(invalid_argument)?;
+        Ok(Self { gpu, renderer, loaded: None, look: Look::default(), light_color: Vec3::ONE })
     }
 
     /// Loads the package to draw; `name` is its name in messages.
@@ -51,13 +51,13 @@ impl Pass {
     /// Same as for [`crate::Viewer::load`].
     pub fn load(&mut self, name: &str, bytes: Vec<u8>) -> Result<JsValue, JsValue> {
         let file = NamedPackage::new(name, bytes);
-        let package = file.open().map_err(fault)?;
-        let has_ink = package.ink().map_err(|error| fault(file.fault(error)))?.is_some();
-        let model = self.renderer.load(&package).map_err(|error| refused(&file, error))?;
+        let package = file.open().map_err(stage_error)?;
+        let has_ink = package.ink().map_err(|error| stage_error(file.fault(error)))?.is_some();
+        let model = self.renderer.load(&package).map_err(|error| load_error(&file, error))?;
         let info = report::package(name, file.bytes.len(), &model, has_ink);
         drop(package);
         self.renderer.forget(OWNER);
-        self.shown = Some((file, model));
+        self.loaded = Some((file, model));
         Ok(info)
     }
 
@@ -69,11 +69,13 @@ impl Pass {
     /// Error of kind `asked` with what was found and expected.
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
-        look.set(assignment).map_err(asked)?;
+        look.set(assignment).map_err(invalid_argument)?;
         if look.picture.style == LookStyle::Ink {
-            return Err(asked("picture.style: found ink, expected fur or bare: ink paints the whole picture"));
+            return Err(invalid_argument(
+                "picture.style: found ink, expected fur or bare: ink paints the whole picture",
+            ));
         }
-        self.look = without_files(look)?;
+        self.look = reject_environment_files(look)?;
         Ok(())
     }
 
@@ -83,7 +85,7 @@ impl Pass {
     ///
     /// Error of kind `asked` with line, key, what was found and expected.
     pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
-        self.look = under(&self.look, text)?;
+        self.look = with_environment(&self.look, text)?;
         Ok(())
     }
 
@@ -111,19 +113,21 @@ impl Pass {
         time_s: f32,
         clock_s: Option<f64>,
     ) -> Result<JsValue, JsValue> {
-        let Some((_, model)) = &self.shown else { return Ok(JsValue::UNDEFINED) };
+        let Some((_, model)) = &self.loaded else { return Ok(JsValue::UNDEFINED) };
         if matrices.len() != 48 {
-            return Err(asked(format!("matrices: found {} numbers, expected 48", matrices.len())));
+            return Err(invalid_argument(format!("matrices: found {} numbers, expected 48", matrices.len())));
         }
         let matrix = |index: usize| Mat4::from_cols_slice(&matrices[16 * index..16 * (index + 1)]);
         let options = self.renderer.options();
-        let (color, size) = self.lent(color, options.color_format, "color")?;
-        let (depth, depth_size) = self.lent(depth, options.depth_format, "depth")?;
+        let (color, size) = self.foreign_texture_view(color, options.color_format, "color")?;
+        let (depth, depth_size) = self.foreign_texture_view(depth, options.depth_format, "depth")?;
         if size != depth_size {
-            return Err(asked(format!("depth: found {depth_size:?} pixels, expected {size:?}, the size of color")));
+            return Err(invalid_argument(format!(
+                "depth: found {depth_size:?} pixels, expected {size:?}, the size of color"
+            )));
         }
         let camera = Camera { view_from_world: matrix(0), projection: Projection::Custom(matrix(1)) };
-        let params = lit(&self.look, self.light_color).with(|params| {
+        let params = frame_params(&self.look, self.light_color).with(|params| {
             params.camera = camera;
             params.viewport = size;
             if let Some(clock_s) = clock_s {
@@ -134,7 +138,7 @@ impl Pass {
         let animal = Instance::new(OWNER, model).at(matrix(2)).moving(motion);
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pelage") });
-        let frame = self.renderer.prepare(&mut encoder, &params, [animal]).map_err(asked)?;
+        let frame = self.renderer.prepare(&mut encoder, &params, [animal]).map_err(invalid_argument)?;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("pelage"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -160,7 +164,7 @@ impl Pass {
 impl Pass {
     /// Returns a view of a texture that belongs to another renderer, and the texture's width and height. Nothing is
     /// copied.
-    fn lent(
+    fn foreign_texture_view(
         &self,
         texture: &JsValue,
         format: wgpu::TextureFormat,
@@ -169,10 +173,10 @@ impl Pass {
         let number = |name: &str| Reflect::get(texture, &name.into()).ok().and_then(|value| value.as_f64());
         let (Some(width), Some(height), Some(samples)) = (number("width"), number("height"), number("sampleCount"))
         else {
-            return Err(asked(format!("{what}: found no GPUTexture, expected one of this device")));
+            return Err(invalid_argument(format!("{what}: found no GPUTexture, expected one of this device")));
         };
         if samples != 1.0 {
-            return Err(asked(format!("{what}: found {samples} samples per pixel, expected 1")));
+            return Err(invalid_argument(format!("{what}: found {samples} samples per pixel, expected 1")));
         }
         let size = [width as u32, height as u32];
         let descriptor = wgpu::TextureDescriptor {
@@ -185,8 +189,8 @@ impl Pass {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
             view_formats: &[],
         };
-        let lent = texture.clone().unchecked_into();
-        let texture = self.gpu.device.create_texture_from_webgpu_handle(lent, &descriptor, None);
+        let handle = texture.clone().unchecked_into();
+        let texture = self.gpu.device.create_texture_from_webgpu_handle(handle, &descriptor, None);
         Ok((texture.create_view(&wgpu::TextureViewDescriptor::default()), size))
     }
 }
@@ -200,7 +204,7 @@ fn color_format(name: &str) -> Result<wgpu::TextureFormat, JsValue> {
         "bgra8unorm-srgb" => wgpu::TextureFormat::Bgra8UnormSrgb,
         _ => {
             let expected = "rgba16float, rgba8unorm, bgra8unorm, or one of these with -srgb";
-            return Err(asked(format!("color: found {name}, expected {expected}")));
+            return Err(invalid_argument(format!("color: found {name}, expected {expected}")));
         }
     })
 }
@@ -209,16 +213,16 @@ fn depth_format(name: &str) -> Result<wgpu::TextureFormat, JsValue> {
     Ok(match name {
         "depth32float" => wgpu::TextureFormat::Depth32Float,
         "depth24plus" => wgpu::TextureFormat::Depth24Plus,
-        _ => return Err(asked(format!("depth: found {name}, expected depth32float or depth24plus"))),
+        _ => return Err(invalid_argument(format!("depth: found {name}, expected depth32float or depth24plus"))),
     })
 }
 
 /// Converts an error of the runtime on loading a package. The kind depends on the cause.
-fn refused(file: &NamedPackage<'_>, error: RuntimeError) -> JsValue {
+fn load_error(file: &NamedPackage<'_>, error: RuntimeError) -> JsValue {
     let kind = match &error {
         RuntimeError::Package(_) | RuntimeError::Content { .. } => "package",
         RuntimeError::DeviceLimit { .. } => "no-adapter",
         _ => "internal",
     };
-    thrown(kind, &format!("{}: {error}", file.name))
+    pelage_error(kind, &format!("{}: {error}", file.name))
 }

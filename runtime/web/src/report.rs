@@ -14,7 +14,7 @@ pub(crate) fn object<const N: usize>(properties: [(&str, JsValue); N]) -> JsValu
     object.into()
 }
 
-fn numbers(values: [f32; 3]) -> JsValue {
+fn number_array(values: [f32; 3]) -> JsValue {
     values.into_iter().map(JsValue::from).collect::<Array>().into()
 }
 
@@ -29,8 +29,8 @@ pub(crate) fn package(name: &str, bytes: usize, model: &Model, has_ink: bool) ->
         ("model", manifest.model.as_str().into()),
         ("bytes", (bytes as f64).into()),
         ("gpuBytes", (model.gpu_bytes() as f64).into()),
-        ("min", numbers(manifest.bounds.min)),
-        ("max", numbers(manifest.bounds.max)),
+        ("min", number_array(manifest.bounds.min)),
+        ("max", number_array(manifest.bounds.max)),
         ("furHeightM", manifest.fur.height_m.into()),
         ("hasInk", has_ink.into()),
         (

@@ -1,9 +1,9 @@
 //! Viewer of a package on a canvas, with camera, light, clip and look.
 
-use crate::canvas::{Opened, Screen};
+use crate::canvas::{OpenedDevice, Screen};
+use crate::js_error::{invalid_argument, pelage_error, stage_error};
 use crate::player::Player;
 use crate::report::{self, object};
-use crate::thrown::{asked, fault, thrown};
 use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
 use pelage_stage::sky::environment_from_toml;
@@ -15,14 +15,14 @@ use std::sync::Arc;
 use wasm_bindgen::prelude::*;
 
 /// Change of the clip time, in seconds, above which it counts as a jump and hair motion restarts.
-const LEAP_S: f32 = 0.25;
+const JUMP_S: f32 = 0.25;
 
 /// Arbitrary view for use before a package is loaded, when nothing is visible.
-const NOWHERE: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
+const INITIAL_VIEW: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fov_deg: 30.0 };
 
 /// Loaded package. Its bytes are kept, because a new stage must be created for a new device or a different number of
 /// samples per pixel.
-struct Shown {
+struct LoadedPackage {
     file: NamedPackage<'static>,
     has_ink: bool,
     stage: Stage,
@@ -35,14 +35,14 @@ struct Shown {
 pub struct Viewer {
     gpu: Gpu,
     screen: Screen,
-    shown: Option<Shown>,
+    loaded: Option<LoadedPackage>,
     look: Look,
     /// Colour of the key light; 1 is full light.
     light_color: Vec3,
     navigator: Navigator,
     player: Player,
     /// Time of the hair simulation, seconds.
-    lived_s: f64,
+    clock_s: f64,
     /// Whether hair moved by itself in the last frame drawn.
     hair_moves: bool,
 }
@@ -55,17 +55,17 @@ impl Viewer {
     ///
     /// Error of kind `asked` for a size out of range.
     #[wasm_bindgen(constructor)]
-    pub fn new(opened: Opened, width: u32, height: u32) -> Result<Self, JsValue> {
-        let (gpu, screen) = parts(opened)?;
+    pub fn new(opened: OpenedDevice, width: u32, height: u32) -> Result<Self, JsValue> {
+        let (gpu, screen) = device_and_screen(opened)?;
         let mut viewer = Self {
             gpu,
             screen,
-            shown: None,
+            loaded: None,
             look: Look::of_picture(),
             light_color: Vec3::ONE,
-            navigator: Navigator::new(NOWHERE),
+            navigator: Navigator::new(INITIAL_VIEW),
             player: Player::at_rest(),
-            lived_s: 0.0,
+            clock_s: 0.0,
             hair_moves: false,
         };
         viewer.resize(width, height)?;
@@ -80,17 +80,17 @@ impl Viewer {
     /// if the device cannot hold the package.
     pub fn load(&mut self, name: &str, bytes: Vec<u8>) -> Result<JsValue, JsValue> {
         let file = NamedPackage::new(name, bytes);
-        let package = file.open().map_err(fault)?;
-        let has_ink = package.ink().map_err(|error| fault(file.fault(error)))?.is_some();
+        let package = file.open().map_err(stage_error)?;
+        let has_ink = package.ink().map_err(|error| stage_error(file.fault(error)))?.is_some();
         if !has_ink && self.look.picture.style == LookStyle::Ink {
-            return Err(no_ink(&file.name));
+            return Err(no_ink_error(&file.name));
         }
-        let (stage, view) = self.stage(&file)?;
+        let (stage, view) = self.create_stage(&file)?;
         self.navigator.frame(view);
         self.player = Player::at_rest();
         let info = report::package(name, file.bytes.len(), stage.model(), has_ink);
-        self.shown = Some(Shown { file, has_ink, stage });
-        self.screen.forget_picture();
+        self.loaded = Some(LoadedPackage { file, has_ink, stage });
+        self.screen.discard_image();
         Ok(info)
     }
 
@@ -100,8 +100,8 @@ impl Viewer {
     /// # Errors
     ///
     /// Same as for [`Self::load`].
-    pub fn reopen(&mut self, opened: Opened) -> Result<(), JsValue> {
-        (self.gpu, self.screen) = parts(opened)?;
+    pub fn reopen(&mut self, opened: OpenedDevice) -> Result<(), JsValue> {
+        (self.gpu, self.screen) = device_and_screen(opened)?;
         self.screen.resize(&self.gpu, self.look.picture().size);
         self.rebuild()
     }
@@ -114,8 +114,8 @@ impl Viewer {
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.picture.size = Size { width, height };
-        look.validate().map_err(asked)?;
-        self.take(look)?;
+        look.validate().map_err(invalid_argument)?;
+        self.apply_look(look)?;
         self.screen.resize(&self.gpu, (width, height));
         if self.navigator.is_home() { self.frame_all() } else { Ok(()) }
     }
@@ -126,12 +126,12 @@ impl Viewer {
     ///
     /// Error of kind `asked` for anything that the device cannot draw.
     pub fn draw(&mut self) -> Result<JsValue, JsValue> {
-        let Some(Shown { stage, .. }) = &mut self.shown else { return Ok(JsValue::UNDEFINED) };
+        let Some(LoadedPackage { stage, .. }) = &mut self.loaded else { return Ok(JsValue::UNDEFINED) };
         stage.look_from(self.navigator.view());
         stage.instances[0].motion = self.player.motion();
-        stage.advance_hair(self.lived_s, self.look.hair_motion());
+        stage.advance_hair(self.clock_s, self.look.hair_motion());
         let mut encoder = stage.encoder();
-        let frame = stage.prepare(&mut encoder).map_err(fault)?;
+        let frame = stage.prepare(&mut encoder).map_err(stage_error)?;
         self.hair_moves = frame.report().hair_moves;
         frame.draw(&mut stage.pass(&mut encoder, "frame", true));
         let Some(texture) = self.screen.show(&self.gpu, &mut encoder, &stage.canvas) else {
@@ -149,8 +149,8 @@ impl Viewer {
     /// Error of kind `asked` with what was found and expected.
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
-        look.set(assignment).map_err(asked)?;
-        self.take(without_files(look)?)
+        look.set(assignment).map_err(invalid_argument)?;
+        self.apply_look(reject_environment_files(look)?)
     }
 
     /// Replaces the look by one from TOML; missing keys get their defaults. The size of the canvas is unchanged.
@@ -160,9 +160,9 @@ impl Viewer {
     /// Error of kind `asked` with line, key, what was found and expected.
     pub fn read_look(&mut self, text: &str) -> Result<(), JsValue> {
         let mut look = Look::of_picture();
-        look.read(text).map_err(asked)?;
+        look.read(text).map_err(invalid_argument)?;
         look.picture.size = self.look.picture.size;
-        self.take(without_files(look)?)
+        self.apply_look(reject_environment_files(look)?)
     }
 
     /// Sets an environment map, given in TOML as lights fitted to a sky. It replaces the ambient light until the key
@@ -172,8 +172,8 @@ impl Viewer {
     ///
     /// Error of kind `asked` with line, key, what was found and expected.
     pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
-        let look = under(&self.look, text)?;
-        self.take(look)
+        let look = with_environment(&self.look, text)?;
+        self.apply_look(look)
     }
 
     /// Returns the look as TOML, with every key that has a value.
@@ -189,12 +189,12 @@ impl Viewer {
     pub fn set_light_color(&mut self, red: f32, green: f32, blue: f32) -> Result<(), JsValue> {
         let color = Vec3::new(red, green, blue);
         if !(color.is_finite() && color.min_element() >= 0.0) {
-            return Err(asked(format!(
+            return Err(invalid_argument(format!(
                 "light color: found {red}, {green}, {blue}, expected three numbers of at least 0"
             )));
         }
         self.light_color = color;
-        self.take(self.look.clone())
+        self.apply_look(self.look.clone())
     }
 
     /// Selects the clip named `name`, at its start and paused; `undefined` puts the model at rest.
@@ -203,12 +203,14 @@ impl Viewer {
     ///
     /// Error of kind `asked` for a clip that does not exist, with the available names.
     pub fn set_clip(&mut self, name: Option<String>) -> Result<(), JsValue> {
-        let clip = match &self.shown {
-            None if name.is_some() => return Err(asked("clip: found no package, expected one to be loaded first")),
+        let clip = match &self.loaded {
+            None if name.is_some() => {
+                return Err(invalid_argument("clip: found no package, expected one to be loaded first"));
+            }
             None => None,
-            Some(shown) => {
-                let package = shown.file.open().map_err(fault)?;
-                find_clip(&shown.file, &package, name.as_deref()).map_err(fault)?
+            Some(loaded) => {
+                let package = loaded.file.open().map_err(stage_error)?;
+                find_clip(&loaded.file, &package, name.as_deref()).map_err(stage_error)?
             }
         };
         self.player = Player { clip, time_s: 0.0, playing: false, ..self.player };
@@ -223,15 +225,17 @@ impl Viewer {
     /// Error of kind `asked` for a target that does not exist, with the available names, and for a weight that is not
     /// finite.
     pub fn set_morph(&mut self, name: &str, weight: Option<f32>) -> Result<(), JsValue> {
-        let Some(shown) = &mut self.shown else {
-            return Err(asked("morph: found no package, expected one to be loaded first"));
+        let Some(loaded) = &mut self.loaded else {
+            return Err(invalid_argument("morph: found no package, expected one to be loaded first"));
         };
         if weight.is_some_and(|weight| !weight.is_finite()) {
-            return Err(asked("morph: found a weight that is infinite or not a number, expected a finite one"));
+            return Err(invalid_argument(
+                "morph: found a weight that is infinite or not a number, expected a finite one",
+            ));
         }
-        let package = shown.file.open().map_err(fault)?;
-        let index = find_morph(&shown.file, &package, name).map_err(fault)?;
-        let morphs = &mut shown.stage.instances[0].morphs;
+        let package = loaded.file.open().map_err(stage_error)?;
+        let index = find_morph(&loaded.file, &package, name).map_err(stage_error)?;
+        let morphs = &mut loaded.stage.instances[0].morphs;
         morphs.retain(|(other, _)| *other != index);
         morphs.extend(weight.map(|weight| (index, weight)));
         Ok(())
@@ -256,16 +260,16 @@ impl Viewer {
         }
         let before_s = self.player.time_s;
         self.player.seek(time_s);
-        if (self.player.time_s - before_s).abs() > LEAP_S
-            && let Some(shown) = &mut self.shown
+        if (self.player.time_s - before_s).abs() > JUMP_S
+            && let Some(loaded) = &mut self.loaded
         {
-            shown.stage.reset_hair();
+            loaded.stage.reset_hair();
         }
     }
 
     /// Advances time by `elapsed_s` seconds. Returns whether the image has changed.
     pub fn advance(&mut self, elapsed_s: f32) -> bool {
-        self.lived_s += f64::from(elapsed_s);
+        self.clock_s += f64::from(elapsed_s);
         self.player.advance(elapsed_s) || self.hair_moves && elapsed_s > 0.0
     }
 
@@ -277,7 +281,7 @@ impl Viewer {
     /// Returns the clip's name and duration, the time in it, the speed, and whether it plays.
     pub fn playing(&self) -> JsValue {
         let name = self.player.clip.and_then(|(clip, _)| {
-            let clips = self.shown.as_ref()?.stage.model().clips();
+            let clips = self.loaded.as_ref()?.stage.model().clips();
             Some(JsValue::from(clips.get(clip)?.name.as_str()))
         });
         object([
@@ -303,9 +307,9 @@ impl Viewer {
     pub fn set_view(&mut self, view: &[f32]) -> Result<(), JsValue> {
         let word = match view {
             [ex, ey, ez, tx, ty, tz, fov_deg] => format!("{ex},{ey},{ez}/{tx},{ty},{tz}/{fov_deg}"),
-            _ => return Err(asked(format!("view: found {} numbers, expected seven", view.len()))),
+            _ => return Err(invalid_argument(format!("view: found {} numbers, expected seven", view.len()))),
         };
-        let view: Viewpoint = word.parse().map_err(|error: String| asked(format!("view: {error}")))?;
+        let view: Viewpoint = word.parse().map_err(|error: String| invalid_argument(format!("view: {error}")))?;
         self.navigator.go_to(view);
         Ok(())
     }
@@ -316,10 +320,10 @@ impl Viewer {
     ///
     /// Error of kind `package` for a damaged package.
     pub fn frame_all(&mut self) -> Result<(), JsValue> {
-        if let Some(shown) = &self.shown {
-            let package = shown.file.open().map_err(fault)?;
+        if let Some(loaded) = &self.loaded {
+            let package = loaded.file.open().map_err(stage_error)?;
             let framing = (&Framing::default(), self.look.aspect());
-            let cast = Cast::crowd(&shown.file, package, None, 1, None, framing).map_err(fault)?;
+            let cast = Cast::crowd(&loaded.file, package, None, 1, None, framing).map_err(stage_error)?;
             self.navigator.frame(cast.camera.at(0.0));
         }
         Ok(())
@@ -363,38 +367,39 @@ impl Viewer {
 
 impl Viewer {
     /// Creates a stage that shows the package `file`, and returns it with the camera that frames the package.
-    fn stage(&self, file: &NamedPackage<'static>) -> Result<(Stage, Viewpoint), JsValue> {
+    fn create_stage(&self, file: &NamedPackage<'static>) -> Result<(Stage, Viewpoint), JsValue> {
         let picture = self.look.picture();
-        let package = file.open().map_err(fault)?;
+        let package = file.open().map_err(stage_error)?;
         let framing = Framing::default();
-        let cast = Cast::crowd(file, package, None, 1, None, (&framing, picture.aspect())).map_err(fault)?;
+        let cast = Cast::crowd(file, package, None, 1, None, (&framing, picture.aspect())).map_err(stage_error)?;
         let gpu = self.gpu.clone();
-        let stage = Stage::new(&cast, &picture, lit(&self.look, self.light_color), 0.0, || Ok(gpu)).map_err(fault)?;
+        let stage = Stage::new(&cast, &picture, frame_params(&self.look, self.light_color), 0.0, || Ok(gpu))
+            .map_err(stage_error)?;
         Ok((stage, cast.camera.at(0.0)))
     }
 
-    /// Loads the shown package again.
+    /// Creates the stage again, from the package already loaded.
     fn rebuild(&mut self) -> Result<(), JsValue> {
-        if let Some(shown) = &self.shown {
-            let (stage, _) = self.stage(&shown.file)?;
-            if let Some(shown) = &mut self.shown {
-                shown.stage = stage;
+        if let Some(loaded) = &self.loaded {
+            let (stage, _) = self.create_stage(&loaded.file)?;
+            if let Some(loaded) = &mut self.loaded {
+                loaded.stage = stage;
             }
         }
-        self.screen.forget_picture();
+        self.screen.discard_image();
         Ok(())
     }
 
     /// Replaces the look by `look`.
-    fn take(&mut self, look: Look) -> Result<(), JsValue> {
+    fn apply_look(&mut self, look: Look) -> Result<(), JsValue> {
         let (before, picture) = (self.look.picture(), look.picture());
-        let params = lit(&look, self.light_color);
-        if let Some(shown) = &mut self.shown {
-            if look.picture.style == LookStyle::Ink && !shown.has_ink {
-                return Err(no_ink(&shown.file.name));
+        let params = frame_params(&look, self.light_color);
+        if let Some(loaded) = &mut self.loaded {
+            if look.picture.style == LookStyle::Ink && !loaded.has_ink {
+                return Err(no_ink_error(&loaded.file.name));
             }
             if picture.samples == before.samples {
-                shown.stage.set_look(&picture, params, 0.0).map_err(fault)?;
+                loaded.stage.set_look(&picture, params, 0.0).map_err(stage_error)?;
             }
         }
         let look_before = std::mem::replace(&mut self.look, look);
@@ -405,22 +410,23 @@ impl Viewer {
                 return Err(error);
             }
         } else if picture.size != before.size {
-            self.screen.forget_picture();
+            self.screen.discard_image();
         }
         Ok(())
     }
 }
 
 /// Returns a device and the canvas that it was opened for.
-fn parts(opened: Opened) -> Result<(Gpu, Screen), JsValue> {
-    let screen =
-        opened.screen.ok_or_else(|| asked("opened: found a device without a canvas, expected the result of open()"))?;
+fn device_and_screen(opened: OpenedDevice) -> Result<(Gpu, Screen), JsValue> {
+    let screen = opened
+        .screen
+        .ok_or_else(|| invalid_argument("opened: found a device without a canvas, expected the result of open()"))?;
     Ok((opened.gpu, screen))
 }
 
 /// Returns the look with the environment lights read from TOML.
-pub(crate) fn under(look: &Look, text: &str) -> Result<Look, JsValue> {
-    let lights = environment_from_toml("environment", text).map_err(asked)?;
+pub(crate) fn with_environment(look: &Look, text: &str) -> Result<Look, JsValue> {
+    let lights = environment_from_toml("environment", text).map_err(invalid_argument)?;
     let mut look = look.clone();
     let kind = SkyKind::File("environment.toml".into());
     look.environment.sky = Some(SkySource { kind, yaw_deg: 0.0, lights: Some(Arc::new(lights)) });
@@ -428,11 +434,11 @@ pub(crate) fn under(look: &Look, text: &str) -> Result<Look, JsValue> {
 }
 
 /// Rejects a look that refers to an environment map file, which a page cannot read.
-pub(crate) fn without_files(look: Look) -> Result<Look, JsValue> {
+pub(crate) fn reject_environment_files(look: Look) -> Result<Look, JsValue> {
     let unread =
         look.environment.sky.as_ref().is_some_and(|sky| matches!(sky.kind, SkyKind::File(_)) && sky.lights.is_none());
     if unread {
-        return Err(asked(
+        return Err(invalid_argument(
             "environment.sky: found a file, expected a colour or two; setEnvironment takes lights as text",
         ));
     }
@@ -440,16 +446,18 @@ pub(crate) fn without_files(look: Look) -> Result<Look, JsValue> {
 }
 
 /// Returns the frame parameters for a look, with the key light multiplied by `light_color`, linear.
-pub(crate) fn lit(look: &Look, light_color: Vec3) -> FrameParams {
+pub(crate) fn frame_params(look: &Look, light_color: Vec3) -> FrameParams {
     look.frame_params().with(|params| {
         let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;
         *color *= light_color;
     })
 }
 
-fn no_ink(file: &str) -> JsValue {
-    thrown(
+fn no_ink_error(file: &str) -> JsValue {
+    pelage_error(
         "asked",
-        &format!("{file}: style ink: the package has none, expected one baked with ink.enabled = true in its recipe"),
+        &format!(
+            "{file}: style ink: found no ink data, expected a package baked with ink.enabled = true in its recipe"
+        ),
     )
 }

@@ -1,6 +1,6 @@
 //! Measures the cost of a frame in Bevy, compared with the runtime alone.
 
-use crate::support::{Stand, ball};
+use crate::support::{TestApp, ball_package};
 use bevy_camera::visibility::Visibility;
 use bevy_ecs::entity::Entity;
 use bevy_math::Vec3;
@@ -21,7 +21,7 @@ const WARM: u32 = 4;
 const STEP_S: f32 = 0.01;
 
 /// Returns the time from the start of a frame until the GPU is finished, milliseconds.
-fn ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
+fn elapsed_ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
     let begun = Instant::now();
     frame();
     device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
@@ -30,26 +30,26 @@ fn ms(device: &wgpu::Device, frame: impl FnOnce()) -> f64 {
 
 /// Returns the package to measure: the file `PELAGE_PACKAGE`, or the test ball.
 fn package() -> Vec<u8> {
-    std::env::var_os("PELAGE_PACKAGE").map_or_else(ball, |path| std::fs::read(path).unwrap())
+    std::env::var_os("PELAGE_PACKAGE").map_or_else(ball_package, |path| std::fs::read(path).unwrap())
 }
 
 /// Spawns the animal in front of a Bevy camera.
-fn in_bevy(stand: &mut Stand) -> Entity {
-    let model = stand.model("animal", &package());
-    let clip = PelageClip::new(first_clip(stand, &model));
-    stand.camera(SIZE, Msaa::Off, Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y));
-    stand.sun(Vec3::new(-0.5, 0.8, 0.6), false);
-    stand.world().spawn((Pelage::fur(model), clip)).id()
+fn spawn_animal(test_app: &mut TestApp) -> Entity {
+    let model = test_app.add_model("animal", &package());
+    let clip = PelageClip::new(first_clip(test_app, &model));
+    test_app.spawn_camera(SIZE, Msaa::Off, Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y));
+    test_app.spawn_sun(Vec3::new(-0.5, 0.8, 0.6), false);
+    test_app.world().spawn((Pelage::fur(model), clip)).id()
 }
 
-fn first_clip(stand: &mut Stand, model: &bevy_asset::Handle<bevy_pelage::PelageModel>) -> String {
-    let models = stand.world().resource::<bevy_asset::Assets<bevy_pelage::PelageModel>>();
+fn first_clip(test_app: &mut TestApp, model: &bevy_asset::Handle<bevy_pelage::PelageModel>) -> String {
+    let models = test_app.world().resource::<bevy_asset::Assets<bevy_pelage::PelageModel>>();
     models.get(model).unwrap().clips().next().map_or_else(String::new, |(name, _)| name.to_owned())
 }
 
 /// Returns a function that draws a frame with the runtime alone on the same device. Its arguments: time of the clip,
 /// and whether to draw the animal.
-fn alone(gpu: &Gpu) -> impl FnMut(f32, bool) {
+fn runtime_drawer(gpu: &Gpu) -> impl FnMut(f32, bool) {
     let options = RendererOptions {
         color_format: wgpu::TextureFormat::Rgba16Float,
         reversed_depth: true,
@@ -77,24 +77,24 @@ fn alone(gpu: &Gpu) -> impl FnMut(f32, bool) {
 #[test]
 #[ignore = "measures: cargo test --profile example --test bevy -- --ignored --nocapture runtime_alone"]
 fn frame_cost_is_measured_against_the_runtime_alone() {
-    let mut stand = Stand::new();
-    let world = stand.render_world();
+    let mut test_app = TestApp::new();
+    let world = test_app.render_world();
     let device = world.resource::<RenderDevice>().wgpu_device().clone();
     let queue = wgpu::Queue::clone(world.resource::<RenderQueue>());
     let info = (**world.resource::<RenderAdapterInfo>()).clone();
     let gpu = Gpu { device: device.clone(), queue, info };
-    let animal = in_bevy(&mut stand);
-    let mut alone = alone(&gpu);
-    // Interleave the variants, so that other load on the machine affects all of them alike. Of each variant, the
-    // minimum time is the one least disturbed.
+    let animal = spawn_animal(&mut test_app);
+    let mut draw_alone = runtime_drawer(&gpu);
+    // Interleave the variants, so that other load on the machine affects all of them alike. The minimum time of each
+    // variant is the least disturbed.
     let mut fastest = [f64::INFINITY; 4];
     for number in 0..WARM + FRAMES {
-        let moment = STEP_S * number as f32;
+        let time_s = STEP_S * number as f32;
         let times = [
-            in_one_frame(&mut stand, &device, animal, Visibility::Inherited),
-            in_one_frame(&mut stand, &device, animal, Visibility::Hidden),
-            ms(&device, || alone(moment, true)),
-            ms(&device, || alone(moment, false)),
+            bevy_frame_ms(&mut test_app, &device, animal, Visibility::Inherited),
+            bevy_frame_ms(&mut test_app, &device, animal, Visibility::Hidden),
+            elapsed_ms(&device, || draw_alone(time_s, true)),
+            elapsed_ms(&device, || draw_alone(time_s, false)),
         ];
         if number >= WARM {
             fastest = std::array::from_fn(|i| fastest[i].min(times[i]));
@@ -109,7 +109,7 @@ fn frame_cost_is_measured_against_the_runtime_alone() {
 }
 
 /// Returns the time of a Bevy frame in which the animal has this `visibility`, milliseconds.
-fn in_one_frame(stand: &mut Stand, device: &wgpu::Device, animal: Entity, visibility: Visibility) -> f64 {
-    *stand.world().get_mut::<Visibility>(animal).unwrap() = visibility;
-    ms(device, || stand.wait(STEP_S))
+fn bevy_frame_ms(test_app: &mut TestApp, device: &wgpu::Device, animal: Entity, visibility: Visibility) -> f64 {
+    *test_app.world().get_mut::<Visibility>(animal).unwrap() = visibility;
+    elapsed_ms(device, || test_app.advance(STEP_S))
 }

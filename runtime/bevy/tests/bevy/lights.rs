@@ -1,41 +1,43 @@
 //! Tests of shadows from fur on meshes and from meshes on fur, of exposure, and of clips that move the casters.
 
-use crate::support::{Picture, Stand, TestCamera, ball, gpu};
+use crate::support::{Picture, TestApp, TestCamera, ball_package, gpu};
 use bevy_camera::{Exposure, Hdr};
 use bevy_color::Color;
 use bevy_light::NotShadowCaster;
 use bevy_math::{Mat4, Vec3};
 use bevy_pelage::runtime::{Environment, FurParams, LightLobe};
-use bevy_pelage::{Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, ShadesPelage, runtime::Style};
+use bevy_pelage::{
+    Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageShadowCaster, runtime::Style,
+};
 use bevy_render::view::Msaa;
 use bevy_transform::components::Transform;
 
 const SIZE: [u32; 2] = [96, 72];
 
-fn above() -> Transform {
+fn view_from_above() -> Transform {
     Transform::from_xyz(0.0, 0.9, 0.5).looking_at(Vec3::ZERO, Vec3::Y)
 }
 
 /// Returns the sum of the green channel over all pixels.
-fn green(picture: &Picture) -> u64 {
+fn green_sum(picture: &Picture) -> u64 {
     picture.pixels().map(|p| u64::from(p[1])).sum()
 }
 
-fn camera(stand: &mut Stand) -> TestCamera {
-    stand.camera(SIZE, Msaa::Off, above())
+fn camera(test_app: &mut TestApp) -> TestCamera {
+    test_app.spawn_camera(SIZE, Msaa::Off, view_from_above())
 }
 
 #[test]
 fn animal_casts_its_shadow_on_a_bevy_ground() {
-    let Some(mut stand) = gpu("animal_casts_its_shadow_on_a_bevy_ground") else { return };
-    let model = stand.model("ball", &ball());
-    let camera = camera(&mut stand);
-    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
-    stand.cuboid(Vec3::new(4.0, 0.1, 4.0), Vec3::Y * -0.2, Color::srgb(0.0, 1.0, 0.0));
-    let ball = stand.world().spawn(Pelage::fur(model)).id();
-    let with = stand.picture(&camera);
-    stand.world().entity_mut(ball).insert(NotShadowCaster);
-    let without = stand.picture(&camera);
+    let Some(mut test_app) = gpu("animal_casts_its_shadow_on_a_bevy_ground") else { return };
+    let model = test_app.add_model("ball", &ball_package());
+    let camera = camera(&mut test_app);
+    test_app.spawn_sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    test_app.spawn_cuboid(Vec3::new(4.0, 0.1, 4.0), Vec3::Y * -0.2, Color::srgb(0.0, 1.0, 0.0));
+    let ball = test_app.world().spawn(Pelage::fur(model)).id();
+    let with = test_app.picture(&camera);
+    test_app.world().entity_mut(ball).insert(NotShadowCaster);
+    let without = test_app.picture(&camera);
     let darker = |(a, b): (&[u8; 4], &[u8; 4])| b[1] > 40 && a[1] < b[1] / 4;
     let (a, b): (Vec<_>, Vec<_>) = (with.pixels().collect(), without.pixels().collect());
     let shadow: Vec<usize> = a.iter().zip(&b).enumerate().filter(|(_, pair)| darker(*pair)).map(|(i, _)| i).collect();
@@ -46,58 +48,73 @@ fn animal_casts_its_shadow_on_a_bevy_ground() {
 
     // The ball is outside the camera's view, and nearer to the sun than the first plane of the cascades. It must still
     // cast a shadow.
-    stand.world().entity_mut(ball).remove::<NotShadowCaster>().insert(Transform::from_xyz(-6.0, 6.0, 0.0));
-    let far = stand.picture(&camera);
-    stand.world().despawn(ball);
-    let bare = stand.picture(&camera);
-    assert!(green(&far) + 3000 < green(&bare), "{} is not darker than {}", green(&far), green(&bare));
+    test_app.world().entity_mut(ball).remove::<NotShadowCaster>().insert(Transform::from_xyz(-6.0, 6.0, 0.0));
+    let far = test_app.picture(&camera);
+    test_app.world().despawn(ball);
+    let bare = test_app.picture(&camera);
+    assert!(green_sum(&far) + 3000 < green_sum(&bare), "{} is not darker than {}", green_sum(&far), green_sum(&bare));
 }
 
 #[test]
 fn bevy_cube_casts_its_shadow_on_fur() {
-    let Some(mut stand) = gpu("bevy_cube_casts_its_shadow_on_fur") else { return };
-    let model = stand.model("ball", &ball());
-    let camera = camera(&mut stand);
-    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
-    stand.world().spawn(Pelage::fur(model));
-    let cube = stand.cuboid(Vec3::splat(0.3), Vec3::new(-0.5, 0.5, 0.0), Color::BLACK);
-    let lit = stand.picture(&camera);
-    stand.world().entity_mut(cube).insert(ShadesPelage);
-    let shaded = stand.picture(&camera);
-    assert!(green(&shaded) * 3 < green(&lit) * 2, "{} is not darker than {}", green(&shaded), green(&lit));
+    let Some(mut test_app) = gpu("bevy_cube_casts_its_shadow_on_fur") else { return };
+    let model = test_app.add_model("ball", &ball_package());
+    let camera = camera(&mut test_app);
+    test_app.spawn_sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    test_app.world().spawn(Pelage::fur(model));
+    let cube = test_app.spawn_cuboid(Vec3::splat(0.3), Vec3::new(-0.5, 0.5, 0.0), Color::BLACK);
+    let lit = test_app.picture(&camera);
+    test_app.world().entity_mut(cube).insert(PelageShadowCaster);
+    let shaded = test_app.picture(&camera);
+    assert!(
+        green_sum(&shaded) * 3 < green_sum(&lit) * 2,
+        "{} is not darker than {}",
+        green_sum(&shaded),
+        green_sum(&lit)
+    );
     // The cube moves aside, and the shadow maps must follow.
-    *stand.world().get_mut::<Transform>(cube).unwrap() = Transform::from_xyz(-0.5, 0.5, 0.8);
-    let aside = stand.picture(&camera);
-    assert!(green(&aside) * 10 > green(&lit) * 9, "{} is not as bright as {}", green(&aside), green(&lit));
+    *test_app.world().get_mut::<Transform>(cube).unwrap() = Transform::from_xyz(-0.5, 0.5, 0.8);
+    let aside = test_app.picture(&camera);
+    assert!(
+        green_sum(&aside) * 10 > green_sum(&lit) * 9,
+        "{} is not as bright as {}",
+        green_sum(&aside),
+        green_sum(&lit)
+    );
 }
 
 #[test]
 fn exposure_suns_and_ambient_light_come_from_bevy() {
-    let Some(mut stand) = gpu("exposure_suns_and_ambient_light_come_from_bevy") else { return };
-    let model = stand.model("ball", &ball());
-    let camera = camera(&mut stand);
-    let sun = stand.sun(Vec3::Y, false);
-    stand.world().spawn(Pelage::fur(model));
-    let full = stand.picture(&camera);
+    let Some(mut test_app) = gpu("exposure_suns_and_ambient_light_come_from_bevy") else { return };
+    let model = test_app.add_model("ball", &ball_package());
+    let camera = camera(&mut test_app);
+    let sun = test_app.spawn_sun(Vec3::Y, false);
+    test_app.world().spawn(Pelage::fur(model));
+    let full = test_app.picture(&camera);
     let default = Exposure::default().ev100;
-    stand.world().entity_mut(camera.entity).insert(Exposure { ev100: default + 2.0 });
-    let darker = stand.picture(&camera);
-    assert!(green(&darker) * 3 < green(&full) * 2, "two stops: {} beside {}", green(&darker), green(&full));
-    stand.world().despawn(sun);
-    assert_eq!(green(&stand.picture(&camera)), 0, "no sun, no light");
+    test_app.world().entity_mut(camera.entity).insert(Exposure { ev100: default + 2.0 });
+    let darker = test_app.picture(&camera);
+    assert!(
+        green_sum(&darker) * 3 < green_sum(&full) * 2,
+        "two stops: {} beside {}",
+        green_sum(&darker),
+        green_sum(&full)
+    );
+    test_app.world().despawn(sun);
+    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "without a sun there is no light");
     let ambient = bevy_light::AmbientLight { brightness: 1000.0, ..Default::default() };
-    stand.world().entity_mut(camera.entity).insert(ambient);
-    assert!(green(&stand.picture(&camera)) > 10_000, "a camera's own ambient light");
-    assert_eq!(stand.renderers().said().count(), 0);
+    test_app.world().entity_mut(camera.entity).insert(ambient);
+    assert!(green_sum(&test_app.picture(&camera)) > 10_000, "a camera's own ambient light");
+    assert_eq!(test_app.renderers().logged_messages().count(), 0);
 
-    stand.world().entity_mut(camera.entity).remove::<Hdr>();
-    (0..3).for_each(|_| drop(stand.picture(&camera)));
-    let said: Vec<_> = stand.renderers().said().collect();
-    assert!(matches!(said[..], [words] if words.contains("has no Hdr")), "{said:?}");
+    test_app.world().entity_mut(camera.entity).remove::<Hdr>();
+    (0..3).for_each(|_| drop(test_app.picture(&camera)));
+    let logged: Vec<_> = test_app.renderers().logged_messages().collect();
+    assert!(matches!(logged[..], [words] if words.contains("has no Hdr")), "{logged:?}");
 }
 
 /// Returns the sums of the green channel over the left and right halves of the picture.
-fn halves(picture: &Picture) -> [u64; 2] {
+fn green_sums_of_halves(picture: &Picture) -> [u64; 2] {
     let mut sums = [0; 2];
     for (i, pixel) in picture.pixels().enumerate() {
         sums[usize::from(i % SIZE[0] as usize >= SIZE[0] as usize / 2)] += u64::from(pixel[1]);
@@ -107,96 +124,99 @@ fn halves(picture: &Picture) -> [u64; 2] {
 
 #[test]
 fn environment_map_lights_from_its_direction_and_rotates() {
-    let Some(mut stand) = gpu("environment_map_lights_from_its_direction_and_rotates") else { return };
-    let model = stand.model("ball", &ball());
-    let camera = camera(&mut stand);
-    stand.world().spawn(Pelage::fur(model));
-    assert_eq!(green(&stand.picture(&camera)), 0, "no light");
+    let Some(mut test_app) = gpu("environment_map_lights_from_its_direction_and_rotates") else { return };
+    let model = test_app.add_model("ball", &ball_package());
+    let camera = camera(&mut test_app);
+    test_app.world().spawn(Pelage::fur(model));
+    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "no light");
     let lobe = |x: f32| LightLobe { towards: [x, 0.2, 0.0], width_deg: 20.0, radiance: [1.0, 6.0, 1.0] };
     let lights = Environment { lobes: vec![lobe(-1.0)], ..Environment::default() };
-    let shine = |stand: &mut Stand, lights: Environment, intensity: f32| {
-        stand.world().insert_resource(PelageEnvironment { lights: Some(lights), intensity });
-        stand.picture(&camera)
+    let shine = |test_app: &mut TestApp, lights: Environment, intensity: f32| {
+        test_app.world().insert_resource(PelageEnvironment { lights: Some(lights), intensity });
+        test_app.picture(&camera)
     };
-    let lit = shine(&mut stand, lights.clone(), 60.0);
-    let [left, right] = halves(&lit);
+    let lit = shine(&mut test_app, lights.clone(), 60.0);
+    let [left, right] = green_sums_of_halves(&lit);
     // Most of what is visible from above faces up, and is lit by the lights on both sides.
     assert!(100 * left > 108 * right && left > 3_000, "{left} {right}");
-    let turned = halves(&shine(&mut stand, lights.turned(180.0), 60.0));
+    let turned = green_sums_of_halves(&shine(&mut test_app, lights.turned(180.0), 60.0));
     assert!(100 * turned[1] > 108 * turned[0], "{turned:?}");
-    let dimmer = green(&shine(&mut stand, lights, 15.0));
-    assert!(dimmer * 3 < green(&lit) * 2, "two stops: {dimmer} beside {}", green(&lit));
-    stand.world().insert_resource(PelageEnvironment::default());
-    assert_eq!(green(&stand.picture(&camera)), 0, "and none again");
-    assert_eq!(stand.renderers().said().count(), 0);
+    let dimmer = green_sum(&shine(&mut test_app, lights, 15.0));
+    assert!(dimmer * 3 < green_sum(&lit) * 2, "two stops: {dimmer} beside {}", green_sum(&lit));
+    test_app.world().insert_resource(PelageEnvironment::default());
+    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "no light after the environment is removed");
+    assert_eq!(test_app.renderers().logged_messages().count(), 0);
 }
 
 #[test]
 fn fur_leans_as_time_passes_and_comes_to_rest() {
-    let Some(mut stand) = gpu("fur_leans_as_time_passes_and_comes_to_rest") else { return };
-    let model = stand.model("ball", &ball());
-    let camera = camera(&mut stand);
-    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
-    stand.world().spawn(Pelage::fur(model));
-    let blow = |stand: &mut Stand, velocity: Vec3| {
-        stand.world().resource_mut::<PelageHair>().0.as_mut().unwrap().wind.velocity = velocity;
+    let Some(mut test_app) = gpu("fur_leans_as_time_passes_and_comes_to_rest") else { return };
+    let model = test_app.add_model("ball", &ball_package());
+    let camera = camera(&mut test_app);
+    test_app.spawn_sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    test_app.world().spawn(Pelage::fur(model));
+    let blow = |test_app: &mut TestApp, velocity: Vec3| {
+        test_app.world().resource_mut::<PelageHair>().0.as_mut().unwrap().wind.velocity = velocity;
     };
-    let still = stand.picture(&camera);
-    blow(&mut stand, Vec3::new(8.0, 0.0, 0.0));
-    (0..5).for_each(|_| stand.wait(0.1));
-    let blown = stand.picture(&camera);
+    let still = test_app.picture(&camera);
+    blow(&mut test_app, Vec3::new(8.0, 0.0, 0.0));
+    (0..5).for_each(|_| test_app.advance(0.1));
+    let blown = test_app.picture(&camera);
     assert!(blown.differences(&still).0 > 0.5, "{:?}", blown.differences(&still));
-    assert_eq!(stand.picture(&camera), blown, "no time passes");
-    blow(&mut stand, Vec3::ZERO);
-    (0..80).for_each(|_| stand.wait(0.1));
-    let calm = stand.picture(&camera);
+    assert_eq!(test_app.picture(&camera), blown, "nothing moves while no time passes");
+    blow(&mut test_app, Vec3::ZERO);
+    (0..80).for_each(|_| test_app.advance(0.1));
+    let calm = test_app.picture(&camera);
     assert!(calm.differences(&still).0 < 0.05, "{:?}", calm.differences(&still));
-    stand.world().insert_resource(PelageHair(None));
-    let groomed = stand.picture(&camera);
+    test_app.world().insert_resource(PelageHair(None));
+    let groomed = test_app.picture(&camera);
     assert!(groomed.differences(&still).0 < 0.05, "{:?}", groomed.differences(&still));
-    assert_eq!(stand.renderers().said().count(), 0);
+    assert_eq!(test_app.renderers().logged_messages().count(), 0);
 }
 
 #[test]
 fn clips_move_the_animal_and_faults_are_reported_once() {
-    let Some(mut stand) = gpu("clips_move_the_animal_and_faults_are_reported_once") else { return };
-    let model = stand.model("ball", &ball());
-    let camera = camera(&mut stand);
-    stand.sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    let Some(mut test_app) = gpu("clips_move_the_animal_and_faults_are_reported_once") else { return };
+    let model = test_app.add_model("ball", &ball_package());
+    let camera = camera(&mut test_app);
+    test_app.spawn_sun(Vec3::new(-1.0, 1.0, 0.0), true);
     // Disables hair motion, which would continue while a clip is paused.
-    stand.world().insert_resource(PelageHair(None));
-    let ball = stand.world().spawn((Pelage::fur(model), PelageClip::new("bend"))).id();
-    let first = stand.picture(&camera);
-    let clip = |stand: &mut Stand| stand.world().get::<PelageClip>(ball).unwrap().clone();
-    stand.wait(0.25);
-    assert!((clip(&mut stand).time_s - 0.25).abs() < 1e-6, "{:?}", clip(&mut stand));
-    let bent = stand.picture(&camera);
+    test_app.world().insert_resource(PelageHair(None));
+    let ball = test_app.world().spawn((Pelage::fur(model), PelageClip::new("bend"))).id();
+    let first = test_app.picture(&camera);
+    let clip = |test_app: &mut TestApp| test_app.world().get::<PelageClip>(ball).unwrap().clone();
+    test_app.advance(0.25);
+    assert!((clip(&mut test_app).time_s - 0.25).abs() < 1e-6, "{:?}", clip(&mut test_app));
+    let bent = test_app.picture(&camera);
     assert!(bent.differences(&first).0 > 0.5, "{:?}", bent.differences(&first));
-    stand.world().get_mut::<PelageClip>(ball).unwrap().paused = true;
-    stand.wait(0.25);
-    assert_eq!(stand.picture(&camera), bent, "a clip that is paused");
-    stand.world().get_mut::<PelageClip>(ball).unwrap().time_s = 0.0;
-    assert_eq!(stand.picture(&camera), first, "and sought");
-    stand.world().get_mut::<PelageClip>(ball).unwrap().name = "fly".into();
-    let rest = stand.picture(&camera);
-    stand.world().entity_mut(ball).remove::<PelageClip>();
-    assert_eq!(stand.picture(&camera), rest, "an unknown clip is rest");
+    test_app.world().get_mut::<PelageClip>(ball).unwrap().paused = true;
+    test_app.advance(0.25);
+    assert_eq!(test_app.picture(&camera), bent, "a paused clip does not move the animal");
+    test_app.world().get_mut::<PelageClip>(ball).unwrap().time_s = 0.0;
+    assert_eq!(test_app.picture(&camera), first, "seeking moves the animal back");
+    test_app.world().get_mut::<PelageClip>(ball).unwrap().name = "fly".into();
+    let rest = test_app.picture(&camera);
+    test_app.world().entity_mut(ball).remove::<PelageClip>();
+    assert_eq!(test_app.picture(&camera), rest, "an animal with an unknown clip is at rest");
 
     // An animal scaled to zero, and one with the pose of a different skeleton, must not affect the others.
-    let model = stand.world().get::<Pelage>(ball).unwrap().model.clone();
-    let nothing = stand.world().spawn((Pelage::fur(model.clone()), Transform::from_scale(Vec3::ZERO))).id();
-    let strange = stand.world().spawn((Pelage::fur(model), PelageJoints(vec![Mat4::IDENTITY; 5]))).id();
-    assert_eq!(stand.picture(&camera), rest);
-    let said: Vec<_> = stand.renderers().said().collect();
-    assert!(matches!(said[..], [words] if words.contains("ball: PelageJoints has 5 matrices, expected 2")), "{said:?}");
-    stand.remove([nothing, strange]);
+    let model = test_app.world().get::<Pelage>(ball).unwrap().model.clone();
+    let nothing = test_app.world().spawn((Pelage::fur(model.clone()), Transform::from_scale(Vec3::ZERO))).id();
+    let strange = test_app.world().spawn((Pelage::fur(model), PelageJoints(vec![Mat4::IDENTITY; 5]))).id();
+    assert_eq!(test_app.picture(&camera), rest);
+    let logged: Vec<_> = test_app.renderers().logged_messages().collect();
+    assert!(
+        matches!(logged[..], [words] if words.contains("ball: PelageJoints has 5 matrices, expected 2")),
+        "{logged:?}"
+    );
+    test_app.remove([nothing, strange]);
 
     let wrong = FurParams::default().with(|fur| fur.layers = Some(0));
-    stand.world().get_mut::<Pelage>(ball).unwrap().style = Style::Fur(wrong);
-    (0..5).for_each(|_| stand.app.update());
-    let said: Vec<_> = stand.renderers().said().collect();
-    let told = |words: &&str| words.contains("FurParams::layers is 0, expected 1..=1024");
-    assert!(said.len() == 2 && said.iter().any(told), "{said:?}");
-    stand.world().get_mut::<Pelage>(ball).unwrap().style = Style::default();
-    assert_eq!(stand.picture(&camera), rest, "and the app lives on");
+    test_app.world().get_mut::<Pelage>(ball).unwrap().style = Style::Fur(wrong);
+    (0..5).for_each(|_| test_app.app.update());
+    let logged: Vec<_> = test_app.renderers().logged_messages().collect();
+    let names_layers = |words: &&str| words.contains("FurParams::layers is 0, expected 1..=1024");
+    assert!(logged.len() == 2 && logged.iter().any(names_layers), "{logged:?}");
+    test_app.world().get_mut::<Pelage>(ball).unwrap().style = Style::default();
+    assert_eq!(test_app.picture(&camera), rest, "the app continues after the error");
 }

@@ -54,20 +54,20 @@ impl Picture {
     }
 
     /// Returns the rectangle of the picture with the given upper left corner and size, pixels.
-    pub fn part(&self, [left, top]: [u32; 2], size: [u32; 2]) -> Self {
+    pub fn crop(&self, [left, top]: [u32; 2], size: [u32; 2]) -> Self {
         let rows = (0..size[1]).flat_map(|y| (0..size[0]).flat_map(move |x| self.pixel(left + x, top + y)));
         Self { size, rgba: rows.collect() }
     }
 }
 
 /// Test app without a window.
-pub struct Stand {
+pub struct TestApp {
     pub app: App,
 }
 
 /// Pictures that were read back, by the entity of the `Readback`.
 #[derive(Resource, Default)]
-struct Read(std::collections::HashMap<Entity, Vec<u8>>);
+struct ReadbackData(std::collections::HashMap<Entity, Vec<u8>>);
 
 /// A test camera: its entity and its image with size.
 #[derive(Clone)]
@@ -78,16 +78,16 @@ pub struct TestCamera {
 }
 
 /// Returns a test app for the GPU test named `test`. `None`, with a message, if GPU tests are disabled.
-pub fn gpu(test: &str) -> Option<Stand> {
+pub fn gpu(test: &str) -> Option<TestApp> {
     if !gpu_is_wanted(test) {
         return None;
     }
-    let stand = Stand::new();
-    log_available(Need::Gpu, test, &stand.render_world().resource::<RenderAdapterInfo>().name);
-    Some(stand)
+    let test_app = TestApp::new();
+    log_available(Need::Gpu, test, &test_app.render_world().resource::<RenderAdapterInfo>().name);
+    Some(test_app)
 }
 
-impl Stand {
+impl TestApp {
     /// Creates an app with all plugins that Bevy needs to draw meshes. Only tests advance its time.
     pub fn new() -> Self {
         let mut app = App::new();
@@ -122,7 +122,7 @@ impl Stand {
         .insert_resource(ClearColor(Color::BLACK))
         .insert_resource(GlobalAmbientLight::NONE)
         .insert_resource(DirectionalLightShadowMap { size: 512 })
-        .init_resource::<Read>();
+        .init_resource::<ReadbackData>();
         app.finish();
         app.cleanup();
         Self { app }
@@ -149,20 +149,20 @@ impl Stand {
     }
 
     /// Advances time by `seconds` in one frame.
-    pub fn wait(&mut self, seconds: f32) {
+    pub fn advance(&mut self, seconds: f32) {
         *self.world().resource_mut() = TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(seconds));
         self.app.update();
         *self.world().resource_mut() = TimeUpdateStrategy::ManualDuration(Duration::ZERO);
     }
 
     /// Adds a model, made from the bytes of a package, to the assets.
-    pub fn model(&mut self, name: &str, bytes: &[u8]) -> Handle<PelageModel> {
+    pub fn add_model(&mut self, name: &str, bytes: &[u8]) -> Handle<PelageModel> {
         let model = PelageModel::from_bytes(name, bytes.to_vec()).unwrap();
         self.world().resource_mut::<Assets<PelageModel>>().add(model)
     }
 
     /// Spawns a camera that draws to its own image, without tone mapping.
-    pub fn camera(&mut self, size: [u32; 2], msaa: Msaa, place: Transform) -> TestCamera {
+    pub fn spawn_camera(&mut self, size: [u32; 2], msaa: Msaa, place: Transform) -> TestCamera {
         let mut image = Image::new_target_texture(size[0], size[1], TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= bevy_render::render_resource::TextureUsages::COPY_SRC;
         image.asset_usage = RenderAssetUsages::RENDER_WORLD;
@@ -186,14 +186,14 @@ impl Stand {
     }
 
     /// Spawns a sun of full light that shines from the direction `from`.
-    pub fn sun(&mut self, from: Vec3, shadows: bool) -> Entity {
+    pub fn spawn_sun(&mut self, from: Vec3, shadows: bool) -> Entity {
         let full = std::f32::consts::PI / bevy_camera::Exposure::default().exposure();
         let light = DirectionalLight { illuminance: full, shadow_maps_enabled: shadows, ..Default::default() };
         self.world().spawn((light, Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y))).id()
     }
 
     /// Spawns a Bevy cuboid.
-    pub fn cuboid(&mut self, size: Vec3, at: Vec3, color: Color) -> Entity {
+    pub fn spawn_cuboid(&mut self, size: Vec3, at: Vec3, color: Color) -> Entity {
         let mesh = Mesh::from(bevy_shape::Cuboid::from_size(size));
         let mesh = self.world().resource_mut::<Assets<Mesh>>().add(mesh);
         let material =
@@ -208,21 +208,21 @@ impl Stand {
         (0..4).for_each(|_| self.app.update());
         let reader = self.world().spawn(Readback::texture(camera.image.clone())).id();
         let entity = reader;
-        self.world().entity_mut(reader).observe(move |event: On<ReadbackComplete>, mut read: ResMut<Read>| {
+        self.world().entity_mut(reader).observe(move |event: On<ReadbackComplete>, mut read: ResMut<ReadbackData>| {
             read.0.insert(entity, event.data.clone());
         });
         let rgba = (0..100).find_map(|_| {
             self.app.update();
-            self.world().resource_mut::<Read>().0.remove(&reader)
+            self.world().resource_mut::<ReadbackData>().0.remove(&reader)
         });
         self.world().despawn(reader);
         let rgba = rgba.expect("a picture within a hundred frames");
-        Picture { size: camera.size, rgba: unpadded(&rgba, camera.size) }
+        Picture { size: camera.size, rgba: remove_padding(&rgba, camera.size) }
     }
 }
 
 /// Removes the alignment padding of rows.
-fn unpadded(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
+fn remove_padding(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
     let row = 4 * width as usize;
     if bytes.len() == row * height as usize {
         return bytes.to_vec();
@@ -231,6 +231,6 @@ fn unpadded(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
 }
 
 /// Returns the package of a furry ball of 12.5 cm. It has a skeleton, a clip that bends it, and the ink style.
-pub fn ball() -> Vec<u8> {
+pub fn ball_package() -> Vec<u8> {
     sphere::package(&SphereParams { skeleton: true, ink: true, quads: 12, ..SphereParams::default() })
 }

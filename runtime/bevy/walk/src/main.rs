@@ -33,7 +33,7 @@ use bevy_transform::TransformPlugin;
 use bevy_transform::components::Transform;
 use bevy_window::{ExitCondition, Window, WindowPlugin};
 use bevy_winit::WinitPlugin;
-use scene::{Animals, Stage};
+use scene::{AnimalModels, SceneSize};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -42,7 +42,7 @@ use std::process::ExitCode;
 struct Orbit {
     turn_rad: f32,
     /// Natural logarithm of the distance divided by the default distance.
-    farther: f32,
+    log_distance: f32,
 }
 
 fn main() -> ExitCode {
@@ -53,24 +53,24 @@ fn main() -> ExitCode {
         picture = tail.next().map(PathBuf::from);
         packages.extend(tail.filter(|_| picture.is_some()));
         if picture.is_none() {
-            return usage("--picture needs the name of a PNG file");
+            return usage_error("--picture: expected the name of a PNG file");
         }
     }
     if packages.is_empty() {
-        return usage("no package is named");
+        return usage_error("expected at least one package");
     }
-    let (mut app, drawn) = (app(picture.is_none()), picture.map(picture::Wanted::new));
+    let (mut app, drawn) = (app(picture.is_none()), picture.map(picture::PictureRequest::new));
     let server = app.world().resource::<AssetServer>().clone();
     let absolute = |package: &String| std::path::absolute(package).unwrap_or_else(|_| package.into());
     // Bevy resolves relative paths in its asset folder; packages may be anywhere, so their paths are made absolute.
     let load = |package: &String| server.load(absolute(package).to_string_lossy().into_owned());
-    app.insert_resource(Animals(packages.iter().map(load).collect()));
+    app.insert_resource(AnimalModels(packages.iter().map(load).collect()));
     scene::add(&mut app);
-    app.add_systems(Update, leave_without_animals);
+    app.add_systems(Update, exit_on_load_failure);
     match drawn {
-        Some(wanted) => picture::add(&mut app, wanted),
+        Some(request) => picture::add(&mut app, request),
         None => {
-            app.init_resource::<Orbit>().add_systems(Update, (add_camera, keys, orbit).chain());
+            app.init_resource::<Orbit>().add_systems(Update, (add_camera, handle_keys, orbit_camera).chain());
         }
     }
     match app.run() {
@@ -79,7 +79,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn usage(fault: &str) -> ExitCode {
+fn usage_error(fault: &str) -> ExitCode {
     eprintln!("{fault}\nusage: bevy-pelage-walk PACKAGE.pelage... [--picture FILE.png]");
     ExitCode::from(2)
 }
@@ -120,12 +120,12 @@ fn app(window: bool) -> App {
 }
 
 /// Returns the camera of both modes. It is HDR, so that fur and meshes get the same exposure and tone mapping.
-fn camera(place: Transform) -> impl Bundle {
+fn camera_bundle(place: Transform) -> impl Bundle {
     (Camera3d::default(), Hdr, Tonemapping::AcesFitted, place)
 }
 
 /// Quits if a package cannot be loaded, and reports the reason.
-fn leave_without_animals(animals: Res<Animals>, server: Res<AssetServer>, mut exit: MessageWriter<AppExit>) {
+fn exit_on_load_failure(animals: Res<AnimalModels>, server: Res<AssetServer>, mut exit: MessageWriter<AppExit>) {
     let failed = |handle: &Handle<PelageModel>| match server.load_state(handle) {
         LoadState::Failed(fault) => Some(fault),
         _ => None,
@@ -136,15 +136,15 @@ fn leave_without_animals(animals: Res<Animals>, server: Res<AssetServer>, mut ex
     }
 }
 
-fn add_camera(mut commands: Commands, stage: Option<Res<Stage>>, cameras: Query<(), With<Camera3d>>) {
-    if let Some(stage) = stage
+fn add_camera(mut commands: Commands, scene_size: Option<Res<SceneSize>>, cameras: Query<(), With<Camera3d>>) {
+    if let Some(scene_size) = scene_size
         && cameras.is_empty()
     {
-        commands.spawn(camera(scene::seen_from(&stage, 0.0)));
+        commands.spawn(camera_bundle(scene::overview_camera(&scene_size, 0.0)));
     }
 }
 
-fn keys(
+fn handle_keys(
     keys: Res<ButtonInput<KeyCode>>,
     real: Res<Time<bevy_time::Real>>,
     mut time: ResMut<Time<Virtual>>,
@@ -154,7 +154,7 @@ fn keys(
 ) {
     if keys.just_pressed(KeyCode::KeyI) {
         let inked = animals.iter().any(|animal: &Pelage| animal.style.kind() == StyleKind::Ink);
-        let style: Style = if inked { scene::fur() } else { scene::ink() };
+        let style: Style = if inked { scene::fur_style() } else { scene::ink_style() };
         scene::restyle(&mut animals, &style);
     }
     if keys.just_pressed(KeyCode::Space) {
@@ -167,13 +167,17 @@ fn keys(
         real.delta_secs() * (f32::from(u8::from(keys.pressed(more))) - f32::from(u8::from(keys.pressed(less))))
     };
     orbit.turn_rad += 1.2 * held(KeyCode::ArrowRight, KeyCode::ArrowLeft);
-    orbit.farther = (orbit.farther + held(KeyCode::ArrowDown, KeyCode::ArrowUp)).clamp(-1.5, 1.0);
+    orbit.log_distance = (orbit.log_distance + held(KeyCode::ArrowDown, KeyCode::ArrowUp)).clamp(-1.5, 1.0);
 }
 
-fn orbit(orbit: Res<Orbit>, stage: Option<Res<Stage>>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
-    let Some(stage) = stage else { return };
+fn orbit_camera(
+    orbit: Res<Orbit>,
+    scene_size: Option<Res<SceneSize>>,
+    mut cameras: Query<&mut Transform, With<Camera3d>>,
+) {
+    let Some(scene_size) = scene_size else { return };
     for mut camera in &mut cameras {
-        let place = scene::seen_from(&stage, orbit.turn_rad);
-        *camera = place.with_translation(place.translation * orbit.farther.exp());
+        let place = scene::overview_camera(&scene_size, orbit.turn_rad);
+        *camera = place.with_translation(place.translation * orbit.log_distance.exp());
     }
 }

@@ -1,7 +1,7 @@
 //! Picture mode: writes a PNG file without opening a window. It shows the scene in fur and in ink, one above the other.
 
-use crate::camera;
-use crate::scene::{self, Stage};
+use crate::camera_bundle;
+use crate::scene::{self, SceneSize};
 use bevy_app::{App, AppExit, Update};
 use bevy_asset::{Assets, Handle};
 use bevy_camera::RenderTarget;
@@ -23,7 +23,7 @@ const FRAMES: u32 = 8;
 
 /// Requested picture and its progress.
 #[derive(Resource)]
-pub struct Wanted {
+pub struct PictureRequest {
     file: PathBuf,
     target: Option<Handle<Image>>,
     reader: Option<Entity>,
@@ -33,7 +33,7 @@ pub struct Wanted {
     halves: Vec<Vec<u8>>,
 }
 
-impl Wanted {
+impl PictureRequest {
     /// Requests a picture, to be written to `file`.
     pub fn new(file: PathBuf) -> Self {
         Self { file, target: None, reader: None, frames: 0, halves: Vec::new() }
@@ -41,58 +41,58 @@ impl Wanted {
 }
 
 /// Adds the system that draws the picture and quits.
-pub fn add(app: &mut App, wanted: Wanted) {
+pub fn add(app: &mut App, request: PictureRequest) {
     // Every frame advances time by the same amount, however long it takes to draw.
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)))
-        .insert_resource(wanted)
+        .insert_resource(request)
         .add_systems(Update, draw);
 }
 
 fn draw(
     mut commands: Commands,
-    stage: Option<Res<Stage>>,
-    mut wanted: ResMut<Wanted>,
+    scene_size: Option<Res<SceneSize>>,
+    mut request: ResMut<PictureRequest>,
     mut images: ResMut<Assets<Image>>,
     mut animals: Query<&mut Pelage>,
 ) {
-    let Some(stage) = stage else { return };
-    let Some(target) = wanted.target.clone() else {
+    let Some(scene_size) = scene_size else { return };
+    let Some(target) = request.target.clone() else {
         let [width, height] = SIZE;
         let mut image = Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
         image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
         let target = images.add(image);
-        commands.spawn((camera(scene::seen_from(&stage, 0.0)), RenderTarget::from(target.clone())));
-        wanted.target = Some(target);
+        commands.spawn((camera_bundle(scene::overview_camera(&scene_size, 0.0)), RenderTarget::from(target.clone())));
+        request.target = Some(target);
         return;
     };
-    wanted.frames += 1;
-    if wanted.frames == FRAMES && !wanted.halves.is_empty() {
-        scene::restyle(&mut animals, &scene::ink());
+    request.frames += 1;
+    if request.frames == FRAMES && !request.halves.is_empty() {
+        scene::restyle(&mut animals, &scene::ink_style());
     }
-    if wanted.frames == 2 * FRAMES {
-        let reader = commands.spawn(Readback::texture(target)).observe(keep).id();
-        wanted.reader = Some(reader);
+    if request.frames == 2 * FRAMES {
+        let reader = commands.spawn(Readback::texture(target)).observe(store_half).id();
+        request.reader = Some(reader);
     }
 }
 
-fn keep(
+fn store_half(
     read: On<ReadbackComplete>,
     mut commands: Commands,
-    mut wanted: ResMut<Wanted>,
+    mut request: ResMut<PictureRequest>,
     mut exit: MessageWriter<AppExit>,
 ) {
-    let Some(reader) = wanted.reader.take() else { return };
+    let Some(reader) = request.reader.take() else { return };
     commands.entity(reader).despawn();
     let row = 4 * SIZE[0] as usize;
     // The rows of a copied texture have alignment padding, which is removed.
     let rows = read.data.chunks_exact(read.data.len() / SIZE[1] as usize).flat_map(|aligned| &aligned[..row]);
-    wanted.halves.push(rows.copied().collect());
-    wanted.frames = 0;
-    if wanted.halves.len() == 2 {
-        exit.write(match write(&wanted.file, &wanted.halves.concat()) {
+    request.halves.push(rows.copied().collect());
+    request.frames = 0;
+    if request.halves.len() == 2 {
+        exit.write(match write(&request.file, &request.halves.concat()) {
             Ok(()) => AppExit::Success,
             Err(fault) => {
-                error!("{}: {fault}", wanted.file.display());
+                error!("{}: {fault}", request.file.display());
                 AppExit::error()
             }
         });

@@ -9,7 +9,7 @@ use bevy_math::{Quat, Vec3};
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_pelage::runtime::{FurParams, InkBackground, InkParams, Style};
-use bevy_pelage::{Pelage, PelageClip, PelageModel, ShadesPelage};
+use bevy_pelage::{Pelage, PelageClip, PelageModel, PelageShadowCaster};
 use bevy_shape::{Cuboid, Plane3d};
 use bevy_time::Time;
 use bevy_transform::components::Transform;
@@ -17,11 +17,11 @@ use std::f32::consts::TAU;
 
 /// Models of the animals in the order of their circles, innermost first.
 #[derive(Resource)]
-pub struct Animals(pub Vec<Handle<PelageModel>>);
+pub struct AnimalModels(pub Vec<Handle<PelageModel>>);
 
 /// Size of the scene; this resource exists once all animals are loaded.
 #[derive(Resource, Clone, Copy, Debug)]
-pub struct Stage {
+pub struct SceneSize {
     /// Radius of the outermost circle, metres.
     pub radius_m: f32,
     /// Height of the tallest animal, metres.
@@ -42,26 +42,26 @@ struct Walker {
 
 impl Walker {
     /// Returns the transform at a time. The animal faces its walking direction; models face +z.
-    fn at(&self, time_s: f32) -> Transform {
+    fn transform_at(&self, time_s: f32) -> Transform {
         let angle = self.start_rad + time_s * self.speed_m_s / self.radius_m;
         let place = Vec3::new(self.radius_m * angle.sin(), self.lift_m, self.radius_m * angle.cos());
         Transform::from_translation(place).with_rotation(Quat::from_rotation_y(angle + 0.25 * TAU))
     }
 }
 
-/// Adds the scene to an app. The scene is set up once all of [`Animals`] are loaded.
+/// Adds the scene to an app. The scene is set up once all of [`AnimalModels`] are loaded.
 pub fn add(app: &mut App) {
     app.insert_resource(GlobalAmbientLight { brightness: 1_500.0, ..Default::default() })
-        .add_systems(Update, (set_up.run_if(not_yet), walk));
+        .add_systems(Update, (set_up.run_if(scene_is_missing), walk));
 }
 
-fn not_yet(stage: Option<Res<Stage>>) -> bool {
-    stage.is_none()
+fn scene_is_missing(scene_size: Option<Res<SceneSize>>) -> bool {
+    scene_size.is_none()
 }
 
 fn set_up(
     mut commands: Commands,
-    animals: Res<Animals>,
+    animals: Res<AnimalModels>,
     models: Res<Assets<PelageModel>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
@@ -69,21 +69,22 @@ fn set_up(
     let Some(loaded) = animals.0.iter().map(|handle| models.get(handle)).collect::<Option<Vec<_>>>() else { return };
     let height_m = loaded.iter().map(|model| 2.0 * model.bounds().half_extents.y).fold(0.0, f32::max);
     // The innermost circle leaves room for the box in the middle.
-    let mut stage = Stage { radius_m: 0.4 * height_m, height_m };
+    let mut scene_size = SceneSize { radius_m: 0.4 * height_m, height_m };
     for (number, (handle, model)) in (0u8..).zip(animals.0.iter().zip(loaded)) {
         let (bounds, fur) = (model.bounds(), model.fur_height_m());
         let length = bounds.half_extents.z;
-        stage.radius_m += 1.5 * length + bounds.half_extents.x;
+        scene_size.radius_m += 1.5 * length + bounds.half_extents.x;
         // The speed approximately matches the clips of the built-in animals.
         let speed_m_s = 0.5 * length.max(bounds.half_extents.y);
         let lift_m = bounds.half_extents.y - bounds.center.y - fur;
-        let walker = Walker { radius_m: stage.radius_m, start_rad: -0.5 + 0.8 * f32::from(number), speed_m_s, lift_m };
-        let mut animal = commands.spawn((Pelage::fur(handle.clone()), walker, walker.at(0.0)));
+        let walker =
+            Walker { radius_m: scene_size.radius_m, start_rad: -0.5 + 0.8 * f32::from(number), speed_m_s, lift_m };
+        let mut animal = commands.spawn((Pelage::fur(handle.clone()), walker, walker.transform_at(0.0)));
         // An animal without a clip of that name glides without moving its legs.
         if model.clip("Walk").is_ok() {
             animal.insert(PelageClip::new("Walk"));
         }
-        stage.radius_m += bounds.half_extents.x;
+        scene_size.radius_m += bounds.half_extents.x;
     }
 
     let mut material = |color: Color| {
@@ -99,14 +100,14 @@ fn set_up(
         material(Color::srgb(0.62, 0.6, 0.55)),
         material(Color::srgb(0.55, 0.3, 0.22)),
     );
-    let (r, h) = (stage.radius_m, stage.height_m);
+    let (r, h) = (scene_size.radius_m, scene_size.height_m);
     let ground = meshes.add(Plane3d::new(Vec3::Y, 12.0 * r * bevy_math::Vec2::ONE));
     commands.spawn((Mesh3d(ground), MeshMaterial3d(grass)));
     // Posts around the circles, a box in their middle, and a low wall behind.
     let mut block = |size: Vec3, at: Vec3, turn: f32, material: &Handle<StandardMaterial>| {
         let place = Transform::from_translation(at + 0.5 * size.y * Vec3::Y).with_rotation(Quat::from_rotation_y(turn));
         let mesh = meshes.add(Cuboid::from_size(size));
-        commands.spawn((Mesh3d(mesh), MeshMaterial3d(material.clone()), place, ShadesPelage));
+        commands.spawn((Mesh3d(mesh), MeshMaterial3d(material.clone()), place, PelageShadowCaster));
     };
     for (angle, height) in [(-1.35f32, 1.5), (-0.75, 1.5), (0.75, 1.5), (1.35, 1.5), (2.2, 1.1), (-2.2, 1.1)] {
         let at = Vec3::new(angle.sin(), 0.0, angle.cos()) * 1.12 * r;
@@ -119,31 +120,31 @@ fn set_up(
     let cascades = CascadeShadowConfigBuilder { num_cascades: 2, maximum_distance: 12.0 * r, ..Default::default() };
     let from = Vec3::new(-1.0, 0.9, 0.6);
     commands.spawn((sun, cascades.build(), Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y)));
-    commands.insert_resource(stage);
+    commands.insert_resource(scene_size);
 }
 
 fn walk(mut walkers: Query<(&Walker, &mut Transform)>, time: Res<Time>) {
     for (walker, mut transform) in &mut walkers {
-        *transform = walker.at(time.elapsed_secs());
+        *transform = walker.transform_at(time.elapsed_secs());
     }
 }
 
 /// Returns a camera position from which all circles and animals are visible.
 ///
 /// * `turn_rad`: rotation about the centre; at 0 the camera is on the +z side
-pub fn seen_from(stage: &Stage, turn_rad: f32) -> Transform {
-    let distance = 2.1 * stage.radius_m;
-    let eye = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.5 * stage.height_m + 0.18 * distance, distance);
-    Transform::from_translation(eye).looking_at(Vec3::Y * 0.35 * stage.height_m, Vec3::Y)
+pub fn overview_camera(scene_size: &SceneSize, turn_rad: f32) -> Transform {
+    let distance = 2.1 * scene_size.radius_m;
+    let eye = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.5 * scene_size.height_m + 0.18 * distance, distance);
+    Transform::from_translation(eye).looking_at(Vec3::Y * 0.35 * scene_size.height_m, Vec3::Y)
 }
 
 /// Returns the default fur style.
-pub fn fur() -> Style {
+pub fn fur_style() -> Style {
     Style::Fur(FurParams::default())
 }
 
 /// Returns the ink style that paints over Bevy's picture.
-pub fn ink() -> Style {
+pub fn ink_style() -> Style {
     Style::Ink(InkParams::default().with(|ink| ink.background = InkBackground::Picture))
 }
 

@@ -25,8 +25,9 @@ pub(crate) struct StrandSet {
     pub(crate) count: u32,
     /// Strand range of each part of the manifest, aligned to workgroups.
     pub(crate) of_parts: Vec<Range<u32>>,
-    /// Number of points of all dry strands of the tile. The next field is the largest radius, metres.
+    /// Number of points of all dry strands of the tile.
     pub(super) dry_points: u32,
+    /// Radius that the largest stored value represents, metres.
     pub(super) radius: f32,
     /// Mean width of the tile's dry strands over all their points, metres.
     pub(crate) mean_width_m: f32,
@@ -113,8 +114,8 @@ impl StrandSet {
         }
     }
 
-    /// Returns the share of strands that are drawn into the deep opacity map, each correspondingly wider: all guided
-    /// hairs, and as many fur strands as a map can resolve.
+    /// Returns the share of strands that are drawn into the deep opacity map, each correspondingly wider. The share
+    /// covers all guided hairs, and as many fur strands as a map can resolve.
     pub(crate) fn shadow_share(&self) -> f32 {
         match self.growth {
             StrandSource::Fur { .. } => (MOST_SHADOWING / self.count.max(1) as f32).min(1.0),
@@ -217,8 +218,9 @@ pub(crate) struct StrandConstants {
     pub(crate) dry_points: u32,
     /// Radius that the largest stored value represents, metres.
     pub(crate) radius: f32,
-    /// First strand of the part; the next field is the end of the range.
+    /// First strand of the part.
     pub(crate) first: u32,
+    /// End of the part's strand range.
     pub(crate) end: u32,
     /// Share of the strands that are drawn.
     pub(crate) share: f32,

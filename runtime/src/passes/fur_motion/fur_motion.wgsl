@@ -19,15 +19,16 @@ struct FurMotion {
     scale: f32,
     // Strength of the lean; 1 is natural.
     strength: f32,
-    // 1: first frame of motion. 2: second frame, in which the previous velocity of the surface is unknown. Otherwise 0.
+    // Reset state. 1: first frame of motion. 2: second frame, in which the previous velocity of the surface is unknown.
+    // Otherwise 0.
     begins: u32,
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
 // Six words per vertex; the first two bytes of the last word are bareness and wetness.
 @group(0) @binding(1) var<storage, read> attributes: array<u32>;
-// Three vectors per vertex: offset of the tip from its groomed position, velocity of that offset, surface position
-// relative to the model origin. Their w components hold the surface velocity.
+// Tip particles, three vectors per vertex: offset of the tip from its groomed position; velocity of that offset;
+// surface position relative to the model origin. Their w components hold the surface velocity.
 @group(0) @binding(2) var<storage, read_write> tips: array<vec4<f32>>;
 @group(0) @binding(3) var<storage, read_write> leaned: array<GeometryVertex>;
 // A storage buffer, because Mesa's lavapipe recompiles a shader for each value of a uniform that it branches on.
@@ -47,9 +48,9 @@ const MOST_LEAN_RAD: f32 = 0.7;
 const FARTHEST: f32 = 2.0;
 // Length below which hair does not move, metres.
 const SHORTEST_M: f32 = 1e-5;
-// Share of its motion that fur loses where the hair lies flat (formulas 2.7). The next constant is the share that fur
-// loses where it is wet.
+// Share of its motion that fur loses where the hair lies flat (formulas 2.7).
 const HELD_BY_LEAN: f32 = 0.5;
+// Share of its motion that fur loses where it is wet (formulas 2.7).
 const HELD_BY_WATER: f32 = 0.6;
 
 // Limits the length of a vector to `most`.
@@ -122,6 +123,8 @@ fn advance(index: u32, v: GeometryVertex, size: f32) -> vec3<f32> {
     return limit_length(aside + beside * (0.5 * h), FARTHEST * size);
 }
 
+// Stores the tip particle of a vertex. `aside`: offset of the tip; `beside`: velocity of that offset; `root`: surface
+// position; `of_skin`: velocity of the surface.
 fn store(index: u32, aside: vec3<f32>, beside: vec3<f32>, root: vec3<f32>, of_skin: vec3<f32>) {
     tips[3u * index] = vec4(aside, of_skin.x);
     tips[3u * index + 1u] = vec4(beside, of_skin.y);

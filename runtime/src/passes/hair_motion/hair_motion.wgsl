@@ -32,18 +32,19 @@ struct HairMotion {
 }
 
 @group(0) @binding(0) var<storage, read> vertices: array<GeometryVertex>;
-// Per guide: corners of its triangle, and root weights of the second and third corner, unorm.
+// Corners of each guide's triangle, and root weights of the second and third corner, unorm.
 @group(0) @binding(1) var<storage, read> triangles: array<vec4<u32>>;
-// Per guide: its groomed points, in the frame of its triangle. The next buffer, `ballast`, holds the acceleration that
-// keeps each point at its groomed position at rest. Its w component holds the freedom of the guide.
+// Groomed points of each guide, in the frame of its triangle.
 @group(0) @binding(2) var<storage, read> groomed: array<vec4<f32>>;
+// Acceleration that keeps each guide point at its groomed position at rest. The w component holds the freedom of the
+// guide.
 @group(0) @binding(3) var<storage, read> ballast: array<vec4<f32>>;
-// Per guide: position and velocity of each particle, then the triangle frame (three vectors) and the root of the
-// previous frame.
-@group(0) @binding(4) var<storage, read_write> pearls: array<vec4<f32>>;
+// State of each guide: position and velocity of each particle, then the triangle frame (three vectors) and the root of
+// the previous frame.
+@group(0) @binding(4) var<storage, read_write> particles: array<vec4<f32>>;
 @group(0) @binding(5) var<storage, read_write> posed_guides: array<vec4<f32>>;
-// Per collider: both ends in the previous frame, then both ends in this frame, relative to the current model origin.
-// The first end of each pair has the radius in w.
+// Colliders: both ends in the previous frame, then both ends in this frame, relative to the current model origin. The
+// first end of each pair has the radius in w.
 @group(0) @binding(6) var<storage, read> colliders: array<vec4<f32>>;
 // A storage buffer, because Mesa's lavapipe recompiles a shader for each value of a uniform that it branches on.
 @group(0) @binding(7) var<storage, read> motion: HairMotion;
@@ -52,9 +53,9 @@ struct HairMotion {
 const MOST_POINTS: u32 = 65u;
 // Minimum number of steps per second (formulas 2.6).
 const STEPS_PER_S: f32 = 120.0;
-// Maximum number of solver iterations for the tensions (formulas 2.6). The next constant is the relative length error
-// at which the iterations stop early.
+// Maximum number of solver iterations for the tensions (formulas 2.6).
 const SOLVED: u32 = 16u;
+// Relative length error at which the solver iterations stop early (formulas 2.6).
 const WITHIN: f32 = 1e-4;
 // Number of passes in which a particle is pushed out of the colliders.
 const PUSHED: u32 = 3u;
@@ -72,7 +73,7 @@ const TAU: f32 = 6.2831853;
 const NEAR_MARGIN: f32 = 1.001;
 
 // Working state of the guide that a thread simulates.
-var<private> first_pearl: u32;
+var<private> first_particle: u32;
 var<private> first_point: u32;
 var<private> left: array<f32, MOST_POINTS>;
 var<private> right: array<f32, MOST_POINTS>;
@@ -101,20 +102,22 @@ fn find_near(root: vec3<f32>, old_root: vec3<f32>) {
     }
 }
 
+// Returns the current position of particle `k` of the guide.
 fn particle_position(k: u32) -> vec3<f32> {
-    return pearls[first_pearl + 2u * k].xyz;
+    return particles[first_particle + 2u * k].xyz;
 }
 
 fn set_particle_position(k: u32, value: vec3<f32>) {
-    pearls[first_pearl + 2u * k] = vec4(value, 0.0);
+    particles[first_particle + 2u * k] = vec4(value, 0.0);
 }
 
+// Returns the velocity of particle `k` of the guide, between steps.
 fn velocity(k: u32) -> vec3<f32> {
-    return pearls[first_pearl + 2u * k + 1u].xyz;
+    return particles[first_particle + 2u * k + 1u].xyz;
 }
 
 fn set_velocity(k: u32, value: vec3<f32>) {
-    pearls[first_pearl + 2u * k + 1u] = vec4(value, 0.0);
+    particles[first_particle + 2u * k + 1u] = vec4(value, 0.0);
 }
 
 // Returns the position of a particle at the start of the step. During a step, it is stored in the slot that holds the
@@ -123,6 +126,7 @@ fn start_position(k: u32) -> vec3<f32> {
     return velocity(k);
 }
 
+// Returns how freely particle `k` moves: 0 where the guide is held, rising smoothly to the freedom of the guide.
 fn freedom(k: u32) -> f32 {
     let share = f32(k) / f32(motion.points - 1u);
     if share <= motion.held {
@@ -132,6 +136,7 @@ fn freedom(k: u32) -> f32 {
     return way * way * (3.0 - 2.0 * way) * ballast[first_point + k].w;
 }
 
+// Returns the unit vector along `v`, or `other` if `v` is too short.
 fn direction(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     let size = length(v);
     if size > 1e-9 {
@@ -140,6 +145,7 @@ fn direction(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
     return other;
 }
 
+// Returns the groomed segment that ends at point `k`. `frame`: current frame of the triangle at the root.
 fn groomed_segment(frame: mat3x3<f32>, k: u32) -> vec3<f32> {
     return frame * groomed[first_point + k].xyz - frame * groomed[first_point + k - 1u].xyz;
 }
@@ -157,23 +163,29 @@ fn rotation_between(from_way: vec3<f32>, to_way: vec3<f32>) -> vec4<f32> {
     return normalize(vec4(cross(a, b), half));
 }
 
+// Rotates a vector by a unit quaternion.
 fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
     return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
 }
 
+// Returns the quaternion that rotates by `first`, then by `second`.
 fn quaternion_product(second: vec4<f32>, first: vec4<f32>) -> vec4<f32> {
     let turn = second.w * first.xyz + first.w * second.xyz + cross(second.xyz, first.xyz);
     return vec4(turn, second.w * first.w - dot(second.xyz, first.xyz));
 }
 
+// Returns the current direction of the segment that ends at particle `k`.
 fn direction_now(k: u32) -> vec3<f32> {
     return direction(particle_position(k) - particle_position(k - 1u), UP);
 }
 
+// Returns the direction, at the start of the step, of the segment that ends at particle `k`.
 fn direction_at_start(k: u32) -> vec3<f32> {
     return direction(start_position(k) - start_position(k - 1u), UP);
 }
 
+// Returns the direction along which the tension of the segment that ends at particle `k` acts. This is the direction at
+// the start of the step, or the current one if the segment has rotated too far.
 fn constraint_direction(k: u32) -> vec3<f32> {
     let now = direction_now(k);
     let then = direction_at_start(k);
@@ -346,6 +358,7 @@ fn resolve_lengths_and_collisions(frame: mat3x3<f32>, root: vec3<f32>, share: f3
     }
 }
 
+// Returns the matrix at the share `share` of the way from `a` to `b`, column by column.
 fn between(a: mat3x3<f32>, b: mat3x3<f32>, share: f32) -> mat3x3<f32> {
     return mat3x3(a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share, a[2] + (b[2] - a[2]) * share);
 }
@@ -359,8 +372,8 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
     }
     let points = motion.points;
     first_point = guide * points;
-    first_pearl = guide * (2u * points + 4u);
-    let last = first_pearl + 2u * points;
+    first_particle = guide * (2u * points + 4u);
+    let last = first_particle + 2u * points;
     let t = triangles[guide];
     let a = vertices[t.x].position;
     let b = vertices[t.y].position;
@@ -374,9 +387,9 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
             set_velocity(k, vec3(0.0));
         }
     } else {
-        let old_frame = mat3x3(pearls[last].xyz, pearls[last + 1u].xyz, pearls[last + 2u].xyz);
+        let old_frame = mat3x3(particles[last].xyz, particles[last + 1u].xyz, particles[last + 2u].xyz);
         // Make the root relative to the current model origin.
-        let old_root = pearls[last + 3u].xyz - motion.went;
+        let old_root = particles[last + 3u].xyz - motion.went;
         lengths[0] = 0.0;
         for (var k = 1u; k < points; k++) {
             lengths[k] = length(frame * (groomed[first_point + k].xyz - groomed[first_point + k - 1u].xyz));
@@ -398,10 +411,10 @@ fn move_guides(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
             );
         }
     }
-    pearls[last] = vec4(frame[0], 0.0);
-    pearls[last + 1u] = vec4(frame[1], 0.0);
-    pearls[last + 2u] = vec4(frame[2], 0.0);
-    pearls[last + 3u] = vec4(root, 0.0);
+    particles[last] = vec4(frame[0], 0.0);
+    particles[last + 1u] = vec4(frame[1], 0.0);
+    particles[last + 2u] = vec4(frame[2], 0.0);
+    particles[last + 3u] = vec4(root, 0.0);
     for (var k = 0u; k < points; k++) {
         posed_guides[first_point + k] = vec4(motion.model_from_world * particle_position(k), 0.0);
     }

@@ -89,7 +89,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let (mut dispatches, mut count) = (Vec::new(), 0);
     for (seen, set) in strand_sets(&instances) {
         let (StrandSource::Guided(guided), Some(swing)) = (&set.strands.growth, &seen.moved.swing) else { continue };
-        let (Some(motion), Some(guides), Some(pearls)) = (&guided.motion, &set.posed.guides, &set.posed.particles)
+        let (Some(motion), Some(guides), Some(particles)) = (&guided.motion, &set.posed.guides, &set.posed.particles)
         else {
             continue;
         };
@@ -136,7 +136,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             (1, BindingResource::all(&guided.triangles)),
             (2, BindingResource::all(&guided.guides)),
             (3, BindingResource::all(&guided.ballast)),
-            (4, BindingResource::all(pearls)),
+            (4, BindingResource::all(particles)),
             (5, BindingResource::all(guides)),
             (6, colliders),
             (7, BindingResource::block::<HairMotion>(&place.buffer, place.offset)),

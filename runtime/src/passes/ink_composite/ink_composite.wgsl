@@ -10,7 +10,7 @@
 @group(0) @binding(6) var paper_sampler: sampler;
 @group(0) @binding(7) var clamped: sampler;
 
-// Keeps the application's picture where nothing is painted.
+// Whether the application's picture stays where nothing is painted.
 override PICTURE: bool = false;
 
 struct Painted {
@@ -18,17 +18,19 @@ struct Painted {
     @builtin(frag_depth) depth: f32,
 }
 
-// Distance that the ink of the wash bleeds into the paper, pixels, along x and y. The next constant is the distance for
-// lines, which bleed less.
+// Distance that the ink of the wash bleeds into the paper, pixels, along x and y.
 const WASH_RUNS: vec2<f32> = vec2(1.1, 0.6);
+// Distance that the ink of lines bleeds into the paper, pixels, along x and y; lines bleed less than the wash.
 const LINES_RUN: vec2<f32> = vec2(0.44, 0.24);
 // Depth offset of a line outside the body, as a fraction of the distance from its feature to the background.
 const LINE_BEHIND: f32 = 0.05;
-// Weight of the paper's absorption in the density of the wash. The next constant is the weight of the paper's relief.
+// Weight of the paper's absorption in the density of the wash.
 const ABSORPTION_IN_WASH: f32 = 0.25;
+// Weight of the paper's relief in the density of the wash.
 const RELIEF_IN_WASH: f32 = 0.15;
-// Weight of the paper's relief in the brightness of the paper. The next constant is the weight of the paper's tone.
+// Weight of the paper's relief in the brightness of the paper.
 const RELIEF_IN_PAPER: f32 = 0.035;
+// Weight of the paper's tone in the brightness of the paper.
 const TONE_IN_PAPER: f32 = 0.3;
 
 // Samples a texture blurred by bleeding: the mean of two reads, each of which filters four texels.

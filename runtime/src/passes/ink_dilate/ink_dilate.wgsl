@@ -6,8 +6,10 @@
 
 @group(0) @binding(1) var features: texture_2d<f32>;
 
-// Returns: offset along the row as (x + 128) / 255; reach of the line divided by WIDEST_HALF, 0 for none; number of
-// features within reach in the row, weighted by nearness and divided by `ink.reach` + 1.
+// Returns the result of the row search:
+// * x: offset along the row, stored as (x + 128) / 255
+// * y: reach of the line divided by WIDEST_HALF, 0 for none
+// * z: number of features within reach in the row, weighted by nearness and divided by `ink.reach` + 1
 @fragment
 fn fs_dilate(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);

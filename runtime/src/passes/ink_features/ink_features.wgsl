@@ -5,14 +5,16 @@
 @group(0) @binding(1) var normals: texture_2d<f32>;
 @group(0) @binding(2) var surfaces: texture_2d<f32>;
 
-// Range, in multiples of `ink.depth_step`, over which the strength of a depth step grows from that of a fold to that of
-// an outline (formulas 5.2).
+// Range of depth steps over which the strength grows from that of a fold to that of an outline, in multiples of
+// `ink.depth_step` (formulas 5.2).
 const DEEP: f32 = 2.0;
 // Factor on line width for a stored value of 1: ink_normals stores a quarter of the factor.
 const WIDTH_SCALE: f32 = 4.0;
 
-// Returns: half the width of the widest line through the pixel, divided by WIDEST_HALF, 0 for no feature; strength;
-// strength as an outline against the background.
+// Returns the feature of a pixel:
+// * x: half the width of the widest line through the pixel, divided by WIDEST_HALF, 0 for no feature
+// * y: strength
+// * z: strength as an outline against the background
 @fragment
 fn fs_features(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);

@@ -27,27 +27,27 @@ const LIFT: f32 = 3.0;
 const STROKE_LEAN: f32 = 0.4;
 // Distance that a fin's root extends onto the body, pixels along each axis.
 const ROOT: i32 = 2;
-// Turn of the surface away from the eye, 1 - |N.E|, at which fins begin to appear. The next constant is the turn at
-// which they reach full opacity.
+// Turn of the surface away from the eye, 1 - |N.E|, at which fins begin to appear.
 const TURNED: f32 = 0.6;
+// Turn of the surface away from the eye, 1 - |N.E|, at which fins reach full opacity.
 const FULLY_TURNED: f32 = 0.9;
 // Factor from the opacity of a fin to the opacity of its strokes.
 const FIN_STROKES: f32 = 1.5;
-// Range of the surface's turn away from the eye, 1 - |N.E|, over which shells rise from below the mesh surface. The
-// next constant is the height of the shells at the lower end of this range.
+// Range of the surface's turn away from the eye, 1 - |N.E|, over which shells rise from below the mesh surface.
 const SHELLS_RISE: vec2<f32> = vec2(0.25, 0.45);
+// Height of the shells at the lower end of SHELLS_RISE.
 const SUNKEN: f32 = -0.1;
 // Range of the surface's turn away from the eye, 1 - |N.E|, over which the strokes of shells appear.
 const SHELLS_APPEAR: vec2<f32> = vec2(0.45, 0.95);
-// Dry brush, as in formulas 5.6 but with separate constants. Half width of the edge of dry strokes. The next constant
-// is the weight of the paper's threshold.
+// Half width of the edge of dry strokes; the dry brush is that of formulas 5.6, with constants of its own.
 const DRY_EDGE: f32 = 0.15;
+// Weight of the paper's threshold for dry strokes.
 const DRY_PAPER: f32 = 0.85;
 // Range of the gap behind a fin, in fur heights, over which the fin becomes separate from the body.
 const SEPARATE: vec2<f32> = vec2(1.0, 2.0);
-// Shape of a tuft: distances from its middle at which it begins and ceases to fade. The next constant is its narrowing
-// with height.
+// Distances from the middle of a tuft at which its fade begins and ends.
 const TUFT_END: vec2<f32> = vec2(0.9, 1.3);
+// Narrowing of a tuft with height.
 const TUFT_POINTED: f32 = 0.75;
 // Range of rows of the stroke texture that fins show. It avoids the seam between roots and tips.
 const FIN_ROWS: vec2<f32> = vec2(0.1, 0.96);
@@ -55,8 +55,9 @@ const FIN_ROWS: vec2<f32> = vec2(0.1, 0.96);
 const FIN_DENSITY: vec2<f32> = vec2(0.15, 0.35);
 // Range of values in a fin's stroke texture over which strokes go from none to full.
 const FIN_INK: vec2<f32> = vec2(0.2, 0.6);
-// Opacity at the root of a fin, and its loss at the tip. The next constant is the dryness at the tip.
+// Opacity at the root of a fin, and its loss at the tip.
 const FIN_OPACITY: vec2<f32> = vec2(0.85, 0.3);
+// Dryness at the tip of a fin.
 const FIN_DRY: f32 = 0.4;
 // Density of strokes on shells.
 const SHELL_DENSITY: f32 = 0.5;
@@ -64,9 +65,9 @@ const SHELL_DENSITY: f32 = 0.5;
 // constant is the value at which strokes are full, in the same form.
 const SHELL_BEGINS: vec2<f32> = vec2(0.25, 0.5);
 const SHELL_FULL: vec2<f32> = vec2(0.6, 0.4);
-// Opacity of shells at height 0, and its loss at full height. The next constant is the dryness at height 0, and its
-// gain at full height.
+// Opacity of shells at height 0, and its loss at full height.
 const SHELL_OPACITY: vec2<f32> = vec2(0.75, 0.3);
+// Dryness of shells at height 0, and its gain at full height.
 const SHELL_DRY: vec2<f32> = vec2(0.3, 0.3);
 // Minimum visible opacity.
 const LEAST_INK: f32 = 1.0 / 255.0;

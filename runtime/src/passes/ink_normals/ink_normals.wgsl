@@ -1,6 +1,6 @@
 //! uses ink/model, ink/surface_forms, shared/frame, shared/ink, shared/skinning, surface/place
-// Drawing of the input textures for the other ink passes: normals in the frame perpendicular to the view, and wash and
-// line parameters of the surface.
+// Drawing of the input textures for the other ink passes. They hold normals in the frame perpendicular to the view, and
+// wash and line parameters of the surface.
 
 // Vertex attributes that only this pass reads.
 struct InkVertex {
@@ -37,30 +37,29 @@ struct Surface {
     @location(1) surface: vec4<f32>,
 }
 
-// The part has fur, and the package has strokes for it.
+// Whether the part has fur, and the package has strokes for it.
 override FUR_STROKES: bool = false;
 
 // Weight of a tile sample at a normal with equal components along all three axes: 1 / sqrt(3) (formulas 5.4).
 const EQUALLY_NEAR: f32 = 0.5773;
-// Offset of the tile for the projection along y; the next constant is for the one along z. Without them, the
-// projections would mirror each other.
+// Offsets of the tile for the projections along y and along z. Without them, the projections would mirror each other.
 const OFFSET_Y: f32 = 0.37;
 const OFFSET_Z: f32 = 0.71;
-// Displacement of the wash's edge by blotches of the tile. The next constant is the variation of its density by the
-// grain.
+// Displacement of the wash's edge by blotches of the tile.
 const BLOTCH_SHIFT: f32 = 0.5;
+// Variation of the wash's density by the grain.
 const GRAIN_DENSITY: f32 = 0.7;
-// Densities of the wash at which its edge begins, peaks and ends. The next constant is the density added by pigment
-// that gathers at the edge.
+// Densities of the wash at which its edge begins, peaks and ends.
 const EDGE_DENSITY: vec3<f32> = vec3(0.0, 0.07, 0.3);
+// Density added by pigment that gathers at the edge of the wash.
 const EDGE_PIGMENT: f32 = 0.07;
-// Luminance weights of linear sRGB (ITU-R BT.709). The next constant is the exponent from luminance to display
-// brightness.
+// Luminance weights of linear sRGB (ITU-R BT.709).
 const LUMINANCE: vec3<f32> = vec3(0.2126, 0.7152, 0.0722);
+// Exponent from luminance to display brightness.
 const DISPLAY_EXPONENT: f32 = 1.0 / 2.2;
-// Range of brightness over which the ink for dark surfaces goes from all to none. The next constants are the amount of
-// that ink, and its variation.
+// Range of brightness over which the ink for dark surfaces goes from all to none.
 const DARK_SURFACE: vec2<f32> = vec2(0.06, 0.42);
+// Amount of ink for dark surfaces, and its variation.
 const DARK_INK: vec2<f32> = vec2(0.75, 0.4);
 // Density of full ink, and its variation.
 const FULL_INK: vec2<f32> = vec2(0.88, 0.3);
@@ -69,13 +68,13 @@ const FULL_INK: vec2<f32> = vec2(0.88, 0.3);
 const FUR_DENSITY: vec2<f32> = vec2(0.45, 0.5);
 // Opacity of inner fur strokes that face the eye, and its gain where the fur turns away.
 const FUR_OPACITY: vec2<f32> = vec2(0.25, 0.4);
-// Loss of line width beside short fur and beside long fur. The next constant holds the heights on screen that count as
-// short and as long, pixels.
+// Loss of line width beside short fur and beside long fur.
 const LINE_BY_FUR: vec2<f32> = vec2(0.3, 0.75);
+// Heights of fur on screen that count as short and as long, pixels.
 const FUR_PX: vec2<f32> = vec2(5.0, 20.0);
-// Range of the tile's pressure channel over which the brush goes from lightest to full pressure. The next constant is
-// the loss of line width at the lightest pressure.
+// Range of the tile's pressure channel over which the brush goes from lightest to full pressure.
 const PRESSURE_RANGE: vec2<f32> = vec2(0.25, 0.75);
+// Loss of line width at the lightest pressure.
 const PRESSURE_LOSS: f32 = 0.6;
 // Range of the tile's blotch channel over which the brush goes from wet to dry.
 const DRY_BLOTCHES: vec2<f32> = vec2(0.4, 0.8);

@@ -10,26 +10,28 @@
 @group(0) @binding(6) var paper_sampler: sampler;
 
 // Thresholds of the feature count near a feature, weighted by nearness (formulas 5.2). The count is 2/3 to 1 along a
-// line and half of that at its end. Below SPECK, the feature is a speck; from the next constant on, it is a line.
+// line and half of that at its end. Below SPECK, the feature is a speck; from LINE on, it is a line.
 const SPECK: f32 = 0.22;
 const LINE: f32 = 0.45;
-// Share of a line's half width that the brush fills, for a weak and for a strong line. The next constant is the minimum
-// half width, pixels.
+// Share of a line's half width that the brush fills, for a weak and for a strong line.
 const BRUSH: vec2<f32> = vec2(0.2, 0.55);
+// Minimum half width of the brush, pixels.
 const LEAST_BRUSH_PX: f32 = 0.6;
 // Feature strength below which lines fade.
 const FADES: f32 = 0.35;
-// Range of feature strengths over which the swelling of lines with the sphere map sets in.
+// Range of feature strengths over which the sphere map begins to swell lines.
 const SWELLS: vec2<f32> = vec2(0.5, 0.75);
-// Dry brush (formulas 5.6): half width of its edge. The next constants are the weight of the paper's threshold, and the
-// loss of dryness under pressure.
+// Half width of the edge of a dry brush (formulas 5.6).
 const DRY_EDGE: f32 = 0.12;
+// Weight of the paper's threshold for a dry brush (formulas 5.6).
 const DRY_PAPER: f32 = 0.88;
+// Loss of a brush's dryness under pressure (formulas 5.6).
 const DRY_PRESS: f32 = 0.7;
 // Increase of grey at the lowest pressure.
 const LIGHT_PRESS: f32 = 0.3;
 
-// Returns: opacity of the line; opacity times the darkness of its ink; offset to the feature as (x + 128) / 255.
+// Returns three values: opacity of the line; opacity times the darkness of its ink; offset to the feature, stored as
+// (x + 128) / 255.
 @fragment
 fn fs_stroke(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let p = vec2<i32>(position.xy);

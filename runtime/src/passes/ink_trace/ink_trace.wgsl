@@ -26,15 +26,17 @@ const TURN: f32 = 0.35;
 const ABOUT: i32 = 3;
 // Distance between samples, relative to half the width of the widest line (formulas 5.2).
 const STRIDE: f32 = 0.25;
-// Distance of samples beside the line, relative to half the width of the widest line (formulas 5.2). The next constant
-// is its minimum, pixels.
+// Distance of samples beside the line, relative to half the width of the widest line (formulas 5.2).
 const BESIDE: f32 = 0.5;
+// Minimum distance of samples beside the line, pixels (formulas 5.2).
 const LEAST_BESIDE_PX: f32 = 3.0;
 
+// Returns the strength of the feature at a pixel.
 fn strength_at(p: vec2<i32>) -> f32 {
     return textureLoad(features, clamp_to_target(p), 0).g;
 }
 
+// Returns the half width and strength of the feature at the pixel nearest to a position.
 fn feature_at(p: vec2<f32>) -> vec2<f32> {
     return textureLoad(features, clamp_to_target(vec2<i32>(round(p))), 0).rg;
 }
@@ -54,8 +56,11 @@ fn direction_at(p: vec2<i32>) -> vec3<f32> {
     return select(vec3(cos(turn), sin(turn), along), vec3(1.0, 0.0, 0.0), along <= 0.0);
 }
 
-// Follows the line from `p` in a direction. Returns the number of samples that find it, the sums of their strengths and
-// half widths, and the number of samples that also find a feature beside it.
+// Follows the line from `p` in a direction. Returns the sums over the samples that find the line:
+// * x: number of samples
+// * y: strengths
+// * z: half widths
+// * w: number of samples that also find a feature beside the line, where each side counts one half
 fn follow(p: vec2<i32>, towards: vec2<f32>, stride: f32, beside: f32) -> vec4<f32> {
     var at = vec2<f32>(p);
     var way = towards;
@@ -106,7 +111,7 @@ fn fs_trace(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
         return vec4(half_width, feature.gba);
     }
     let goes_on = smoothstep(ENDS.x, ENDS.y, found.x / f32(2 * LOOKS)) * smoothstep(ORDER.x, ORDER.y, towards.z);
-    // A depth step is a line by itself, whatever folds surround it.
+    // A depth step is a line even without support from the folds around it.
     let crowded = smoothstep(CROWD.x, CROWD.y, found.w / max(found.x, 1.0));
     let alone = 1.0 - crowded * clamp((1.0 - feature.g) / (1.0 - FOLD), 0.0, 1.0);
     // Where a fold ends at an outline, it must not gain the outline's strength.

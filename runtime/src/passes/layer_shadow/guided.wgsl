@@ -13,6 +13,7 @@ fn vs_guided(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
     return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
+// Returns the transmittance of all guided hair at a texel of the deep opacity map.
 fn guided_transmittance(at: vec2<i32>) -> f32 {
     let size = deep_opacity.size;
     let texel = vec2<u32>(clamp(at, vec2(0), vec2(i32(size) - 1)));

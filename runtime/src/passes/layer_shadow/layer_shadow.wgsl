@@ -2,7 +2,7 @@
 // Transmittance of one hair layer, seen from the key light (Yang 2006, sec. 3.1). Blending multiplies it by the
 // transmittance of the layers above; each texel is one light ray.
 
-// There are, as in shells/varying.wgsl, no more interpolants than the fur needs.
+// Interpolants are as few as the fur needs, as in shells/varying.wgsl.
 struct LayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
     // Tile coordinates; N.L; hair length relative to the tile's.
@@ -10,7 +10,7 @@ struct LayerVarying {
     @location(1) @interpolate(flat, either) layer: u32,
 }
 
-// LayerVarying with additional inputs for material textures and maps.
+// Interpolants of LayerVarying, with additional inputs for material textures and maps.
 struct MappedLayerVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_light: vec4<f32>,
@@ -19,6 +19,7 @@ struct MappedLayerVarying {
     @location(3) tint: vec4<f32>,
 }
 
+// Returns the interpolants of a vertex for a drawn layer.
 fn layer_of(v: Vertex, layer: u32) -> LayerVarying {
     let height = height_of(layer);
     let tile = tile_frame_of(v, normal_ws(v));

@@ -21,6 +21,7 @@ struct MorphDelta {
 @group(2) @binding(1) var<storage, read> deltas: array<MorphDelta>;
 @group(3) @binding(0) var<storage, read> shifts: array<f32>;
 
+// Returns a vertex with the morph targets applied.
 fn morphed(index: u32, v: GeometryVertex) -> GeometryVertex {
     var out = v;
     var moves = false;

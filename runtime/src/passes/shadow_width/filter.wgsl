@@ -2,15 +2,15 @@
 // upsampled, so that its grey measures the distance to a shadow edge. Texel layout as in shared/soft_shadow.wgsl.
 
 struct Filter {
-    // Distance of the near clip plane of the light's projection; 0 for a distant light, whose depth is linear. The next
-    // field is the distance of the far clip plane.
+    // Distance of the near clip plane of the light's projection; 0 for a distant light, whose depth is linear.
     near: f32,
+    // Distance of the far clip plane of the light's projection.
     far: f32,
     // Side of the square block of texels that the filter reduces to one texel, texels.
     shrink: i32,
-    // Minimum depth difference, 0..=1, at which two surfaces in one texel count as different. The next field,
-    // clear_gap, is the minimum between a texel and its surroundings.
+    // Minimum depth difference, 0..=1, at which two surfaces in one texel count as different.
     least_gap: f32,
+    // Minimum depth difference, 0..=1, at which a texel and its surroundings count as different surfaces.
     clear_gap: f32,
     reserved0: f32,
     reserved1: f32,
@@ -41,8 +41,8 @@ fn even_depth(z: f32) -> f32 {
     return (distance - params.near) / (params.far - params.near);
 }
 
-// Returns two depths for each block of texels. The first is that of the farthest light-facing surface, 0 if there is
-// none. For the second, the surface nearest to the light is taken in each texel, and of these the deepest.
+// Returns two depths for each block of texels. The first is the depth of the farthest light-facing surface, or 0 if
+// there is none. The second is the maximum, over the texels, of the depth of the surface nearest to the light.
 @fragment
 fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let last = vec2<i32>(textureDimensions(farthest)) - 1;
@@ -64,8 +64,8 @@ fn fs_deepest(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
 // Number of blocks on each side that are searched for surfaces in the shadow of a texel.
 const REACH: i32 = 1;
 
-// Slope of the ramp from the blurred hair to the hair over the texel itself. The ramp depends on the depth step beside
-// the texel: it begins at half of clear_gap and ends at 3/4. The next constant is the offset of the ramp.
+// Slope and offset of the ramp from the blurred hair to the hair over the texel itself. The ramp depends on the depth
+// step beside the texel. It begins at a step of 1/2 clear_gap and ends at 3/4 clear_gap.
 const STEP_SLOPE: f32 = 4.0;
 const STEP_OFFSET: f32 = 2.0;
 
@@ -109,7 +109,7 @@ fn fs_stretch(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> 
     let first = even_depth(textureLoad(nearest, at, 0));
     // Beside a depth step, blurred hair includes hair over deeper surfaces, which may be behind the surface of this
     // texel. There, only the hair over the texel itself is certain to be above its surface. A slanted surface must not
-    // count as a step. clear_gap is the depth that the steepest surface gains over two blocks, and the four gathered
+    // count as a step: clear_gap is the depth that the steepest surface gains over two blocks. The four gathered
     // blocks span one and a half.
     let firsts = textureGather(1, blocks, linear_sampler, uv);
     let deeper = max(max(firsts.x, firsts.y), max(firsts.z, firsts.w)) - first;

@@ -11,8 +11,8 @@
 //! the error (`pelage chart soft-shadow`: RMSE on the hare 0.092, otherwise 0.147).
 //!
 //! The fourth channel, the hair above the first surface, is for the application's own geometry and is blurred likewise.
-//! It is not blurred across a step to a deeper surface: hair there may be behind the nearer object, which would lose
-//! light at its edges.
+//! It is not blurred across a step to a deeper surface. Hair there may be behind the nearer object, which would then
+//! lose light at its edges.
 
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, depth_texture, record, sampler, texture, uniform};

@@ -3,13 +3,14 @@
 //! surface/place
 // Shells: layers 1 and up of the hair volume, from the inside out, one per instance index.
 
-// The layers of the layer-wise maps differ from those drawn.
+// Whether the layers of the layer-wise maps differ from those drawn.
 override MAPS_BETWEEN: bool = false;
 
 // Divisor from the index of a layer to that of the deeper layer whose mean colour tints the layer's multiply scattered
 // light (formulas 4.13).
 const LAYERS_TO_DEEPER: u32 = 4u;
 
+// Returns the values of a vertex for the shell with the index `index` of the draw call.
 fn shell_of(v: Vertex, index: u32) -> Shell {
     let layer = drawn_layer(index);
     let height = height_of(layer);

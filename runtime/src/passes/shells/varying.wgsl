@@ -7,8 +7,9 @@
 // Values computed per vertex.
 struct Shell {
     tile_uv: vec2<f32>,
-    // Arriving ambient light times the base colour. The next field is the diffuse light times the base colour.
+    // Arriving ambient light times the base colour.
     ambient: vec3<f32>,
+    // Diffuse light times the base colour.
     diffuse: vec3<f32>,
     // Length of the hair relative to the tile's.
     length: f32,
@@ -70,6 +71,7 @@ struct FilledVarying {
     @location(11) blue_open: vec4<f32>,
 }
 
+// Packs the interpolants for fur whose colour comes from vertices only.
 fn plain_varying(s: Shell) -> PlainVarying {
     var out: PlainVarying;
     out.position = s.at.position;
@@ -82,6 +84,7 @@ fn plain_varying(s: Shell) -> PlainVarying {
     return out;
 }
 
+// Packs the interpolants for material textures and maps.
 fn mapped_varying(s: Shell) -> MappedVarying {
     let p = plain_varying(s);
     var out: MappedVarying;
@@ -97,6 +100,7 @@ fn mapped_varying(s: Shell) -> MappedVarying {
     return out;
 }
 
+// Packs the interpolants for lights that are evaluated per fragment.
 fn filled_varying(s: Shell) -> FilledVarying {
     let m = mapped_varying(s);
     var out: FilledVarying;
@@ -160,6 +164,7 @@ fn plain_fragment(in: PlainVarying) -> ShellFragment {
     return out;
 }
 
+// Unpacks the interpolants for material textures and maps.
 fn mapped_fragment(in: MappedVarying) -> ShellFragment {
     var plain: PlainVarying;
     plain.position = in.position;
@@ -179,6 +184,7 @@ fn mapped_fragment(in: MappedVarying) -> ShellFragment {
     return out;
 }
 
+// Unpacks the interpolants for lights that are evaluated per fragment.
 fn filled_fragment(in: FilledVarying) -> ShellFragment {
     var mapped: MappedVarying;
     mapped.position = in.position;

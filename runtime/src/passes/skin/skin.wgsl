@@ -2,7 +2,7 @@
 //! light/key, light/point, light/visibility, shared/kajiya_kay, shared/tile_frame, surface/place
 // Opaque base mesh. Furred parts show the innermost hair layer; bare parts (eyes, hooves) are diffuse.
 
-// Bare style: compresses light, so that no channel exceeds white.
+// Whether light is compressed so that no channel exceeds white, as in the bare style.
 override ROLL_OFF: bool = false;
 
 struct SkinVarying {
@@ -14,8 +14,8 @@ struct SkinVarying {
     @location(3) light_ts: vec3<f32>,
     // Half vector H in the tile frame, or the factors of half_or_factors.
     @location(4) half_ts: vec3<f32>,
-    // 1 where fur grows, 0 where its height is 0; hair length relative to the tile's; slope that the vertex lean adds
-    // to the far fur layer.
+    // x: 1 where fur grows, 0 where its height is 0. y: hair length relative to the tile's. z: slope that the vertex
+    // lean adds to the far fur layer.
     @location(5) grows_length_slope: vec3<f32>,
     @location(6) groom: vec2<f32>,
     @location(7) place: vec4<f32>,
@@ -78,6 +78,7 @@ fn side_of(front: bool) -> f32 {
     return select(-1.0, 1.0, front);
 }
 
+// Returns the light that a bare surface sends to the eye, summed over all lights.
 fn bare_color(base: vec3<f32>, n_dot_l: f32, visible: f32, spot: Spot, side: f32) -> vec3<f32> {
     return key_light_on_bare(base, n_dot_l, visible) + fill_lights_on_bare(base, spot, side)
         + environment_on_bare(base, spot, side);

@@ -17,6 +17,8 @@ struct TileVarying {
     @location(1) @interpolate(flat) layer: u32,
 }
 
+// Returns a corner of the tile that an instance draws. With `first_alone`, only the first layer of a tile is drawn; the
+// others collapse into a point.
 fn tile_corner(vertex: u32, instance: u32, first_alone: bool) -> TileVarying {
     let tile_and_layer = layers[DRAW_ARGUMENTS + instance];
     let tile = tile_and_layer / NEAREST;

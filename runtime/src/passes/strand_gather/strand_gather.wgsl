@@ -19,8 +19,9 @@ struct Frame {
 
 // Screen-space end of a segment.
 struct End {
-    // Position on screen, pixels. The next field is the depth.
+    // Position on screen, pixels.
     at: vec2<f32>,
+    // Depth, 1 at the near plane and 0 at the far plane.
     depth: f32,
     // Half width, pixels.
     half: f32,
@@ -36,6 +37,7 @@ struct Corners {
     light: vec3<f32>,
 }
 
+// Returns both corners of the segment end whose first corner is `first`.
 fn corners_at(first: u32) -> Corners {
     let left = ribbons[first];
     let a = frame.clip_from_world * vec4(bitcast<vec3<f32>>(left.xyz), 1.0);
@@ -49,15 +51,18 @@ fn behind_near(corners: Corners) -> f32 {
     return select(middle.z, middle.w - middle.z, REVERSED_DEPTH);
 }
 
+// Returns the end at the share `share` of the way from one end to the other.
 fn between(a: Corners, b: Corners, share: f32) -> Corners {
     return Corners(mix(a.left, b.left, share), mix(a.right, b.right, share), mix(a.light, b.light, share));
 }
 
+// Returns the screen position of a clip-space position, pixels, and its depth.
 fn on_screen(clip: vec4<f32>) -> vec3<f32> {
     let ndc = clip.xyz / clip.w;
     return vec3((vec2(0.5, -0.5) * ndc.xy + 0.5) * nearest.size, ndc.z);
 }
 
+// Returns the screen-space end of a segment.
 fn end(corners: Corners) -> End {
     let a = on_screen(corners.left);
     let b = on_screen(corners.right);
@@ -72,6 +77,7 @@ fn end(corners: Corners) -> End {
     return out;
 }
 
+// Returns the z component of the cross product of two vectors in the plane.
 fn cross_2(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }

@@ -19,6 +19,7 @@ const FARTHEST_TURNED: f32 = -0.5;
 // Size of the frustum, relative to the picture, against which a strand's first, middle and last points are tested.
 const MARGIN: f32 = 1.1;
 
+// Returns the factor on the colour of a strand: vertex colour times base colour, or 1 for guided hair.
 fn strand_tint(strand: Strand) -> vec4<f32> {
     // Guided hair has its own colour.
     if HANGS {
@@ -31,6 +32,8 @@ fn strand_tint(strand: Strand) -> vec4<f32> {
     return tint;
 }
 
+// Returns whether a strand is drawn: it grows, is selected, may be in the picture, and is not hidden by the surface at
+// its root.
 fn may_be_seen(number: u32) -> bool {
     let strand = strands[number];
     if strand.selection >= strand_groom(strand).x * constants.share || is_cut(strand_tint(strand).a) {
@@ -66,6 +69,7 @@ const SCANNERS: u32 = 256u;
 
 var<workgroup> sums: array<u32, 256>;
 
+// Returns the number of segments of a strand.
 fn pieces() -> u32 {
     return (constants.points - 1u) / constants.step;
 }
@@ -121,6 +125,7 @@ fn visible_through_strands(place: vec4<f32>) -> f32 {
     return mix(x, y, share.y);
 }
 
+// Returns the transmittance of the hair in front of a depth, at a texel of the deep opacity map.
 fn deep_texel(at: vec2<i32>, depth: f32) -> f32 {
     let texel = vec2<u32>(clamp(at, vec2(0), vec2(i32(deep_opacity.size) - 1)));
     let index = texel.y * deep_opacity.size + texel.x;

@@ -58,6 +58,7 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
     }
 }
 
+// Returns the height of a point of the tile, relative to the fur height.
 fn height_of_point(index: u32) -> f32 {
     return f32(tile[index].y & 0xffffu) / 65535.0;
 }
@@ -65,6 +66,7 @@ fn height_of_point(index: u32) -> f32 {
 // Factor from stored to actual weights.
 const WEIGHT_SCALE: f32 = 4.0;
 
+// Returns the barycentric weights of a surface point. Outside the triangle, some of them are negative.
 fn weights_of(stand: Stand) -> vec3<f32> {
     let weights = WEIGHT_SCALE * unpack2x16snorm(stand.weights);
     return vec3(1.0 - weights.x - weights.y, weights);

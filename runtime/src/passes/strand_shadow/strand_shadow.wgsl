@@ -11,7 +11,7 @@
 override GROOM_VERTICES: bool = false;
 override GROOM_TEXTURE: bool = false;
 
-// The strands are guided hair.
+// Whether the strands are guided hair.
 override GUIDED: bool = false;
 
 // Maximum number of steps per segment. A segment that spans the whole map is drawn with gaps.

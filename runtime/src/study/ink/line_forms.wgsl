@@ -2,19 +2,19 @@
 // Line functions in pelage's own form and in the published form of Fang 2006 (formulas 5.2), selected by override
 // constants. Replaces ink/line_forms.wgsl in studies.
 
-// A pixel is a feature only if all four dot products of its normal are below the threshold. The strength then changes
-// in steps instead of gradually.
+// Whether a pixel is a feature only if all four dot products of its normal are below the threshold. The strength then
+// changes in steps instead of gradually.
 override ALL_BELOW: bool = false;
-// The dilation uses squares, not discs.
+// Whether the dilation uses squares instead of discs.
 override SQUARES: bool = false;
-// Pixels are either ink or not.
+// Whether pixels are either ink or not, without partial coverage.
 override HARD: bool = false;
-// If false, the sphere map alone determines the line width.
+// Whether the template limits the line width. If not, the sphere map alone determines it.
 override TEMPLATE: bool = true;
-// If false, lines do not bleed into the paper.
+// Whether lines bleed into the paper.
 override SOFT: bool = true;
 
-// If false, every feature is a line.
+// Whether features are traced. If not, every feature is a line.
 override FOLLOWED: bool = true;
 
 // Grey of the sphere map below which a pixel is ink, for hard lines.

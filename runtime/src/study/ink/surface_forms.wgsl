@@ -4,7 +4,7 @@
 
 // Sphere map lookup. 0: perpendicular to the view; 1: by reflection; 2: as published.
 override SPHERE_MAP: u32 = 0u;
-// Attaches the grain to the picture, to measure how much worse that is than attaching it to the surface.
+// Whether the grain is attached to the picture instead of the surface, to measure how much worse that is.
 override ON_SCREEN: bool = false;
 
 // Period of grain that is attached to the picture, pixels.

@@ -1,11 +1,13 @@
-// Slabs of a deep opacity map, or of the opacity shadow map of Nguyen and Donnelly 2005 ("Hair Animation and Rendering
-// in the Nalu Demo"; formulas 4.10), which divide the whole depth of the hair. Override constants select the form.
-// Replaces light/deep_forms.wgsl in studies.
+// Slabs of a deep opacity map, or of an opacity shadow map (formulas 4.10); override constants select the form. The
+// slabs of an opacity shadow map divide the whole depth of the hair (Nguyen and Donnelly 2005, "Hair Animation and
+// Rendering in the Nalu Demo"). Replaces light/deep_forms.wgsl in studies.
 
+// Whether the slabs divide the whole depth of the hair, as in an opacity shadow map.
 override WHOLE_DEPTH: bool = false;
-// Uses the published spacing, with the last plane a sixteenth of the depth before the end. Hair behind the last plane
-// is in no plane, and no plane shadows it.
+// Whether the published spacing is used: the last plane is a sixteenth of the depth before the end. Hair behind it is
+// in no plane, and no plane shadows it.
 override PRINTED_SPACING: bool = false;
+// Whether the light of a strand is looked up on its axis rather than on the side facing the eye.
 override ON_AXIS: bool = false;
 
 fn slabs_begin(first: f32, whole: f32) -> f32 {

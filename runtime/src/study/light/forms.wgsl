@@ -2,10 +2,13 @@
 // Lighting functions in pelage's own form and in the papers' published forms, selected by override constants. Replaces
 // light/forms.wgsl in studies.
 
+// Whether slanted paths through a layer are more opaque for view rays.
 override LOOK_SLANTED: bool = true;
+// Whether slanted paths through a layer are more opaque for light.
 override LIGHT_SLANTED: bool = true;
+// Whether the penumbra extends to both sides of the hard edge.
 override CENTRED: bool = true;
-// Computes the key light's factors of eq. (1) per vertex.
+// Whether the key light's factors of eq. (1) are computed per vertex.
 override VERTEX_LIGHTING: bool = false;
 
 // Returns the half vector H, or with VERTEX_LIGHTING the key light's factors themselves. At a vertex, only three

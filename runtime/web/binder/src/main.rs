@@ -1,8 +1,8 @@
 //! Writes the JavaScript and TypeScript declarations for a WebAssembly module: `bind-web MODULE.wasm FOLDER`.
 //!
-//! Replaces the command `wasm-bindgen`, whose own build needs a web server and a TLS library. It removes parts that a
-//! page need not load: names of functions, and comments and indentation of shaders, which are a twentieth of a
-//! compressed module.
+//! Replaces the command `wasm-bindgen`, whose own build needs a web server and a TLS library. It also removes parts
+//! that a page need not load: names of functions, and comments and indentation of shaders. Those of shaders are a
+//! twentieth of a compressed module.
 
 mod shaders;
 
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         for id in ids {
             let data = &mut segments.get_mut(id).value;
             shaders::blank_comments(data);
-            shaders::set_left(data);
+            shaders::remove_indentation(data);
         }
         output.emit(Path::new(folder))
     });

@@ -16,7 +16,7 @@ pub fn blank_comments(data: &mut [u8]) {
 /// Removes indentation and blank lines between a line that ends in an opening brace and a line that begins with the
 /// closing brace. Such lines always belong to a single text. The removed spaces are moved behind the last line, so that
 /// the text keeps its position and length. A run of spaces compresses to almost nothing.
-pub fn set_left(data: &mut [u8]) {
+pub fn remove_indentation(data: &mut [u8]) {
     let ends = line_ends(data);
     let mut open = None;
     for (number, pair) in ends.windows(2).enumerate() {
@@ -24,7 +24,7 @@ pub fn set_left(data: &mut [u8]) {
         match open {
             Some(first) if line.starts_with(b"}") => {
                 if number > first {
-                    compact(&mut data[ends[first] + 1..pair[0]]);
+                    remove_line_starts(&mut data[ends[first] + 1..pair[0]]);
                 }
                 open = None;
             }
@@ -34,7 +34,8 @@ pub fn set_left(data: &mut [u8]) {
     }
 }
 
-fn compact(lines: &mut [u8]) {
+/// Removes indentation and blank lines, and fills the end with spaces.
+fn remove_line_starts(lines: &mut [u8]) {
     let left: Vec<&[u8]> =
         lines.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start).filter(|line| !line.is_empty()).collect();
     let mut left = left.join(&b'\n');
@@ -57,13 +58,12 @@ fn is_text(line: &[u8]) -> bool {
 
 fn is_comment(line: &[u8]) -> bool {
     let begins = |text: &str| text.starts_with("// ") || text.starts_with("//! ");
-    std::str::from_utf8(line)
-        .is_ok_and(|text| begins(text.trim_start_matches(' ')) && !text.contains(char::is_control))
+    std::str::from_utf8(line).is_ok_and(|text| begins(text.trim_start_matches(' ')) && !text.contains(char::is_control))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{blank_comments, set_left};
+    use super::{blank_comments, remove_indentation};
 
     #[test]
     fn comment_lines_are_blanked_in_place() {
@@ -80,7 +80,7 @@ mod tests {
         let text = "fn a() {\n    b();\n            \n    if c {\n        d();\n    }\n}\n    e {\n  f\n}";
         let mut data = text.as_bytes().to_vec();
         data.insert(0, b'\n');
-        set_left(&mut data);
+        remove_indentation(&mut data);
         let found = String::from_utf8(data).unwrap_or_default();
         assert_eq!(found.len(), text.len() + 1);
         assert_eq!(found, format!("\nfn a() {{\nb();\nif c {{\nd();\n}}{}\n}}\n    e {{\n  f\n}}", " ".repeat(33)));
@@ -91,7 +91,7 @@ mod tests {
         let before = b"\n// a\0b\n// \xff\n".to_vec();
         let mut data = before.clone();
         blank_comments(&mut data);
-        set_left(&mut data);
+        remove_indentation(&mut data);
         assert_eq!(data, before);
     }
 }

@@ -4,7 +4,7 @@ use pelage_stage::StageError;
 use wasm_bindgen::JsValue;
 
 /// Creates an `Error` of that kind; `npm/index.d.ts` lists the kinds.
-pub(crate) fn thrown(kind: &str, message: &str) -> JsValue {
+pub(crate) fn pelage_error(kind: &str, message: &str) -> JsValue {
     let error = js_sys::Error::new(message);
     error.set_name("PelageError");
     // Setting a property of a new object cannot fail.
@@ -13,7 +13,7 @@ pub(crate) fn thrown(kind: &str, message: &str) -> JsValue {
 }
 
 /// Converts an error of the stage.
-pub(crate) fn fault(error: StageError) -> JsValue {
+pub(crate) fn stage_error(error: StageError) -> JsValue {
     let kind = match &error {
         StageError::Package { .. } | StageError::Input { .. } => "package",
         StageError::Request { .. } | StageError::Params(_) => "asked",
@@ -21,10 +21,10 @@ pub(crate) fn fault(error: StageError) -> JsValue {
         StageError::Device(_) => "device",
         _ => "internal",
     };
-    thrown(kind, &error.to_string())
+    pelage_error(kind, &error.to_string())
 }
 
 /// Creates the error for an invalid argument, from its description.
-pub(crate) fn asked(error: impl std::fmt::Display) -> JsValue {
-    thrown("asked", &error.to_string())
+pub(crate) fn invalid_argument(error: impl std::fmt::Display) -> JsValue {
+    pelage_error("asked", &error.to_string())
 }
