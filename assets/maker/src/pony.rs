@@ -102,8 +102,8 @@ fn field(body: &Body, p: DVec3) -> f64 {
 /// Height of the groove between the lips in head coordinates: component out of the forehead, metres.
 const MOUTH: f64 = -0.0375;
 
-/// Returns a value that is negative between the lids of the nearer eye, metres. Also returns the point in that eye's
-/// frame: to the front, up, and out along the gaze.
+/// Returns the signed distance in metres from `p` to the outline of the nearer eye's lids, negative between them. Also
+/// returns `p` in that eye's frame: x is perpendicular to gaze and up, y is up, z is along the gaze.
 fn opening(p: DVec3) -> (f64, DVec3) {
     let (centre, _) = eye(1.0);
     let out = gaze(1.0);

@@ -276,7 +276,8 @@ impl From<&TrueCamera> for CameraResult {
     }
 }
 
-/// Flags that only affect how `render` draws. The boolean is true if the flag is rejected even with its default value.
+/// Flags that affect only how `render` draws. The boolean is true if `reference` rejects the flag even when it is given
+/// its default value.
 const FAST_PATH: [(&str, bool); 9] = [
     ("layers", true),
     ("fins", true),

@@ -59,8 +59,8 @@ pub(super) fn drawn_share(fur: &FurParams, guided: bool, width_px: f32, samples:
 /// these widths, both are drawn, so the range is narrow.
 const MIXED_FROM: f32 = 0.8;
 
-/// Strand width in pixels from which strands with blended edges replace layers. They have no transition: strands are as
-/// bright as layers, and layers between them would fill dark gaps.
+/// Strand width in pixels at and above which strands with blended edges replace layers. The switch is abrupt: strands
+/// are as bright as layers, and layers drawn between them would fill gaps that should stay dark.
 const BLENDED_FROM_PX: f32 = 0.2025;
 
 /// Progress of the transition from layers to strands at which all strands are present.

@@ -248,8 +248,8 @@ fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&Simplif
     ranges
 }
 
-/// Uploads the hair textures. Also returns whether their directions have two components; `None` for a package without
-/// fur.
+/// Uploads the hair textures. The boolean is true if the direction textures have two components instead of three.
+/// Returns `None` for a package without fur.
 fn hair(
     uploader: &Uploader<'_>,
     package: &Package<'_>,

@@ -46,7 +46,7 @@ macro_rules! forms {
 
         #[cfg(all(test, feature = "study"))]
         #[test]
-        fn default_study_equals_builds_without_the_feature() {
+        fn default_study_draws_like_a_build_without_the_study_feature() {
             let projection = crate::Projection::Perspective { fov_y_rad: 1.0, aspect: 1.0, near_m: 0.1, far_m: 100.0 };
             let camera = crate::Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO, projection);
             let params = FrameParams::new(camera, [8, 8]);

@@ -22,7 +22,7 @@ use pelage_truth::{Lens, SurfaceVisibility, TrueCamera};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Bake settings with little fur, which takes time and is not used by ink.
+/// Bake settings with little fur: fur takes long to bake, and ink does not use it.
 const QUICK: [&str; 4] = ["slice.layers=4", "slice.tile_texels=64", "fins.enabled=false", "hair.density=50"];
 
 /// Returns the path of one of the project's own models.

@@ -104,7 +104,7 @@ impl GroundLight {
         (value - 0.2) / (0.8 * towards.normalize().y)
     }
 
-    /// Returns the mean share of light on a circle around the middle.
+    /// Returns the mean of [`Self::at`] on a circle of `radius` metres around the origin.
     fn ring(&self, radius: f32) -> f32 {
         let points = (0..32).map(|i| std::f32::consts::TAU * i as f32 / 32.0);
         points.map(|a| self.at(radius * a.cos(), radius * a.sin())).sum::<f32>() / 32.0

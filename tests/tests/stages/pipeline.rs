@@ -73,7 +73,7 @@ fn package_bytes_depend_only_on_the_inputs() {
 }
 
 #[test]
-fn the_resolved_recipe_makes_the_same_package() {
+fn the_resolved_recipe_makes_the_same_package_as_the_original() {
     let mut open = recipe("knot");
     (open.hair.length_m, open.surface.tile_size_m) = (None, None);
     let first = bake("knot", &open).unwrap().package;

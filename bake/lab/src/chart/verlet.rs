@@ -161,7 +161,7 @@ pub enum MotionForm {
     },
     /// Published method of Nalu, with one step per frame.
     Printed {
-        /// Passes over the lengths.
+        /// Passes over all length constraints per step.
         sweeps: u32,
     },
     /// Truth for a root that moves straight between frames: the least error of any method that knows only frames.

@@ -163,7 +163,7 @@ fn atlas_depends_only_on_the_mesh() {
     let atlas = ModelAtlas::new("torus", &model).unwrap();
     let other = Model { warnings: vec!["something".into()], nodes: Vec::new(), ..model.clone() };
     assert_eq!(ModelAtlas::new("another name", &other).unwrap().mesh, atlas.mesh);
-    // Vertices are found even if the recipe causes vertices to be duplicated.
+    // Vertices are found even if the recipe duplicates them.
     let mut cut = model.mesh.clone();
     let copy = cut.copy_vertex(5) as usize;
     assert_eq!(atlas.standing_for(&cut, 0, copy), atlas.standing_for(&model.mesh, 0, 5));

@@ -2,8 +2,8 @@
 //!
 //! A brush draws few hairs, each separately. It is pressed down near the root and lifted towards the tip, and its
 //! bristles part where it runs dry. So only some of the strands become strokes, spread evenly over the tile. The first
-//! strokes are the broadest; later ones fill the gaps until the share of the tile for that density is inked. Each
-//! density includes the ink of all sparser ones.
+//! strokes are the broadest; later ones fill the gaps. Each density has a share of the tile that its strokes ink, and
+//! includes the strokes of all sparser ones.
 
 use super::noise::gradient;
 use super::plane::Plane;

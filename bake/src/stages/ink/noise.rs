@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_repeats_and_is_smooth() {
+    fn noise_tiles_and_is_smooth() {
         let cells = UVec2::new(5, 7);
         for i in 0..200 {
             let p = Vec2::new(i as f32 * 0.0371, i as f32 * 0.0173).fract();

@@ -110,7 +110,7 @@ impl TextureEncoder {
                 self.layers.extend(image.surfaces);
                 Ok(())
             }
-            Ok(PipelineOutput::Encoded(_)) => Err(internal("found a file, expected texels")),
+            Ok(PipelineOutput::Encoded(_)) => Err(internal("found an encoded image, expected texels")),
             Err(error) => Err(internal(error)),
         }
     }
@@ -211,7 +211,7 @@ fn mip_chain(width: u32, height: u32, rgba: &[u8], color_space: ColorSpace) -> R
     let settings = ConvertSettings { container: Container::Raw, mipmap: true, ..Default::default() };
     match ctt::convert(image, settings) {
         Ok(PipelineOutput::Raw(image)) => image.surfaces.into_iter().next().ok_or_else(|| internal("no layer")),
-        Ok(PipelineOutput::Encoded(_)) => Err(internal("found a file, expected texels")),
+        Ok(PipelineOutput::Encoded(_)) => Err(internal("found an encoded image, expected texels")),
         Err(error) => Err(internal(error)),
     }
 }

@@ -41,7 +41,8 @@ pub struct Measures {
 /// Ratio of singular values below which a triangle counts as collapsed.
 const COLLAPSED: f64 = 1e-9;
 
-/// Returns the measures, and the region of continuous tile coordinates of each face.
+/// Returns the measures of the whole surface, and for each face the number of the region that contains it. Tile
+/// coordinates are continuous within a region.
 ///
 /// * `frames`: comb frame of each face
 /// * `corners`: tile coordinates of each face's corners

@@ -15,7 +15,7 @@ pub fn to_text(value: &Value) -> String {
     format!("{value:#}\n")
 }
 
-/// Maximum length of a line on which [`to_rows`] puts a whole list, characters.
+/// Maximum number of characters of a line on which [`to_rows`] puts a whole list.
 const ROW: usize = 100;
 
 /// Writes JSON with short lists on one line, which keeps long lists of pairs readable.

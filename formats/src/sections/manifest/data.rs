@@ -287,7 +287,7 @@ impl Manifest {
         let textures = self.textures.len();
         let texture = |what: String, index: u32| match (index as usize) < textures {
             true => Ok(()),
-            false => Err(format!("{what} is {index}, expected less than the {textures} textures")),
+            false => Err(format!("{what} is {index}, expected less than {textures}, the number of textures")),
         };
         let f = &self.fur;
         finite("fur.tile_size_m", &[f.tile_size_m])?;

@@ -86,6 +86,6 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     }
     match furry {
         0 => Outcome::Skipped("no package has strokes of fur to draw"),
-        _ => Outcome::Ran(format!("{furry} instances, {SHELLS} shells and fins"), all),
+        _ => Outcome::Ran(format!("fins and {SHELLS} shells on each of {furry} instances"), all),
     }
 }

@@ -3,7 +3,7 @@
 //! surface/place
 // Shells: layers 1 and up of the hair volume, from the inside out, one per instance index.
 
-// Whether the layers of the layer-wise maps differ from those drawn.
+// Whether the maps of layer-wise shadows have other layers than are drawn, so that values between two layers are read.
 override MAPS_BETWEEN: bool = false;
 
 // Divisor from the index of a layer to that of the deeper layer whose mean colour tints the layer's multiply scattered

@@ -152,7 +152,7 @@ pub struct Size {
 
 text_field!(
     Size,
-    expected format!("WIDTHxHEIGHT in pixels, such as \"834x424\", each 1..={MAX_SIZE}"),
+    expected format!("WIDTHxHEIGHT in pixels, each from 1 to {MAX_SIZE}, such as \"834x424\""),
     control Control::Text,
     read |raw| {
         let (width, height) = string(raw)?.split_once(['x', 'X'])?;

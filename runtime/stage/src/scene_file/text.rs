@@ -62,7 +62,7 @@ pub struct SceneCamera {
     pub target: Option<Point>,
     /// Vertical field of view, degrees.
     pub fov_deg: Option<FieldOfView>,
-    /// Keys over time; replace the fields above.
+    /// Keys of the camera over time. If present, they are used instead of the fields above.
     pub path: Option<Vec<CameraKey>>,
 }
 
