@@ -1,8 +1,8 @@
 //! Triangulation of polygons.
 //!
-//! A convex polygon becomes a fan. All others are triangulated by ear clipping (Meisters, "Polygons Have Ears",
-//! American Mathematical Monthly 82(6), 1975). Clipping works in the plane of the normal by Newell's method, in double
-//! precision.
+//! A convex polygon becomes a fan, or is halved again and again if it has many corners. All others are triangulated by
+//! ear clipping (Meisters, "Polygons Have Ears", American Mathematical Monthly 82(6), 1975). Clipping works in the plane
+//! of the normal by Newell's method, in double precision.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -18,6 +18,9 @@ pub(super) struct Triangulation {
 
 /// Maximum number of corners for ear clipping, which takes cubic time in the worst case.
 const MOST_CORNERS: usize = 512;
+/// Maximum number of corners of a fan. Triangles of a larger fan are slivers across the whole polygon, which every
+/// search for nearby triangles finds.
+const FAN_CORNERS: usize = 16;
 
 /// Triangulates the polygon with corners at `points`, at least 3.
 pub(super) fn triangulate(points: &[Vec3]) -> Triangulation {
@@ -30,7 +33,7 @@ pub(super) fn triangulate(points: &[Vec3]) -> Triangulation {
     // Left turns alone do not prove convexity: a five-pointed star has only left turns too, and winds around twice.
     let turns: f64 = (0..n).map(|i| turn(corner(i))).sum();
     if (0..n).all(|i| twice_area(corner(i)) >= 0.0) && turns < 3.0 * std::f64::consts::PI {
-        return fan(n, true);
+        return if n <= FAN_CORNERS { fan(n, true) } else { halve(n) };
     }
     if n > MOST_CORNERS {
         return fan(n, false);
@@ -40,6 +43,20 @@ pub(super) fn triangulate(points: &[Vec3]) -> Triangulation {
 
 fn fan(n: usize, clean: bool) -> Triangulation {
     Triangulation { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
+}
+
+/// Triangulates a convex polygon: a triangle divides its corners into two halves, which are divided in the same way.
+fn halve(n: usize) -> Triangulation {
+    let mut triangles = Vec::with_capacity(n - 2);
+    let mut ranges = vec![(0, n - 1)];
+    while let Some((first, last)) = ranges.pop() {
+        if last - first >= 2 {
+            let middle = first.midpoint(last);
+            triangles.push([first, middle, last]);
+            ranges.extend([(first, middle), (middle, last)]);
+        }
+    }
+    Triangulation { triangles, clean: true }
 }
 
 /// Projects the polygon along its normal, so that its winding is counter-clockwise overall.
@@ -144,6 +161,10 @@ mod tests {
         .into_iter()
         .chain([(2., 8.), (8., 8.), (8., 1.), (0., 1.)])
         .collect();
+        let disc: Vec<(f32, f32)> = (0..100)
+            .map(|i| (i as f32 * std::f32::consts::TAU / 100.0).sin_cos())
+            .map(|(sin, cos)| (cos, sin))
+            .collect();
         for points in [
             &[(0., 0.), (1., 0.), (0., 1.)][..],
             &[(0., 0.), (1., 0.), (1., 1.), (0., 1.)],
@@ -158,6 +179,7 @@ mod tests {
             &[(0., 0.), (4., 0.), (4., 4.), (0., 4.), (0., 0.), (1., 1.), (1., 3.), (3., 3.), (3., 1.), (1., 1.)],
             &gear,
             &spiral,
+            &disc,
         ] {
             let cut = triangulate(&lift(points));
             assert_eq!(cut.triangles.len(), points.len() - 2, "{points:?}");
