@@ -97,13 +97,6 @@ impl TriangleGrid {
         let cells = cells.flat_map(move |(x, y)| (low.z..=high.z).map(move |z| IVec3::new(x, y, z)));
         Box::new(cells.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied())
     }
-
-    /// Returns the triangles in the cell of a point and in the adjacent cells.
-    pub(crate) fn near(&self, p: Vec3) -> impl Iterator<Item = u32> + '_ {
-        let cell = (p / self.size).floor().as_ivec3();
-        let about = (0..27).map(move |i| cell + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
-        about.filter_map(|cell| self.of_cell.get(&cell)).flatten().copied()
-    }
 }
 
 #[cfg(test)]

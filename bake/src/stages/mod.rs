@@ -24,4 +24,5 @@ pub mod size;
 pub mod slice;
 pub mod strand_data;
 pub mod surface;
+mod triangle_tree;
 pub mod visibility;

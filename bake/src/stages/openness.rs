@@ -3,6 +3,7 @@
 //!
 //! The occluder is the mesh surface raised by half the height of its hair, which is about how deep light enters fur.
 
+use super::triangle_tree::split_boxes;
 use glam::Vec3;
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
@@ -58,8 +59,9 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
     if facets.is_empty() {
         return vec![Openness::default(); at_rest.len()];
     }
-    let tree = build_cwbvh(&facets, BvhBuildParams::fast_build(), &mut Duration::default());
-    let facets: Vec<Triangle> = tree.primitive_indices.iter().map(|i| facets[*i as usize]).collect();
+    let (boxes, facet_of) = split_boxes(&facets);
+    let tree = build_cwbvh(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+    let facets: Vec<Triangle> = tree.primitive_indices.iter().map(|i| facets[facet_of[*i as usize] as usize]).collect();
     // Vertices of several patches share a position: each position is evaluated once.
     let mut numbers: HashMap<[u32; 6], usize> = HashMap::new();
     let mut places = Vec::new();

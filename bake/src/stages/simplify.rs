@@ -5,9 +5,11 @@
 //! position of the outermost layer, the texels of the tile there, the colour of the surface, and its motion with
 //! joints. All of these are measured in metres.
 
-use super::cells::{TriangleGrid, closest_barycentric};
+use super::cells::closest_barycentric;
+use super::triangle_tree::TriangleTree;
 use glam::{Mat4, Vec3};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_attributes_and_locks};
+use obvhs::triangle::Triangle;
 use pelage_formats::{Animation, MeshData, Part, SimplifiedLevel};
 use rayon::prelude::*;
 
@@ -109,14 +111,14 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
         return 0.0;
     }
     let triangles: Vec<[u32; 3]> = list.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    let edges = triangles.iter().map(|t| place(t[0]).distance(place(t[1]))).sum::<f32>();
-    let cells = TriangleGrid::new(&triangles, &place, (edges / triangles.len().max(1) as f32).max(1e-4));
+    let facet = |t: &[u32; 3]| Triangle { v0: place(t[0]).into(), v1: place(t[1]).into(), v2: place(t[2]).into() };
+    let tree = TriangleTree::new(&triangles.iter().map(facet).collect::<Vec<_>>());
     let step = gone.len().div_ceil(MEASURED);
     let of = |v: &u32| {
         let numbers = |v: u32| &attributes[ATTRIBUTES * v as usize..][..ATTRIBUTES];
-        // Squared distance between the vertex and the nearest point of a triangle, attributes included. If the squared
-        // distance of the positions alone is at least `best`, the result is `best`.
-        let nearer = |best: f32, t: u32| {
+        // Squared distance between the vertex and the nearest point of a triangle, attributes included; `best` if the
+        // squared distance of the positions alone is at least that.
+        let square_to = |t: u32, best: f32| {
             let t = &triangles[t as usize];
             let [a, b, c] = t.map(place);
             let weights = closest_barycentric(place(*v), [a, b, c]);
@@ -130,9 +132,9 @@ fn deviation(mesh: &MeshData, attributes: &[f32], list: &[u32], size_m: f32) -> 
             };
             let corners = t.map(numbers);
             let rest = (0..ATTRIBUTES).map(|i| square(numbers(*v)[i], corners.map(|of| of[i]))).sum::<f32>();
-            best.min(moved + rest)
+            moved + rest
         };
-        cells.near(place(*v)).fold(f32::INFINITY, nearer).sqrt()
+        tree.minimum(place(*v), square_to).sqrt()
     };
     let mut found: Vec<f32> = gone.par_iter().step_by(step).map(of).filter(|d| d.is_finite()).collect();
     found.sort_by(f32::total_cmp);

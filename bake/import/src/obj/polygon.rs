@@ -1,8 +1,9 @@
 //! Triangulation of polygons.
 //!
-//! A convex polygon becomes a fan. All others are triangulated by ear clipping (Meisters, "Polygons Have Ears",
-//! American Mathematical Monthly 82(6), 1975). Clipping works in the plane of the normal by Newell's method, in double
-//! precision.
+//! A convex polygon becomes a fan, or is halved repeatedly if it has many corners. All others are triangulated by ear
+//! clipping (Meisters, "Polygons Have Ears", American Mathematical Monthly 82(6), 1975). A polygon too large for that is
+//! halved into pieces that are clipped: rounded coordinates make a circle of many corners slightly concave. Clipping
+//! works in the plane of the normal by Newell's method, in double precision.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -16,8 +17,13 @@ pub(super) struct Triangulation {
     pub clean: bool,
 }
 
-/// Maximum number of corners for ear clipping, which takes cubic time in the worst case.
+/// Maximum number of corners for ear clipping, which takes cubic time in the worst case; and of a piece of a larger
+/// polygon.
 const MOST_CORNERS: usize = 512;
+const PIECE_CORNERS: usize = 256;
+/// Maximum number of corners of a fan. Triangles of a larger fan are slivers across the whole polygon, which every
+/// search for nearby triangles finds.
+const FAN_CORNERS: usize = 16;
 
 /// Triangulates the polygon with corners at `points`, at least 3.
 pub(super) fn triangulate(points: &[Vec3]) -> Triangulation {
@@ -30,16 +36,41 @@ pub(super) fn triangulate(points: &[Vec3]) -> Triangulation {
     // Left turns alone do not prove convexity: a five-pointed star has only left turns too, and winds around twice.
     let turns: f64 = (0..n).map(|i| turn(corner(i))).sum();
     if (0..n).all(|i| twice_area(corner(i)) >= 0.0) && turns < 3.0 * std::f64::consts::PI {
-        return fan(n, true);
+        return if n <= FAN_CORNERS { fan(n, true) } else { halve(&flat, 3) };
     }
-    if n > MOST_CORNERS {
-        return fan(n, false);
+    if n <= MOST_CORNERS {
+        return cut_ears(&flat);
     }
-    cut_ears(&flat)
+    let cut = halve(&flat, PIECE_CORNERS);
+    if cut.clean { cut } else { fan(n, false) }
 }
 
 fn fan(n: usize, clean: bool) -> Triangulation {
     Triangulation { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
+}
+
+/// Divides a polygon by a triangle from its first to its middle and last corner, and both halves in the same way. Pieces
+/// of at most `piece` corners, at least 3, are triangulated by ear clipping.
+fn halve(flat: &[DVec2], piece: usize) -> Triangulation {
+    let mut out = Triangulation { triangles: Vec::with_capacity(flat.len() - 2), clean: true };
+    let mut ranges = vec![(0, flat.len() - 1)];
+    while let Some((first, last)) = ranges.pop() {
+        if last - first < 2 {
+            continue;
+        }
+        if last - first < piece {
+            let cut = cut_ears(&flat[first..=last]);
+            out.clean &= cut.clean;
+            out.triangles.extend(cut.triangles.iter().map(|t| t.map(|i| first + i)));
+            continue;
+        }
+        let middle = first.midpoint(last);
+        let triangle = [first, middle, last];
+        out.clean &= twice_area(triangle.map(|i| flat[i])) >= 0.0;
+        out.triangles.push(triangle);
+        ranges.extend([(first, middle), (middle, last)]);
+    }
+    out
 }
 
 /// Projects the polygon along its normal, so that its winding is counter-clockwise overall.
@@ -144,6 +175,10 @@ mod tests {
         .into_iter()
         .chain([(2., 8.), (8., 8.), (8., 1.), (0., 1.)])
         .collect();
+        let disc: Vec<(f32, f32)> = (0..100)
+            .map(|i| (i as f32 * std::f32::consts::TAU / 100.0).sin_cos())
+            .map(|(sin, cos)| (cos, sin))
+            .collect();
         for points in [
             &[(0., 0.), (1., 0.), (0., 1.)][..],
             &[(0., 0.), (1., 0.), (1., 1.), (0., 1.)],
@@ -158,6 +193,7 @@ mod tests {
             &[(0., 0.), (4., 0.), (4., 4.), (0., 4.), (0., 0.), (1., 1.), (1., 3.), (3., 3.), (3., 1.), (1., 1.)],
             &gear,
             &spiral,
+            &disc,
         ] {
             let cut = triangulate(&lift(points));
             assert_eq!(cut.triangles.len(), points.len() - 2, "{points:?}");
@@ -193,6 +229,16 @@ mod tests {
             assert_eq!(cut.triangles.len(), points.len() - 2);
             assert_eq!(cut.clean, clean, "{points:?}");
         }
+        // Rounded to six digits, the circle has concave corners.
+        let place = |i: usize| libm::sincos(i as f64 * std::f64::consts::TAU / 20_000.0);
+        let round = |x: f64| (x * 1e6).round() as f32 / 1e6;
+        let circle: Vec<(f32, f32)> = (0..20_000).map(place).map(|(sin, cos)| (round(cos), round(sin))).collect();
+        let flat: Vec<Vec3> = circle.iter().map(|(x, y)| Vec3::new(*x, *y, 0.0)).collect();
+        let cut = triangulate(&flat);
+        let p = |i: usize| DVec2::new(circle[i].0.into(), circle[i].1.into());
+        let area: f64 = cut.triangles.iter().map(|t| twice_area(t.map(p)).abs()).sum();
+        assert!(cut.clean && cut.triangles.len() == 19_998);
+        assert!((area / std::f64::consts::TAU - 1.0).abs() < 1e-5, "{area}");
         let zigzag: Vec<Vec3> =
             (0..10_000).map(|i| Vec3::new(i as f32, if i % 2 == 0 { 0.0 } else { 5.0 }, 0.0)).collect();
         assert!(!triangulate(&zigzag).clean);

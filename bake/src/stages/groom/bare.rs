@@ -6,7 +6,7 @@
 //! A bald body is worse than a furred claw, so doubtful materials stay furred.
 
 use super::names::{NameMeaning, meaning_of_words, words};
-use super::pairs::{are_round_pairs, weld};
+use super::pairs::{WeldedFaces, weld};
 use crate::decision::Decision;
 use pelage_import::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
 use pelage_params::{Field, glob};
@@ -155,11 +155,14 @@ fn bare_reasons(model: &Model, rest: &RestPose) -> Vec<Option<BareReason>> {
     let is_open = |m: &usize| why[*m].is_none() && !never[*m] && share(*m) > 0.0 && share(*m) <= SMALL;
     let open: Vec<usize> = (0..materials.len()).filter(is_open).collect();
     let furred: Vec<bool> = why.iter().map(Option::is_none).collect();
-    let places = if open.is_empty() { Vec::new() } else { weld(&rest.positions) };
+    if open.is_empty() {
+        return why;
+    }
+    let faces = WeldedFaces::new(mesh, &rest.positions, &weld(&rest.positions), materials.len());
     for m in open {
         if is_glossy(materials, &shares, &furred, m) {
             why[m] = Some(BareReason::Gloss);
-        } else if are_round_pairs(mesh, &rest.positions, &places, m) {
+        } else if faces.are_round_pairs(m) {
             why[m] = Some(BareReason::Shape);
         }
     }

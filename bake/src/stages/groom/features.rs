@@ -6,7 +6,7 @@
 
 use super::bare::{combined_meaning, part_area_shares, without_common_words};
 use super::names::{NameMeaning, are_names_of_eyes, are_names_of_snout, meaning_of_words, words};
-use super::pairs::{are_round_pairs, weld};
+use super::pairs::{WeldedFaces, weld};
 use super::patches::{FaceMesh, Patch};
 use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
@@ -78,10 +78,8 @@ fn shaped_triangles(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> 
         return found;
     }
     let places = weld(&rest.positions);
-    let is_eye = |m: usize| {
-        shares[m] <= SMALL
-            && (are_names_of_eyes(&names[m]) || are_round_pairs(&model.mesh, &rest.positions, &places, m))
-    };
+    let faces = WeldedFaces::new(&model.mesh, &rest.positions, &places, model.materials.len());
+    let is_eye = |m: usize| shares[m] <= SMALL && (are_names_of_eyes(&names[m]) || faces.are_round_pairs(m));
     let eyes: Vec<bool> = (0..model.materials.len()).map(is_eye).collect();
     let skin = FaceMesh::new(model, rest, &places, &eyes);
     let face = Face::of(&skin, &eyes);

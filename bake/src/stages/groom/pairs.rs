@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use pelage_import::mesh::Mesh;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Minimum roundness 36π V² / A³ of a connected component (volume V, area A). It is 1 for a sphere, and 0.76 for a
 /// sphere compressed to half its height. It is 0.52 for a cube, and 0 for a sheet.
@@ -31,42 +31,65 @@ pub(super) fn weld(positions: &[Vec3]) -> Vec<u32> {
     positions.iter().map(number).collect()
 }
 
-/// Whether `material` covers only pairs of eye-like connected components. Each component must be small, round, in the
-/// upper half of the model, and have a partner of its size beside it. A component may be open, such as an eye without
-/// its back, but must not continue in another material.
-///
-/// * `positions`: at rest, y up
-/// * `places`: numbers from [`weld`]
-pub(super) fn are_round_pairs(mesh: &Mesh, positions: &[Vec3], places: &[u32], material: usize) -> bool {
-    let (own, others) = faces(mesh, places, material);
-    let mut position_of: BTreeMap<u32, DVec3> = BTreeMap::new();
-    for (place, position) in places.iter().zip(positions) {
-        position_of.entry(*place).or_insert(position.as_dvec3());
-    }
-    let (low, high) = positions.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), p| (a.min(p.y), b.max(p.y)));
-    let middle = f64::from(low) / 2.0 + f64::from(high) / 2.0;
-    let borders = borders(&own);
-    let goes_on = others.iter().flat_map(edges).any(|edge| borders.contains_key(&edge));
-    let at = |place: &u32| position_of.get(place).copied().unwrap_or_default();
-    let faces_of = |piece: &Vec<usize>| piece.iter().filter_map(|face| own.get(*face).copied()).collect::<Vec<_>>();
-    let pieces: Vec<ComponentShape> =
-        components(&own).iter().map(|piece| measure(&faces_of(piece), &borders, &at)).collect();
-    let is_eye = |piece: &ComponentShape| piece.roundness >= ROUND && piece.center.y > middle;
-    let some = (2..=MOST_PIECES).contains(&pieces.len());
-    some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)
+/// Triangles of a mesh by material, as numbers of welded positions, without degenerate ones.
+pub(super) struct WeldedFaces {
+    of_material: Vec<Vec<[u32; 3]>>,
+    /// Edges in faces of several materials.
+    between_materials: HashSet<[u32; 2]>,
+    /// Position of each number, at rest, y up.
+    positions: Vec<DVec3>,
+    /// Height halfway up the model.
+    middle: f64,
 }
 
-/// Returns the triangles of a material, and those of all other materials, as indices of welded vertices. Degenerate
-/// triangles are ignored.
-fn faces(mesh: &Mesh, places: &[u32], material: usize) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
-    let (mut own, mut others) = (Vec::new(), Vec::new());
-    for part in &mesh.parts {
-        let triangles = mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
-        let faces = triangles.map(|t| t.map(|v| places.get(v as usize).copied().unwrap_or_default()));
-        let faces = faces.filter(|[a, b, c]| a != b && b != c && c != a);
-        if part.material == material { own.extend(faces) } else { others.extend(faces) }
+impl WeldedFaces {
+    /// Groups the triangles of a mesh with `materials` materials.
+    ///
+    /// * `positions`: at rest, y up
+    /// * `places`: numbers from [`weld`]
+    pub(super) fn new(mesh: &Mesh, positions: &[Vec3], places: &[u32], materials: usize) -> Self {
+        let mut of_material = vec![Vec::new(); materials];
+        let mut first_material: HashMap<[u32; 2], usize> = HashMap::new();
+        let mut between_materials = HashSet::new();
+        for part in &mesh.parts {
+            let triangles = mesh.triangles.iter().skip(part.first_triangle).take(part.triangle_count);
+            let faces = triangles.map(|t| t.map(|v| places.get(v as usize).copied().unwrap_or_default()));
+            for face in faces.filter(|[a, b, c]| a != b && b != c && c != a) {
+                let is_between =
+                    |edge: &[u32; 2]| *first_material.entry(*edge).or_insert(part.material) != part.material;
+                between_materials.extend(edges(&face).into_iter().filter(is_between));
+                if let Some(faces) = of_material.get_mut(part.material) {
+                    faces.push(face);
+                }
+            }
+        }
+        // Numbers are given in the order in which the positions appear.
+        let mut distinct: Vec<DVec3> = Vec::new();
+        for (place, position) in places.iter().zip(positions) {
+            if *place as usize == distinct.len() {
+                distinct.push(position.as_dvec3());
+            }
+        }
+        let heights = positions.iter().map(|p| f64::from(p.y));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
+        Self { of_material, between_materials, positions: distinct, middle: low / 2.0 + high / 2.0 }
     }
-    (own, others)
+
+    /// Whether `material` covers only pairs of eye-like connected components. Each component must be small, round, in
+    /// the upper half of the model, and have a partner of its size beside it. A component may be open, such as an eye
+    /// without its back, but must not continue in another material.
+    pub(super) fn are_round_pairs(&self, material: usize) -> bool {
+        let Some(own) = self.of_material.get(material) else { return false };
+        let borders = borders(own);
+        let goes_on = borders.keys().any(|edge| self.between_materials.contains(edge));
+        let at = |place: &u32| self.positions.get(*place as usize).copied().unwrap_or_default();
+        let faces_of = |piece: &Vec<usize>| piece.iter().filter_map(|face| own.get(*face).copied()).collect::<Vec<_>>();
+        let pieces: Vec<ComponentShape> =
+            components(own).iter().map(|piece| measure(&faces_of(piece), &borders, &at)).collect();
+        let is_eye = |piece: &ComponentShape| piece.roundness >= ROUND && piece.center.y > self.middle;
+        let some = (2..=MOST_PIECES).contains(&pieces.len());
+        some && !goes_on && pieces.iter().all(is_eye) && all_are_paired(&pieces)
+    }
 }
 
 /// Returns the three edges of a face, each with the lower vertex index first.
