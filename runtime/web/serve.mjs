@@ -52,7 +52,8 @@ export function serve(folder, port = 0) {
       "x-content-type-options": "nosniff",
       // Only the page's own scripts run in it.
       "content-security-policy":
-        "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; connect-src 'self' blob:",
+        "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; " +
+        "img-src 'self' blob: data:; connect-src 'self' blob:",
     });
     if (request.method === "HEAD") response.end();
     else createReadStream(found.file).pipe(response);

@@ -76,7 +76,9 @@ export class Pelage extends EventTarget {
     const turn = ++this.#loads;
     const [name, bytes] = await read(source, options);
     // The last call wins, in whatever order the responses arrive.
-    if (turn !== this.#loads || this.#disposed) throw new PelageError("superseded", `${name}: another package was asked for since`);
+    if (turn !== this.#loads || this.#disposed) {
+      throw new PelageError("superseded", `${name}: another package was asked for since`);
+    }
     this.#info = guarded(() => this.#viewer.load(name, bytes));
     this.#changed();
     this.#say("load", this.#info);
@@ -257,7 +259,8 @@ export class Pelage extends EventTarget {
     this.#alive();
     this.#draw();
     return new Promise((resolve, reject) => {
-      const done = (blob) => (blob ? resolve(blob) : reject(new PelageError("device", "screenshot: the canvas cannot be read")));
+      const unreadable = () => new PelageError("device", "screenshot: the canvas cannot be read");
+      const done = (blob) => (blob ? resolve(blob) : reject(unreadable()));
       // Must run in the same task as the frame, because the browser releases the canvas's texture afterwards.
       this.#canvas.toBlob(done, type);
     });
@@ -399,6 +402,7 @@ export class Pelage extends EventTarget {
         last = error;
       }
     }
-    if (!this.#disposed) this.#say("error", new PelageError("device", `the device was lost, and there is no other: ${last?.message}`));
+    if (this.#disposed) return;
+    this.#say("error", new PelageError("device", `the device was lost, and there is no other: ${last?.message}`));
   }
 }

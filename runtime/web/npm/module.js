@@ -9,8 +9,10 @@ let module = null;
 /** Loads the module, once. Fails if there is no WebGPU. */
 export async function start(wasm) {
   if (!globalThis.navigator?.gpu) {
-    const why = globalThis.isSecureContext === false ? "the page is not served over https or from localhost" : "this browser has no WebGPU";
-    throw new PelageError("no-webgpu", `${why}: pelage needs WebGPU (Chrome and Edge 113, Safari 26, Firefox 141, or later)`);
+    const insecure = globalThis.isSecureContext === false;
+    const why = insecure ? "the page is not served over https or from localhost" : "this browser has no WebGPU";
+    const needed = "pelage needs WebGPU (Chrome and Edge 113, Safari 26, Firefox 141, or later)";
+    throw new PelageError("no-webgpu", `${why}: ${needed}`);
   }
   module ??= init({ module_or_path: wasm ?? new URL("pelage_web_bg.wasm", import.meta.url) }).catch((cause) => {
     module = null;

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { after, before } from "node:test";
-import { browser, inBrowser, LONG_MS } from "./needs.mjs";
+import { inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
 import { assertOther, assertSame, bare, bytesOf, open, OUT, picture, rendered } from "./stage.mjs";
 
@@ -17,7 +17,7 @@ before(async () => {
 });
 after(() => opened?.close());
 
-inBrowser("canvas_matches_render", browser("canvas_matches_render"), async () => {
+inBrowser("canvas_matches_render", async () => {
   const { page, faults, close } = await bare(opened, { size: SIZE });
   const fur = await picture(page, "canvas_fur");
   assertSame(fur, rendered("render_fur", SIZE));
@@ -51,7 +51,7 @@ inBrowser("canvas_matches_render", browser("canvas_matches_render"), async () =>
   await close();
 });
 
-inBrowser("page_accepts_the_environment_files_of_render", browser("page_accepts_the_environment_files_of_render"), async () => {
+inBrowser("page_accepts_the_environment_files_of_render", async () => {
   const { page, faults, close } = await bare(opened, { size: SIZE });
   const keyed = await picture(page, "sky_none");
   const sky = `even = [0.1, 0.12, 0.15]
@@ -84,7 +84,7 @@ radiance = [0.4, 0.8, 1.6]
   await close();
 });
 
-inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_settings_are_reported_and_change_nothing"), async () => {
+inBrowser("invalid_settings_are_reported_and_change_nothing", async () => {
   const { page, faults, close } = await bare(opened, { size: [64, 48] });
   const before = await picture(page, "before_faults");
   const said = await page.evaluate(async () => {
@@ -116,7 +116,10 @@ inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_s
     }
     return said;
   });
-  const words = [/0.*2|range/, /penumbra/, /style.*fur/s, /same point/, /field of view/, /Walk/, /at least 0/, /404/, /number.*URL/, /canvas/];
+  const words = [
+    ...[/0.*2|range/, /penumbra/, /style.*fur/s, /same point/, /field of view/, /Walk/, /at least 0/, /404/],
+    ...[/number.*URL/, /canvas/],
+  ];
   said.forEach(([name, kind, message], i) => {
     assert.equal(name, "PelageError", `call ${i}: ${message}`);
     assert.equal(kind, { 7: "fetch", 9: "device" }[i] ?? "asked", message);
@@ -127,11 +130,12 @@ inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_s
   await close();
 });
 
-inBrowser("memory_does_not_grow_over_300_frames", browser("memory_does_not_grow_over_300_frames"), async () => {
+inBrowser("memory_does_not_grow_over_300_frames", async () => {
   // Counts all objects that a device creates.
   const count = () => {
     window.made = {};
-    for (const name of ["createBuffer", "createTexture", "createBindGroup", "createRenderPipeline", "createComputePipeline", "createSampler", "createShaderModule"]) {
+    const kinds = ["Buffer", "Texture", "BindGroup", "RenderPipeline", "ComputePipeline", "Sampler", "ShaderModule"];
+    for (const name of kinds.map((kind) => `create${kind}`)) {
       const make = GPUDevice.prototype[name];
       GPUDevice.prototype[name] = function (...args) {
         made[name] = (made[name] ?? 0) + 1;
@@ -167,7 +171,7 @@ inBrowser("memory_does_not_grow_over_300_frames", browser("memory_does_not_grow_
   await close();
 });
 
-inBrowser("replaced_packages_are_freed", browser("replaced_packages_are_freed"), async () => {
+inBrowser("replaced_packages_are_freed", async () => {
   const { page, faults, close } = await bare(opened, { size: [48, 36] });
   const load = (times) =>
     page.evaluate(async (times) => {
@@ -208,12 +212,14 @@ function mask(blocks) {
   Object.defineProperty(GPUAdapter.prototype, "features", { get: function () { return fewer(get.call(this)); } });
   const request = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = function (asked) {
-    if ([...(asked?.requiredFeatures ?? [])].includes("texture-compression-bc")) throw new TypeError("texture-compression-bc is not here");
+    if ([...(asked?.requiredFeatures ?? [])].includes("texture-compression-bc")) {
+      throw new TypeError("texture-compression-bc is not here");
+    }
     return request.call(this, asked);
   };
 }
 
-inBrowser("blocks_are_decoded_without_device_support", browser("blocks_are_decoded_without_device_support"), async () => {
+inBrowser("blocks_are_decoded_without_device_support", async () => {
   const drawn = [];
   for (const blocks of [true, false]) {
     const before = `(${mask})(${blocks})`;
@@ -229,7 +235,7 @@ inBrowser("blocks_are_decoded_without_device_support", browser("blocks_are_decod
   assertSame(decoded.file, rendered("render_blocks", SIZE));
 });
 
-inBrowser("lost_device_is_replaced_without_changes", browser("lost_device_is_replaced_without_changes"), async () => {
+inBrowser("lost_device_is_replaced_without_changes", async () => {
   const keep = () => {
     const request = GPUAdapter.prototype.requestDevice;
     window.devices = [];
@@ -250,7 +256,8 @@ inBrowser("lost_device_is_replaced_without_changes", browser("lost_device_is_rep
   const before = await picture(page, "before_loss");
   for (let times = 1; times <= 2; times += 1) {
     await page.evaluate(() => devices.at(-1).destroy());
-    await page.waitForFunction((times) => happened.filter(([type]) => type === "devicerestored").length === times, times, { timeout: LONG_MS });
+    const restored = (times) => happened.filter(([type]) => type === "devicerestored").length === times;
+    await page.waitForFunction(restored, times, { timeout: LONG_MS });
     assert.deepEqual(bytesOf(await picture(page, "after_loss")), bytesOf(before));
   }
   const happened = await page.evaluate(() => happened.map(([type]) => type));

@@ -26,7 +26,8 @@ test("page downloads are small", { skip: quick }, () => {
 });
 
 test("npm package is complete", () => {
-  const [packed] = JSON.parse(execFileSync("npm", ["pack", "--dry-run", "--json", "--offline"], { cwd: NPM, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
+  const options = { cwd: NPM, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] };
+  const [packed] = JSON.parse(execFileSync("npm", ["pack", "--dry-run", "--json", "--offline"], options));
   const { files } = JSON.parse(readFileSync(`${NPM}/package.json`, "utf8"));
   assert.deepEqual(packed.files.map(({ path }) => path).sort(), [...files, "package.json"].sort());
 });
@@ -35,8 +36,9 @@ test("type declarations match the class", () => {
   const members = (text, line) => new Set([...text.matchAll(line)].map(([, name]) => name));
   const between = (file, from) => readFileSync(`${NPM}/${file}`, "utf8").split(from)[1].split("\n}")[0];
   for (const [file, name, least] of [["index.js", "Pelage", 25], ["pass.js", "PelagePass", 7]]) {
-    const has = members(between(file, `export class ${name} `), /^ {2}(?:static async |async |get |set )?(\w+)\(.*\{$/gm);
-    const says = members(between("index.d.ts", `export class ${name} `), /^ {2}(?:private |static |readonly |get |set )*(\w+)[(:<]/gm);
+    const [code, types] = [file, "index.d.ts"].map((text) => between(text, `export class ${name} `));
+    const has = members(code, /^ {2}(?:static async |async |get |set )?(\w+)\(.*\{$/gm);
+    const says = members(types, /^ {2}(?:private |static |readonly |get |set )*(\w+)[(:<]/gm);
     // The types declare members of EventTarget again, with the types of the events.
     for (const inherited of ["addEventListener", "removeEventListener"]) says.delete(inherited);
     assert.ok(has.size > least, `${has.size} members of ${name}`);
@@ -62,7 +64,8 @@ test("server serves only files of its folder with their types", async (t) => {
     });
   assert.deepEqual(await asked("/"), [200, "text/html; charset=utf-8"]);
   assert.deepEqual(await asked("/page.js"), [200, "text/javascript; charset=utf-8"]);
-  for (const path of ["/none", "/../serve.mjs", "/..%2fserve.mjs", "/%2e%2e/serve.mjs", "//etc/passwd", "/%", "/page.js/"]) {
+  const outside = ["/../serve.mjs", "/..%2fserve.mjs", "/%2e%2e/serve.mjs", "//etc/passwd"];
+  for (const path of [...outside, "/none", "/%", "/page.js/"]) {
     assert.equal((await asked(path))[0], 404, path);
   }
   assert.equal((await asked("/", "POST"))[0], 404);
