@@ -1,13 +1,11 @@
-// Tests of the npm package and the server, without a browser.
+// Tests of the npm package, without a browser.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readdirSync, readFileSync } from "node:fs";
-import { get } from "node:http";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { ROOT } from "./needs.mjs";
-import { serve } from "../serve.mjs";
 
 const NPM = `${ROOT}/target/web/npm`;
 /** Maximum compressed size of WebAssembly and JavaScript of a page, bytes. */
@@ -49,24 +47,4 @@ test("type declarations match the class", () => {
 test("npm version equals the crate version", () => {
   const { version } = JSON.parse(readFileSync(`${ROOT}/runtime/web/npm/package.json`, "utf8"));
   assert.ok(readFileSync(`${ROOT}/Cargo.toml`, "utf8").includes(`\nversion = "${version}"\n`), version);
-});
-
-test("server serves only files of its folder with their types", async (t) => {
-  const server = await serve(`${ROOT}/runtime/web/page`);
-  t.after(() => server.close());
-  assert.equal(server.address().address, "127.0.0.1");
-  const asked = (path, method = "GET") =>
-    new Promise((resolve, reject) => {
-      get({ port: server.address().port, host: "127.0.0.1", path, method }, (response) => {
-        response.resume();
-        resolve([response.statusCode, response.headers["content-type"]]);
-      }).on("error", reject);
-    });
-  assert.deepEqual(await asked("/"), [200, "text/html; charset=utf-8"]);
-  assert.deepEqual(await asked("/page.js"), [200, "text/javascript; charset=utf-8"]);
-  const outside = ["/../serve.mjs", "/..%2fserve.mjs", "/%2e%2e/serve.mjs", "//etc/passwd"];
-  for (const path of [...outside, "/none", "/%", "/page.js/"]) {
-    assert.equal((await asked(path))[0], 404, path);
-  }
-  assert.equal((await asked("/", "POST"))[0], 404);
 });
