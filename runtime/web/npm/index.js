@@ -18,6 +18,9 @@ const REOPEN_MS = 250;
 /** Longest time step, seconds. It keeps a tab that was in the background from catching up. */
 const LONGEST_STEP_S = 0.25;
 
+/** Canvases in use. A second device on a canvas would blank it. */
+const taken = new WeakSet();
+
 function wait(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
@@ -45,11 +48,20 @@ export class Pelage extends EventTarget {
   #stopControls = null;
 
   static async create(canvas, options = {}) {
-    await start(options.wasm);
-    const opened = await openDevice(canvas).catch((error) => {
+    if (canvas?.localName !== "canvas") {
+      throw new PelageError("asked", `create: found ${canvas?.localName ?? canvas}, expected a <canvas> element`);
+    }
+    if (taken.has(canvas)) {
+      throw new PelageError("asked", "create: the canvas is in use, expected one without Pelage; call dispose() first");
+    }
+    taken.add(canvas);
+    try {
+      await start(options.wasm);
+      return new Pelage(canvas, options, await openDevice(canvas));
+    } catch (error) {
+      taken.delete(canvas);
       throw PelageError.of(error);
-    });
-    return new Pelage(canvas, options, opened);
+    }
   }
 
   /** @private */
@@ -200,6 +212,8 @@ export class Pelage extends EventTarget {
       if (name === undefined && now.clip === null && this.clips.length === 0) return;
       const clip = name ?? now.clip ?? this.clips[0].name;
       if (clip !== now.clip) viewer.set_clip(clip);
+      // The end of a name may find the current clip, which continues.
+      if (now.clip !== null && viewer.playing().clip === now.clip) viewer.seek(now.timeS);
       viewer.set_playing(true);
     });
   }
@@ -241,8 +255,10 @@ export class Pelage extends EventTarget {
     return { ...this.#stats, adapter: this.#adapter, width, height };
   }
 
-  /** Resolves when everything drawn so far is complete. */
+  /** Resolves when the canvas shows all changes so far. */
   async idle() {
+    this.#alive();
+    if (this.#loop && this.#dirty) this.#draw();
     await this.#device.queue.onSubmittedWorkDone();
   }
 
@@ -274,6 +290,7 @@ export class Pelage extends EventTarget {
     this.controls = false;
     this.#viewer.free();
     this.#device.destroy();
+    taken.delete(this.#canvas);
     this.#info = null;
   }
 

@@ -5,7 +5,8 @@ import { writeFileSync } from "node:fs";
 import { after, before } from "node:test";
 import { inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
-import { assertOther, assertSame, bare, bytesOf, open, OUT, picture, rendered } from "./stage.mjs";
+import { assertOther, assertSame, bare, bytesOf, colorAt, isFur, open, OUT } from "./stage.mjs";
+import { page, picture, rendered } from "./stage.mjs";
 
 const SIZE = [320, 240];
 /** A cheap look whose shadow maps are redrawn for every pose. */
@@ -80,6 +81,66 @@ radiance = [0.4, 0.8, 1.6]
   assertSame(lit, await picture(page, "sky_still"));
   await page.evaluate(() => pelage.setEnvironment(null));
   assertSame(keyed, await picture(page, "sky_ended"));
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+inBrowser("html_in_place_of_the_module_is_reported", async () => {
+  const { page: shown, faults, close } = await page(opened, { path: "/blank" });
+  const create = (wasm) =>
+    shown.evaluate(async (wasm) => {
+      const { Pelage } = await import("/pelage/index.js");
+      const canvas = document.querySelector("canvas") ?? document.body.appendChild(document.createElement("canvas"));
+      return Pelage.create(canvas, { wasm }).then(() => "created", ({ kind, message }) => `${kind}: ${message}`);
+    }, wasm);
+  const html = /^module: .*\/blank: found text\/html, expected application\/wasm; .*\{ wasm \}/;
+  assert.match(await create("/blank"), html);
+  assert.match(await create("/none.wasm"), /^module: .*\/none\.wasm: found status 404, .*\{ wasm \}/);
+  assert.match(await create("http://127.0.0.1:1/"), /^module: .*http:\/\/127\.0\.0\.1:1\//);
+  assert.equal(await create("/pelage/pelage_web_bg.wasm"), "created", "a failure leaves canvas and package usable");
+  assert.deepEqual(faults.filter((fault) => !/ERR_/.test(fault)), []);
+  await close();
+});
+
+inBrowser("a_canvas_has_one_visible_pelage", async () => {
+  // Without the loop's frames, only `idle()` draws.
+  const before = () => (window.requestAnimationFrame = () => 1);
+  const { page, faults, close } = await bare(opened, { size: [64, 48], before, options: { loop: true } });
+  await page.evaluate(() => pelage.idle());
+  const visible = await page.locator("canvas").screenshot();
+  const color = await colorAt(page, visible, 32, 24);
+  assert.ok(isFur(color), `${color} is not fur`);
+
+  // The end of a clip's name finds it, and the current clip continues.
+  const clip = await page.evaluate(() => {
+    pelage.play("Walk");
+    pelage.seek(0.25);
+    pelage.play("wALK");
+    const { playback } = pelage;
+    pelage.rest();
+    return playback;
+  });
+  assert.deepEqual([clip.clip, clip.timeS, clip.playing], ["Walk", 0.25, true]);
+
+  const said = await page.evaluate(async () => {
+    const { Pelage } = await import("/pelage/index.js");
+    const said = async (...args) => Pelage.create(...args).then(() => "created", ({ message }) => message);
+    return [await said(document.querySelector("canvas")), await said(null), await said(document.body)];
+  });
+  assert.match(said[0], /in use.*dispose\(\)/);
+  assert.match(said[1], /found null, expected a <canvas>/);
+  assert.match(said[2], /found body, expected a <canvas>/);
+  assert.deepEqual(await page.locator("canvas").screenshot(), visible);
+
+  // A disposed Pelage and a failed attempt release the canvas.
+  const again = await page.evaluate(async () => {
+    const { Pelage } = await import("/pelage/index.js");
+    const create = (look) => Pelage.create(document.querySelector("canvas"), { autoSize: false, look });
+    pelage.dispose();
+    const failed = await create("[nothing]").catch(({ kind }) => kind);
+    return [failed, (await create()).info];
+  });
+  assert.deepEqual(again, ["asked", null]);
   assert.deepEqual(faults, []);
   await close();
 });

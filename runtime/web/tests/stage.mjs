@@ -107,6 +107,27 @@ export async function picture(page, name) {
   return file;
 }
 
+/** Returns the mean red, green and blue of a square of 5 x 5 pixels of a PNG, decoded by that page. */
+export function colorAt(page, png, x, y) {
+  return page.evaluate(
+    async ({ base64, x, y }) => {
+      const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes]));
+      const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+      context.drawImage(bitmap, 0, 0);
+      const { data } = context.getImageData(x - 2, y - 2, 5, 5);
+      const mean = (channel) => data.reduce((sum, value, i) => sum + (i % 4 === channel ? value : 0), 0) / 25;
+      return [0, 1, 2].map(mean);
+    },
+    { base64: png.toString("base64"), x, y },
+  );
+}
+
+/** Returns whether a colour is that of the hare's fur. */
+export function isFur([r, g, b]) {
+  return r > g && g > b && r < 150 && r < 2 * b + 60;
+}
+
 /** Draws the hare with the command, and returns the path of the image. */
 export function rendered(name, size, ...args) {
   const file = `${OUT}/${name}.png`;
