@@ -20,7 +20,8 @@ llvm() { "$(debian_compiler)" -vV | sed -n 's/^LLVM version: \([0-9]*\).*/\1/p';
 has_debian() {
     compiler=$(debian_compiler)
     # Compiler and sources must have the same version, which is part of their folder's name on Debian.
-    [ -n "$compiler" ] && [ -d "$("$compiler" --print sysroot)/lib/rustlib/src/rust/library" ] && command -v "lld-$(llvm)" >/dev/null 2>&1
+    [ -n "$compiler" ] && [ -d "$("$compiler" --print sysroot)/lib/rustlib/src/rust/library" ] &&
+        command -v "lld-$(llvm)" >/dev/null 2>&1
 }
 
 apt_install() { DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@" >&2; }

@@ -184,7 +184,8 @@ def by_pelage(binary, path, sets):
         package, unpacked = f"{folder}/a.pelage", f"{folder}/a"
         small = ["--set", "slice.tile_texels=16", "--set", "slice.layers=4", "--set", "hair.density=20"]
         command = [binary, "bake", str(path), "-o", package, "--json", "--quiet", *small]
-        report = json.loads(subprocess.run(command + [x for s in sets for x in ("--set", s)], check=True, capture_output=True).stdout)
+        command += [x for s in sets for x in ("--set", s)]
+        report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
         subprocess.run([binary, "unpack", package, unpacked, "--quiet"], check=True, stdout=subprocess.DEVNULL)
         mesh = Gltf(f"{unpacked}/mesh.glb")
         points, triangles, uvs = posed(mesh, path)

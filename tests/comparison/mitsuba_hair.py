@@ -33,14 +33,16 @@ def emitter(given):
     light = np.array([float(x) for x in given.light.split(",")])
     towards = light / np.linalg.norm(light)
     # A light of colour 1 has an irradiance of pi.
-    return {"type": "directional", "direction": (-towards).tolist(), "irradiance": {"type": "rgb", "value": float(np.pi)}}
+    irradiance = {"type": "rgb", "value": float(np.pi)}
+    return {"type": "directional", "direction": (-towards).tolist(), "irradiance": irradiance}
 
 
 def scene(strands, skin, exported, given):
     """Returns a scene of the exported strands, with the exported fibre, over skin of one colour."""
     groups = [group for group in exported["groups"] if "fibre" in group]
     if len(groups) != 1:
-        sys.exit(f"{len(groups)} groups with a fibre in the export, expected one: bake with shading.model=marschner, without guided hair")
+        advice = "bake with shading.model=marschner, without guided hair"
+        sys.exit(f"{len(groups)} groups with a fibre in the export, expected one: {advice}")
     fibre = groups[0]["fibre"]
     return mi.load_dict({
         "type": "scene",
@@ -110,9 +112,11 @@ def main():
     arguments.add_argument("--spp", type=int, default=64)
     arguments.add_argument("--bounces", type=int, default=64)
     arguments.add_argument("--light", default="-0.25,0.75,0.6")
-    arguments.add_argument("--environment", help="a panorama to shine in place of the light, with :degrees behind it to turn it")
+    arguments.add_argument(
+        "--environment", help="panorama that replaces the light; append :DEGREES to rotate it about the vertical")
     arguments.add_argument("--environment-strength", type=float, default=1.0)
-    arguments.add_argument("--skin", type=float, nargs=3, help="reflectance of the skin, linear, where it is not the coat's colour")
+    arguments.add_argument(
+        "--skin", type=float, nargs=3, help="linear reflectance of the skin; default: colour of the hair")
     arguments.add_argument("--variant", default="scalar_rgb", help="scalar_rgb or llvm_ad_rgb")
     arguments.add_argument("--limit", type=float, default=0.03)
     arguments.add_argument("-o", "--output", type=Path, default=Path("."), help="folder for the pictures")
@@ -139,8 +143,8 @@ def main():
     seconds = time.perf_counter() - begun
     mi.Bitmap(theirs.astype(np.float32)).write(str(theirs_file))
 
-    pictures = [np.array(mi.Bitmap(str(ours_file)).convert(mi.Bitmap.PixelFormat.RGBA, mi.Struct.Type.Float32, False)), theirs]
-    ours_blocks, theirs_blocks = (blocks(picture) for picture in pictures)
+    ours = mi.Bitmap(str(ours_file)).convert(mi.Bitmap.PixelFormat.RGBA, mi.Struct.Type.Float32, False)
+    ours_blocks, theirs_blocks = blocks(np.array(ours)), blocks(theirs)
     covered = (ours_blocks[..., 3] > 0.5) & (theirs_blocks[..., 3] > 0.5)
     ours_light, theirs_light = ours_blocks[covered][:, :3], theirs_blocks[covered][:, :3]
     means = [light.mean(axis=0) for light in (ours_light, theirs_light)]

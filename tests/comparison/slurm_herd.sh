@@ -22,7 +22,9 @@ cluster() { "$here/slurm_cluster.sh" "$1" "$folder/cluster"; }
 
 # hashes FOLDER: prints the hashes of a herd's output, without its internal files and its report. Temporary files that
 # are left behind count as output, so that they are found.
-hashes() { (cd "$1" && find packages pictures truths differences sequences -type f | LC_ALL=C sort | xargs -d '\n' sha256sum); }
+hashes() (
+    cd "$1" && find packages pictures truths differences sequences -type f | LC_ALL=C sort | xargs -d '\n' sha256sum
+)
 
 same() {
     if hashes "$folder/$2" 2>&1 | diff -q - "$folder/expected" >/dev/null; then
@@ -104,7 +106,8 @@ say "ninja: $(run ninja --jobs 2 | ran) commands in $(echo "$(date +%s.%N) - $be
 hashes "$folder/ninja" >"$folder/expected"
 
 begun=$(date +%s.%N)
-say "slurm: $(on_slurm slurm | ran) commands in $(echo "$(date +%s.%N) - $begun" | bc) s, $(sacctless=$(find "$folder/slurm/.herd/slurm" -name '*.done' | wc -l); echo "$sacctless") shards"
+commands=$(on_slurm slurm | ran) seconds=$(echo "$(date +%s.%N) - $begun" | bc)
+say "slurm: $commands commands in $seconds s, $(find "$folder/slurm/.herd/slurm" -name '*.done' | wc -l) shards"
 same "a herd on Slurm" slurm
 say "again: $(on_slurm slurm | ran) commands"
 
@@ -143,7 +146,8 @@ same "after the node died" node
 # The disk fills up during the run.
 mkdir -p "$folder/full"
 mount -t tmpfs -o size=12m tmpfs "$folder/full"
-say "on a disk of 12 MiB: exit code $(on_slurm full >"$folder/full.txt" 2>&1; echo $?), $(grep -c 'No space left' "$folder/full.txt" || true) messages report a full disk"
+code=$(on_slurm full >"$folder/full.txt" 2>&1; echo $?) full=$(grep -c 'No space left' "$folder/full.txt" || true)
+say "on a disk of 12 MiB: exit code $code, $full messages report a full disk"
 mount -o remount,size=2g "$folder/full"
 say "with enough space: $(on_slurm full | tail -2 | head -1)"
 same "after the disk was full" full

@@ -21,7 +21,8 @@ def check(stage, names, strands):
     def same(what, found, expected):
         found, expected = np.asarray(found), np.asarray(expected)
         if found.shape != expected.shape or not np.array_equal(found, expected):
-            faults.append(f"{what}: {found.shape} {found.ravel()[:3]}, expected {expected.shape} {expected.ravel()[:3]}")
+            start = f"{found.shape} {found.ravel()[:3]}"
+            faults.append(f"{what}: {start}, expected {expected.shape} {expected.ravel()[:3]}")
 
     same("metersPerUnit", UsdGeom.GetStageMetersPerUnit(stage), 1.0)
     same("upAxis", str(UsdGeom.GetStageUpAxis(stage)), "Y")

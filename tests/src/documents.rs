@@ -28,6 +28,25 @@ pub fn documents(extensions: &[&str]) -> Vec<Document> {
     found
 }
 
+/// Returns all text files that git tracks, ordered by path. Files that are not UTF-8 are skipped.
+///
+/// # Panics
+///
+/// If git cannot be run, or a file cannot be read.
+pub fn tracked_texts() -> Vec<Document> {
+    let listed = std::process::Command::new("git").args(["ls-files", "-z"]).current_dir(workspace()).output();
+    let listed = listed.unwrap_or_else(|e| panic!("git ls-files: {e}"));
+    assert!(listed.status.success(), "git ls-files: {}", String::from_utf8_lossy(&listed.stderr));
+    let names = String::from_utf8_lossy(&listed.stdout);
+    let text = |path: &str| {
+        let file = workspace().join(path);
+        // Deleted files remain in the index until the deletion is staged.
+        let bytes = file.exists().then(|| std::fs::read(&file).unwrap_or_else(|e| panic!("{path}: {e}")))?;
+        Some(Document { path: path.to_owned(), text: String::from_utf8(bytes).ok()? })
+    };
+    names.split_terminator('\0').filter_map(text).collect()
+}
+
 fn collect(folder: &Path, extensions: &[&str], found: &mut Vec<Document>) {
     for entry in std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display())) {
         let entry = entry.unwrap_or_else(|e| panic!("{}: {e}", folder.display()));

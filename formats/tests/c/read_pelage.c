@@ -1,5 +1,6 @@
-/* Reads a .pelage package, version 1 to 3, written from FORMAT.md alone: header, table, checksums, the manifest's texture names,
- * mesh counts, fins and texture sizes. Prints one line for each and exits with 1, saying where, if something is wrong.
+/* Reads a .pelage package, version 1 to 3: header, table, checksums, the manifest's texture names, mesh counts, fins
+ * and texture sizes. Prints one line for each. On a fault, prints its position and exits with 1. Written from FORMAT.md
+ * alone.
  *
  *     cc -std=c99 -o read_pelage read_pelage.c && ./read_pelage fox.pelage
  */

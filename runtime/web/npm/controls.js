@@ -23,7 +23,8 @@ export function control(canvas, hand) {
   const height = () => Math.max(canvas.clientHeight, 1);
   const place = (event) => {
     const box = canvas.getBoundingClientRect();
-    return [(event.clientX - box.left - box.width / 2) / height(), (box.top + box.height / 2 - event.clientY) / height()];
+    const [middleX, middleY] = [box.left + box.width / 2, box.top + box.height / 2];
+    return [(event.clientX - middleX) / height(), (middleY - event.clientY) / height()];
   };
   const middle = () => {
     const [a, b] = [...pointers.values()];

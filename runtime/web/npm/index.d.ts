@@ -47,8 +47,8 @@ export interface PelageOptions {
   /** Look, as TOML. */
   look?: string;
   /**
-   * The WebAssembly module, for bundlers that move it. Default: the file beside index.js.
-   * Used only by the first `create` of a page.
+   * The WebAssembly module or its URL; required with most bundlers, and the README has the lines for them.
+   * Default: pelage_web_bg.wasm beside index.js. Only the first `create` or `open` of a page uses it.
    */
   wasm?: string | URL | Request | Response | BufferSource | WebAssembly.Module;
 }
@@ -161,13 +161,15 @@ export class Pelage extends EventTarget {
   private constructor();
 
   /**
-   * Opens a device for a canvas that has no other context.
-   * Fails with `no-webgpu`, `no-adapter`, `module`, `device`, or with `asked` for an invalid look.
+   * Opens a device for a canvas that has no other context and no other Pelage; `dispose()` makes a canvas available
+   * again. Resolves before anything is visible.
+   * Fails with `no-webgpu`, `no-adapter`, `module`, `device`, or with `asked` for an invalid look or a canvas in use.
    */
   static create(canvas: HTMLCanvasElement, options?: PelageOptions): Promise<Pelage>;
 
   /**
-   * Shows a package at rest, framed by the camera. The last of several calls wins; the others fail with `superseded`.
+   * Shows a package at rest, framed by the camera. Resolves when the package is loaded; it is visible when a following
+   * `idle()` resolves. The last of several calls wins; the others fail with `superseded`.
    * Fails with `package`, `fetch`, `asked`, `no-adapter`, or with the reason of `signal`.
    */
   load(
@@ -217,7 +219,13 @@ export class Pelage extends EventTarget {
   /** Clips of the package. */
   readonly clips: readonly ClipInfo[];
   readonly playback: Playback;
-  /** Plays the clip `name`; without a name, resumes the current clip, or plays the first one. */
+  /**
+   * Plays a clip; the current clip continues. Without a name, resumes the current clip, or plays the first one; does
+   * nothing if there is none.
+   * `name`: a name in `clips`, or the part after its last `|` or `:`, in any case, if only one clip ends in it. "walk"
+   * finds "Armature|Walk".
+   * Fails with `asked` and the names of all clips if none matches.
+   */
   play(name?: string): void;
   pause(): void;
   /** Shows the model without a clip. */
@@ -232,7 +240,10 @@ export class Pelage extends EventTarget {
   /** Draws a frame now. */
   frame(): void;
   readonly stats: Stats;
-  /** Resolves when everything drawn so far is complete. */
+  /**
+   * Resolves when the canvas shows all changes so far; `await pelage.load(url); await pelage.idle();` waits until an
+   * animal is visible. With `loop: false`, call `frame()` first.
+   */
   idle(): Promise<void>;
   /** Adopts the current size of the canvas; automatic with `autoSize`. */
   resize(): void;
@@ -278,7 +289,7 @@ export interface PassFrame {
   clipFromView: ArrayLike<number>;
   /** Matrix from model to world space. Default: the identity. */
   worldFromModel?: ArrayLike<number>;
-  /** Name of the clip; if omitted, the model is at rest. */
+  /** Name of the clip, as in `info.clips`; if omitted, the model is at rest. */
   clip?: string;
   /** Time in the clip, seconds. */
   timeS?: number;

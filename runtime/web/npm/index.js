@@ -18,6 +18,9 @@ const REOPEN_MS = 250;
 /** Longest time step, seconds. It keeps a tab that was in the background from catching up. */
 const LONGEST_STEP_S = 0.25;
 
+/** Canvases in use. A second device on a canvas would blank it. */
+const taken = new WeakSet();
+
 function wait(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
@@ -45,11 +48,20 @@ export class Pelage extends EventTarget {
   #stopControls = null;
 
   static async create(canvas, options = {}) {
-    await start(options.wasm);
-    const opened = await openDevice(canvas).catch((error) => {
+    if (canvas?.localName !== "canvas") {
+      throw new PelageError("asked", `create: found ${canvas?.localName ?? canvas}, expected a <canvas> element`);
+    }
+    if (taken.has(canvas)) {
+      throw new PelageError("asked", "create: the canvas is in use, expected one without Pelage; call dispose() first");
+    }
+    taken.add(canvas);
+    try {
+      await start(options.wasm);
+      return new Pelage(canvas, options, await openDevice(canvas));
+    } catch (error) {
+      taken.delete(canvas);
       throw PelageError.of(error);
-    });
-    return new Pelage(canvas, options, opened);
+    }
   }
 
   /** @private */
@@ -76,7 +88,9 @@ export class Pelage extends EventTarget {
     const turn = ++this.#loads;
     const [name, bytes] = await read(source, options);
     // The last call wins, in whatever order the responses arrive.
-    if (turn !== this.#loads || this.#disposed) throw new PelageError("superseded", `${name}: another package was asked for since`);
+    if (turn !== this.#loads || this.#disposed) {
+      throw new PelageError("superseded", `${name}: another package was asked for since`);
+    }
     this.#info = guarded(() => this.#viewer.load(name, bytes));
     this.#changed();
     this.#say("load", this.#info);
@@ -198,6 +212,8 @@ export class Pelage extends EventTarget {
       if (name === undefined && now.clip === null && this.clips.length === 0) return;
       const clip = name ?? now.clip ?? this.clips[0].name;
       if (clip !== now.clip) viewer.set_clip(clip);
+      // The end of a name may find the current clip, which continues.
+      if (now.clip !== null && viewer.playing().clip === now.clip) viewer.seek(now.timeS);
       viewer.set_playing(true);
     });
   }
@@ -239,8 +255,10 @@ export class Pelage extends EventTarget {
     return { ...this.#stats, adapter: this.#adapter, width, height };
   }
 
-  /** Resolves when everything drawn so far is complete. */
+  /** Resolves when the canvas shows all changes so far. */
   async idle() {
+    this.#alive();
+    if (this.#loop && this.#dirty) this.#draw();
     await this.#device.queue.onSubmittedWorkDone();
   }
 
@@ -257,7 +275,8 @@ export class Pelage extends EventTarget {
     this.#alive();
     this.#draw();
     return new Promise((resolve, reject) => {
-      const done = (blob) => (blob ? resolve(blob) : reject(new PelageError("device", "screenshot: the canvas cannot be read")));
+      const unreadable = () => new PelageError("device", "screenshot: the canvas cannot be read");
+      const done = (blob) => (blob ? resolve(blob) : reject(unreadable()));
       // Must run in the same task as the frame, because the browser releases the canvas's texture afterwards.
       this.#canvas.toBlob(done, type);
     });
@@ -271,6 +290,7 @@ export class Pelage extends EventTarget {
     this.controls = false;
     this.#viewer.free();
     this.#device.destroy();
+    taken.delete(this.#canvas);
     this.#info = null;
   }
 
@@ -399,6 +419,7 @@ export class Pelage extends EventTarget {
         last = error;
       }
     }
-    if (!this.#disposed) this.#say("error", new PelageError("device", `the device was lost, and there is no other: ${last?.message}`));
+    if (this.#disposed) return;
+    this.#say("error", new PelageError("device", `the device was lost, and there is no other: ${last?.message}`));
   }
 }

@@ -9,14 +9,34 @@ let module = null;
 /** Loads the module, once. Fails if there is no WebGPU. */
 export async function start(wasm) {
   if (!globalThis.navigator?.gpu) {
-    const why = globalThis.isSecureContext === false ? "the page is not served over https or from localhost" : "this browser has no WebGPU";
-    throw new PelageError("no-webgpu", `${why}: pelage needs WebGPU (Chrome and Edge 113, Safari 26, Firefox 141, or later)`);
+    const insecure = globalThis.isSecureContext === false;
+    const why = insecure ? "the page is not served over https or from localhost" : "this browser has no WebGPU";
+    const needed = "pelage needs WebGPU (Chrome and Edge 113, Safari 26, Firefox 141, or later)";
+    throw new PelageError("no-webgpu", `${why}: ${needed}`);
   }
-  module ??= init({ module_or_path: wasm ?? new URL("pelage_web_bg.wasm", import.meta.url) }).catch((cause) => {
+  module ??= instantiate(wasm ?? new URL("pelage_web_bg.wasm", import.meta.url)).catch((cause) => {
     module = null;
     throw new PelageError("module", `the WebAssembly module cannot be loaded: ${cause.message}`, { cause });
   });
   await module;
+}
+
+/** Instantiates the module from any value of the option `wasm`. */
+async function instantiate(wasm) {
+  if (typeof wasm === "string" || wasm instanceof URL || wasm instanceof Request) {
+    wasm = await arrived(String(wasm.url ?? wasm), fetch(wasm));
+  }
+  if (wasm instanceof Response) {
+    const { ok, status, headers, url } = wasm;
+    const type = headers.get("content-type") ?? "no type";
+    // Development servers answer unknown paths with their HTML page.
+    if (!ok || /^text\//.test(type)) {
+      const found = ok ? type : `status ${status}`;
+      const advice = "pass the URL of pelage_web_bg.wasm as { wasm }; the README has the lines for bundlers";
+      throw new Error(`${url}: found ${found}, expected application/wasm; ${advice}`);
+    }
+  }
+  await init({ module_or_path: wasm });
 }
 
 /** Calls `f`, and converts the errors of the module. */

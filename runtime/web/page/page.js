@@ -91,8 +91,11 @@ function shown(info, title) {
   caption.textContent = `${title} · ${(info.bytes / 1e6).toFixed(1)} MB`;
   document.title = `${title} · pelage`;
   element("style").querySelector("[value=ink]").disabled = !info.hasInk;
-  for (const button of element("animals").children) button.setAttribute("aria-current", String(button.textContent === title));
-  clip.replaceChildren(new Option("At rest", ""), ...info.clips.map(({ name }) => new Option(name.split("|").pop(), name)));
+  for (const button of element("animals").children) {
+    button.setAttribute("aria-current", String(button.textContent === title));
+  }
+  const clips = info.clips.map(({ name }) => new Option(name.split("|").pop(), name));
+  clip.replaceChildren(new Option("At rest", ""), ...clips);
   for (const knob of [play, clip, time]) knob.disabled = info.clips.length === 0;
   follow();
 }

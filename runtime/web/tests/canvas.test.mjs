@@ -3,9 +3,10 @@
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { after, before } from "node:test";
-import { browser, inBrowser, LONG_MS } from "./needs.mjs";
+import { inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
-import { assertOther, assertSame, bare, bytesOf, open, OUT, picture, rendered } from "./stage.mjs";
+import { assertOther, assertSame, bare, bytesOf, colorAt, isFur, open, OUT } from "./stage.mjs";
+import { page, picture, rendered } from "./stage.mjs";
 
 const SIZE = [320, 240];
 /** A cheap look whose shadow maps are redrawn for every pose. */
@@ -17,7 +18,7 @@ before(async () => {
 });
 after(() => opened?.close());
 
-inBrowser("canvas_matches_render", browser("canvas_matches_render"), async () => {
+inBrowser("canvas_matches_render", async () => {
   const { page, faults, close } = await bare(opened, { size: SIZE });
   const fur = await picture(page, "canvas_fur");
   assertSame(fur, rendered("render_fur", SIZE));
@@ -51,7 +52,7 @@ inBrowser("canvas_matches_render", browser("canvas_matches_render"), async () =>
   await close();
 });
 
-inBrowser("page_accepts_the_environment_files_of_render", browser("page_accepts_the_environment_files_of_render"), async () => {
+inBrowser("page_accepts_the_environment_files_of_render", async () => {
   const { page, faults, close } = await bare(opened, { size: SIZE });
   const keyed = await picture(page, "sky_none");
   const sky = `even = [0.1, 0.12, 0.15]
@@ -84,7 +85,67 @@ radiance = [0.4, 0.8, 1.6]
   await close();
 });
 
-inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_settings_are_reported_and_change_nothing"), async () => {
+inBrowser("html_in_place_of_the_module_is_reported", async () => {
+  const { page: shown, faults, close } = await page(opened, { path: "/blank" });
+  const create = (wasm) =>
+    shown.evaluate(async (wasm) => {
+      const { Pelage } = await import("/pelage/index.js");
+      const canvas = document.querySelector("canvas") ?? document.body.appendChild(document.createElement("canvas"));
+      return Pelage.create(canvas, { wasm }).then(() => "created", ({ kind, message }) => `${kind}: ${message}`);
+    }, wasm);
+  const html = /^module: .*\/blank: found text\/html, expected application\/wasm; .*\{ wasm \}/;
+  assert.match(await create("/blank"), html);
+  assert.match(await create("/none.wasm"), /^module: .*\/none\.wasm: found status 404, .*\{ wasm \}/);
+  assert.match(await create("http://127.0.0.1:1/"), /^module: .*http:\/\/127\.0\.0\.1:1\//);
+  assert.equal(await create("/pelage/pelage_web_bg.wasm"), "created", "a failure leaves canvas and package usable");
+  assert.deepEqual(faults.filter((fault) => !/ERR_/.test(fault)), []);
+  await close();
+});
+
+inBrowser("a_canvas_has_one_visible_pelage", async () => {
+  // Without the loop's frames, only `idle()` draws.
+  const before = () => (window.requestAnimationFrame = () => 1);
+  const { page, faults, close } = await bare(opened, { size: [64, 48], before, options: { loop: true } });
+  await page.evaluate(() => pelage.idle());
+  const visible = await page.locator("canvas").screenshot();
+  const color = await colorAt(page, visible, 32, 24);
+  assert.ok(isFur(color), `${color} is not fur`);
+
+  // The end of a clip's name finds it, and the current clip continues.
+  const clip = await page.evaluate(() => {
+    pelage.play("Walk");
+    pelage.seek(0.25);
+    pelage.play("wALK");
+    const { playback } = pelage;
+    pelage.rest();
+    return playback;
+  });
+  assert.deepEqual([clip.clip, clip.timeS, clip.playing], ["Walk", 0.25, true]);
+
+  const said = await page.evaluate(async () => {
+    const { Pelage } = await import("/pelage/index.js");
+    const said = async (...args) => Pelage.create(...args).then(() => "created", ({ message }) => message);
+    return [await said(document.querySelector("canvas")), await said(null), await said(document.body)];
+  });
+  assert.match(said[0], /in use.*dispose\(\)/);
+  assert.match(said[1], /found null, expected a <canvas>/);
+  assert.match(said[2], /found body, expected a <canvas>/);
+  assert.deepEqual(await page.locator("canvas").screenshot(), visible);
+
+  // A disposed Pelage and a failed attempt release the canvas.
+  const again = await page.evaluate(async () => {
+    const { Pelage } = await import("/pelage/index.js");
+    const create = (look) => Pelage.create(document.querySelector("canvas"), { autoSize: false, look });
+    pelage.dispose();
+    const failed = await create("[nothing]").catch(({ kind }) => kind);
+    return [failed, (await create()).info];
+  });
+  assert.deepEqual(again, ["asked", null]);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+inBrowser("invalid_settings_are_reported_and_change_nothing", async () => {
   const { page, faults, close } = await bare(opened, { size: [64, 48] });
   const before = await picture(page, "before_faults");
   const said = await page.evaluate(async () => {
@@ -116,7 +177,10 @@ inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_s
     }
     return said;
   });
-  const words = [/0.*2|range/, /penumbra/, /style.*fur/s, /same point/, /field of view/, /Walk/, /at least 0/, /404/, /number.*URL/, /canvas/];
+  const words = [
+    ...[/0.*2|range/, /penumbra/, /style.*fur/s, /same point/, /field of view/, /Walk/, /at least 0/, /404/],
+    ...[/number.*URL/, /canvas/],
+  ];
   said.forEach(([name, kind, message], i) => {
     assert.equal(name, "PelageError", `call ${i}: ${message}`);
     assert.equal(kind, { 7: "fetch", 9: "device" }[i] ?? "asked", message);
@@ -127,11 +191,12 @@ inBrowser("invalid_settings_are_reported_and_change_nothing", browser("invalid_s
   await close();
 });
 
-inBrowser("memory_does_not_grow_over_300_frames", browser("memory_does_not_grow_over_300_frames"), async () => {
+inBrowser("memory_does_not_grow_over_300_frames", async () => {
   // Counts all objects that a device creates.
   const count = () => {
     window.made = {};
-    for (const name of ["createBuffer", "createTexture", "createBindGroup", "createRenderPipeline", "createComputePipeline", "createSampler", "createShaderModule"]) {
+    const kinds = ["Buffer", "Texture", "BindGroup", "RenderPipeline", "ComputePipeline", "Sampler", "ShaderModule"];
+    for (const name of kinds.map((kind) => `create${kind}`)) {
       const make = GPUDevice.prototype[name];
       GPUDevice.prototype[name] = function (...args) {
         made[name] = (made[name] ?? 0) + 1;
@@ -167,7 +232,7 @@ inBrowser("memory_does_not_grow_over_300_frames", browser("memory_does_not_grow_
   await close();
 });
 
-inBrowser("replaced_packages_are_freed", browser("replaced_packages_are_freed"), async () => {
+inBrowser("replaced_packages_are_freed", async () => {
   const { page, faults, close } = await bare(opened, { size: [48, 36] });
   const load = (times) =>
     page.evaluate(async (times) => {
@@ -208,12 +273,14 @@ function mask(blocks) {
   Object.defineProperty(GPUAdapter.prototype, "features", { get: function () { return fewer(get.call(this)); } });
   const request = GPUAdapter.prototype.requestDevice;
   GPUAdapter.prototype.requestDevice = function (asked) {
-    if ([...(asked?.requiredFeatures ?? [])].includes("texture-compression-bc")) throw new TypeError("texture-compression-bc is not here");
+    if ([...(asked?.requiredFeatures ?? [])].includes("texture-compression-bc")) {
+      throw new TypeError("texture-compression-bc is not here");
+    }
     return request.call(this, asked);
   };
 }
 
-inBrowser("blocks_are_decoded_without_device_support", browser("blocks_are_decoded_without_device_support"), async () => {
+inBrowser("blocks_are_decoded_without_device_support", async () => {
   const drawn = [];
   for (const blocks of [true, false]) {
     const before = `(${mask})(${blocks})`;
@@ -229,7 +296,7 @@ inBrowser("blocks_are_decoded_without_device_support", browser("blocks_are_decod
   assertSame(decoded.file, rendered("render_blocks", SIZE));
 });
 
-inBrowser("lost_device_is_replaced_without_changes", browser("lost_device_is_replaced_without_changes"), async () => {
+inBrowser("lost_device_is_replaced_without_changes", async () => {
   const keep = () => {
     const request = GPUAdapter.prototype.requestDevice;
     window.devices = [];
@@ -250,7 +317,8 @@ inBrowser("lost_device_is_replaced_without_changes", browser("lost_device_is_rep
   const before = await picture(page, "before_loss");
   for (let times = 1; times <= 2; times += 1) {
     await page.evaluate(() => devices.at(-1).destroy());
-    await page.waitForFunction((times) => happened.filter(([type]) => type === "devicerestored").length === times, times, { timeout: LONG_MS });
+    const restored = (times) => happened.filter(([type]) => type === "devicerestored").length === times;
+    await page.waitForFunction(restored, times, { timeout: LONG_MS });
     assert.deepEqual(bytesOf(await picture(page, "after_loss")), bytesOf(before));
   }
   const happened = await page.evaluate(() => happened.map(([type]) => type));

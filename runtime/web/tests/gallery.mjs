@@ -48,7 +48,8 @@ const pictures = [
 ];
 const page = await browser.newPage();
 await page.setContent(
-  `<style>body{margin:0;display:flex;align-items:start;gap:16px;width:max-content;background:#0d0e10;padding:16px}</style>${pictures.map((p) => `<img src="data:image/png;base64,${p}">`).join("")}`,
+  "<style>body{margin:0;display:flex;align-items:start;gap:16px;width:max-content;background:#0d0e10;padding:16px}" +
+    `</style>${pictures.map((p) => `<img src="data:image/png;base64,${p}">`).join("")}`,
 );
 writeFileSync(file, await page.locator("body").screenshot());
 await browser.close();

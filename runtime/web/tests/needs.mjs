@@ -27,7 +27,7 @@ function has(need, test, what, missing) {
 }
 
 /** Returns whether there is a Chromium for the named test. */
-export function browser(test) {
+function browser(test) {
   return has("browser", test, found(), "no Chromium at /usr/bin, and CHROMIUM names none");
 }
 
@@ -41,10 +41,11 @@ export function data(test) {
 /** Timeout of a test in the browser, milliseconds. */
 export const LONG_MS = 120_000;
 
-/** Declares a test in the browser, which is skipped unless `needed`. */
-export function inBrowser(name, needed, body) {
+/** Declares a test in the browser. It is skipped without a browser, and unless `more`. */
+export function inBrowser(name, body, more = true) {
+  const hasBrowser = browser(name);
   test(name, { timeout: LONG_MS }, async (t) => {
-    if (needed) await body(t);
+    if (hasBrowser && more) await body(t);
     else t.skip();
   });
 }

@@ -1,13 +1,11 @@
-// Tests of the npm package and the server, without a browser.
+// Tests of the npm package, without a browser.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readdirSync, readFileSync } from "node:fs";
-import { get } from "node:http";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { ROOT } from "./needs.mjs";
-import { serve } from "../serve.mjs";
 
 const NPM = `${ROOT}/target/web/npm`;
 /** Maximum compressed size of WebAssembly and JavaScript of a page, bytes. */
@@ -26,7 +24,8 @@ test("page downloads are small", { skip: quick }, () => {
 });
 
 test("npm package is complete", () => {
-  const [packed] = JSON.parse(execFileSync("npm", ["pack", "--dry-run", "--json", "--offline"], { cwd: NPM, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] }));
+  const options = { cwd: NPM, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] };
+  const [packed] = JSON.parse(execFileSync("npm", ["pack", "--dry-run", "--json", "--offline"], options));
   const { files } = JSON.parse(readFileSync(`${NPM}/package.json`, "utf8"));
   assert.deepEqual(packed.files.map(({ path }) => path).sort(), [...files, "package.json"].sort());
 });
@@ -35,8 +34,9 @@ test("type declarations match the class", () => {
   const members = (text, line) => new Set([...text.matchAll(line)].map(([, name]) => name));
   const between = (file, from) => readFileSync(`${NPM}/${file}`, "utf8").split(from)[1].split("\n}")[0];
   for (const [file, name, least] of [["index.js", "Pelage", 25], ["pass.js", "PelagePass", 7]]) {
-    const has = members(between(file, `export class ${name} `), /^ {2}(?:static async |async |get |set )?(\w+)\(.*\{$/gm);
-    const says = members(between("index.d.ts", `export class ${name} `), /^ {2}(?:private |static |readonly |get |set )*(\w+)[(:<]/gm);
+    const [code, types] = [file, "index.d.ts"].map((text) => between(text, `export class ${name} `));
+    const has = members(code, /^ {2}(?:static async |async |get |set )?(\w+)\(.*\{$/gm);
+    const says = members(types, /^ {2}(?:private |static |readonly |get |set )*(\w+)[(:<]/gm);
     // The types declare members of EventTarget again, with the types of the events.
     for (const inherited of ["addEventListener", "removeEventListener"]) says.delete(inherited);
     assert.ok(has.size > least, `${has.size} members of ${name}`);
@@ -47,23 +47,4 @@ test("type declarations match the class", () => {
 test("npm version equals the crate version", () => {
   const { version } = JSON.parse(readFileSync(`${ROOT}/runtime/web/npm/package.json`, "utf8"));
   assert.ok(readFileSync(`${ROOT}/Cargo.toml`, "utf8").includes(`\nversion = "${version}"\n`), version);
-});
-
-test("server serves only files of its folder with their types", async (t) => {
-  const server = await serve(`${ROOT}/runtime/web/page`);
-  t.after(() => server.close());
-  assert.equal(server.address().address, "127.0.0.1");
-  const asked = (path, method = "GET") =>
-    new Promise((resolve, reject) => {
-      get({ port: server.address().port, host: "127.0.0.1", path, method }, (response) => {
-        response.resume();
-        resolve([response.statusCode, response.headers["content-type"]]);
-      }).on("error", reject);
-    });
-  assert.deepEqual(await asked("/"), [200, "text/html; charset=utf-8"]);
-  assert.deepEqual(await asked("/page.js"), [200, "text/javascript; charset=utf-8"]);
-  for (const path of ["/none", "/../serve.mjs", "/..%2fserve.mjs", "/%2e%2e/serve.mjs", "//etc/passwd", "/%", "/page.js/"]) {
-    assert.equal((await asked(path))[0], 404, path);
-  }
-  assert.equal((await asked("/", "POST"))[0], 404);
 });

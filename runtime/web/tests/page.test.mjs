@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, readdirSync, statSync } from "node:fs";
 import { extname, join } from "node:path";
 import { after, before } from "node:test";
-import { browser, data, inBrowser, LONG_MS } from "./needs.mjs";
+import { data, inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
 import { assertOther, bytesOf, hare, open, page, picture } from "./stage.mjs";
 
@@ -51,7 +51,7 @@ async function drop(page, name, bytes) {
 
 const message = (page) => page.locator("#message:not([hidden])");
 
-inBrowser("knobs_of_the_page_change_the_picture", browser("knobs_of_the_page_change_the_picture"), async () => {
+inBrowser("knobs_of_the_page_change_the_picture", async () => {
   const { page, faults, close } = await loaded({ size: [420, 420] });
   const fur = await picture(page, "page_fur");
   await page.click("text=Ink");
@@ -81,7 +81,7 @@ inBrowser("knobs_of_the_page_change_the_picture", browser("knobs_of_the_page_cha
   await close();
 });
 
-inBrowser("pointer_input_moves_the_camera", browser("pointer_input_moves_the_camera"), async () => {
+inBrowser("pointer_input_moves_the_camera", async () => {
   const { page, faults, close } = await loaded();
   const camera = () => page.evaluate(() => ({ ...pelage.orbit, ...pelage.camera }));
   const box = await page.locator("canvas").boundingBox();
@@ -96,7 +96,8 @@ inBrowser("pointer_input_moves_the_camera", browser("pointer_input_moves_the_cam
   await drag("left");
   const turned = await camera();
   // A drag by the height of the picture is half a turn.
-  assert.ok(Math.abs(home.azimuthDeg - turned.azimuthDeg - (180 * 60) / box.height) < 1, JSON.stringify([home, turned]));
+  const turnDeg = home.azimuthDeg - turned.azimuthDeg;
+  assert.ok(Math.abs(turnDeg - (180 * 60) / box.height) < 1, JSON.stringify([home, turned]));
   assert.ok(turned.elevationDeg > home.elevationDeg, "pulled down, the model shows its back");
   assert.deepEqual(turned.target, home.target);
 
@@ -122,8 +123,10 @@ inBrowser("pointer_input_moves_the_camera", browser("pointer_input_moves_the_cam
   await page.evaluate(() => {
     const canvas = document.querySelector("canvas");
     const { left, top, width, height } = canvas.getBoundingClientRect();
-    const touch = (type, pointerId, dx) =>
-      canvas.dispatchEvent(new PointerEvent(type, { pointerId, pointerType: "touch", clientX: left + width / 2 + dx, clientY: top + height / 2 }));
+    const touch = (type, pointerId, dx) => {
+      const [clientX, clientY] = [left + width / 2 + dx, top + height / 2];
+      canvas.dispatchEvent(new PointerEvent(type, { pointerId, pointerType: "touch", clientX, clientY }));
+    };
     canvas.setPointerCapture = () => {};
     touch("pointerdown", 7, -40);
     touch("pointerdown", 8, 40);
@@ -133,12 +136,13 @@ inBrowser("pointer_input_moves_the_camera", browser("pointer_input_moves_the_cam
     touch("pointerup", 8, 80);
   });
   const pinched = await camera();
-  assert.ok(Math.abs(pinched.distanceM * 2 - home.distanceM) < 0.05 * home.distanceM, `${pinched.distanceM} of ${home.distanceM}`);
+  const errorM = Math.abs(pinched.distanceM * 2 - home.distanceM);
+  assert.ok(errorM < 0.05 * home.distanceM, `${pinched.distanceM} of ${home.distanceM}`);
   assert.deepEqual(faults, []);
   await close();
 });
 
-inBrowser("broken_dropped_packages_are_named_and_the_page_continues", browser("broken_dropped_packages_are_named_and_the_page_continues"), async () => {
+inBrowser("broken_dropped_packages_are_named_and_the_page_continues", async () => {
   const { page, faults, close } = await loaded();
   const whole = readFileSync(hare());
   const flipped = Buffer.from(whole);
@@ -167,16 +171,21 @@ inBrowser("broken_dropped_packages_are_named_and_the_page_continues", browser("b
 });
 
 const folder = data("page_survives_files_other_than_packages");
-inBrowser("page_survives_files_other_than_packages", browser("page_survives_files_other_than_packages") && folder, async () => {
+const feedEveryFile = async () => {
   const { page, faults, close } = await loaded();
-  const paths = readdirSync(folder, { recursive: true }).map((name) => join(folder, name)).filter((path) => statSync(path).isFile());
+  const names = readdirSync(folder, { recursive: true });
+  const paths = names.map((name) => join(folder, name)).filter((path) => statSync(path).isFile());
   assert.ok(paths.length > 500, `${paths.length} files`);
-  await page.route("**/data/*", (route) => route.fulfill({ path: paths[Number(new URL(route.request().url()).pathname.split("/").pop())], contentType: "application/octet-stream" }));
+  await page.route("**/data/*", (route) => {
+    const path = paths[Number(new URL(route.request().url()).pathname.split("/").pop())];
+    return route.fulfill({ path, contentType: "application/octet-stream" });
+  });
   const before = await picture(page, "before_data");
   const taken = await page.evaluate(async (count) => {
     const taken = [];
     for (let i = 0; i < count; i += 1) {
-      await pelage.load(`data/${i}`).then(() => taken.push([i, "taken"]), (error) => error.kind === "package" || taken.push([i, error.kind, error.message]));
+      const refused = (error) => error.kind === "package" || taken.push([i, error.kind, error.message]);
+      await pelage.load(`data/${i}`).then(() => taken.push([i, "taken"]), refused);
     }
     return taken;
   }, paths.length);
@@ -191,9 +200,10 @@ inBrowser("page_survives_files_other_than_packages", browser("page_survives_file
   assert.deepEqual(bytesOf(await picture(page, "after_data")), bytesOf(before));
   assert.deepEqual(faults, []);
   await close();
-});
+};
+inBrowser("page_survives_files_other_than_packages", feedEveryFile, folder);
 
-inBrowser("missing_webgpu_is_reported", browser("missing_webgpu_is_reported"), async () => {
+inBrowser("missing_webgpu_is_reported", async () => {
   for (const [before, title, words] of [
     [() => Object.defineProperty(navigator, "gpu", { value: undefined }), "This needs WebGPU", /no WebGPU.*Chrome/],
     [() => (GPU.prototype.requestAdapter = async () => null), "No graphics adapter that can draw this", /adapter/],
@@ -207,7 +217,7 @@ inBrowser("missing_webgpu_is_reported", browser("missing_webgpu_is_reported"), a
   }
 });
 
-inBrowser("the_page_fits_a_phone", browser("the_page_fits_a_phone"), async () => {
+inBrowser("the_page_fits_a_phone", async () => {
   const { page, close } = await loaded({ size: [360, 640] });
   const wide = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.equal(wide, 360);

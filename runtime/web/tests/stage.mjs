@@ -16,7 +16,8 @@ const SAME = "0.02";
 
 /** Runs the command and returns its output. */
 export function pelage(...args) {
-  return execFileSync(PELAGE, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, XDG_RUNTIME_DIR: process.env.XDG_RUNTIME_DIR ?? "/tmp" } });
+  const env = { XDG_RUNTIME_DIR: "/tmp", ...process.env };
+  return execFileSync(PELAGE, args, { encoding: "utf8", stdio: ["ignore", "pipe", "pipe"], env });
 }
 
 /** Bakes the hare if necessary, and returns the path of its package. */
@@ -25,7 +26,8 @@ export function hare() {
   mkdirSync(OUT, { recursive: true });
   // Another build may produce a different package.
   const made = existsSync(file) && statSync(file).mtimeMs > statSync(PELAGE).mtimeMs;
-  if (!made) pelage("bake", `${ROOT}/assets/models/hare.glb`, "--recipe", `${ROOT}/assets/recipes/hare.toml`, "-o", file);
+  const [model, recipe] = [`${ROOT}/assets/models/hare.glb`, `${ROOT}/assets/recipes/hare.toml`];
+  if (!made) pelage("bake", model, "--recipe", recipe, "-o", file);
   return file;
 }
 
@@ -36,7 +38,8 @@ export function assertSame(a, b) {
 
 /** Fails if two images do not differ visibly. */
 export function assertOther(a, b) {
-  assert.throws(() => pelage("compare", a, b, "--max-flip", SAME), (error) => error.status === 7, `${a} and ${b} are the same picture`);
+  const differ = (error) => error.status === 7;
+  assert.throws(() => pelage("compare", a, b, "--max-flip", SAME), differ, `${a} and ${b} are the same picture`);
 }
 
 /** Launches a server and a browser. */
@@ -58,11 +61,14 @@ export async function page({ browser, address }, { size = [480, 400], before, pa
   page.on("pageerror", (error) => faults.push(error.message));
   page.on("console", (message) => {
     // A file that the server lacks is not a fault of the page.
-    if (["error", "warning"].includes(message.type()) && !/status of 404/.test(message.text())) faults.push(message.text());
+    const isFault = ["error", "warning"].includes(message.type()) && !/status of 404/.test(message.text());
+    if (isFault) faults.push(message.text());
   });
-  await page.route("**/animals/animals.json", (route) => route.fulfill({ json: [{ name: "Hare", file: "animals/hare.pelage" }] }));
+  const animals = [{ name: "Hare", file: "animals/hare.pelage" }];
+  await page.route("**/animals/animals.json", (route) => route.fulfill({ json: animals }));
   await page.route("**/animals/hare.pelage", (route) => route.fulfill({ path: hare() }));
-  await page.route("**/blank", (route) => route.fulfill({ contentType: "text/html", body: "<!doctype html><title>blank</title>" }));
+  const blank = { contentType: "text/html", body: "<!doctype html><title>blank</title>" };
+  await page.route("**/blank", (route) => route.fulfill(blank));
   if (before) await page.addInitScript(before);
   await page.goto(address + path);
   return { page, faults, close: () => context.close() };
@@ -99,6 +105,27 @@ export async function picture(page, name) {
   const file = `${OUT}/${name}.png`;
   writeFileSync(file, Buffer.from(bytes, "base64"));
   return file;
+}
+
+/** Returns the mean red, green and blue of a square of 5 x 5 pixels of a PNG, decoded by that page. */
+export function colorAt(page, png, x, y) {
+  return page.evaluate(
+    async ({ base64, x, y }) => {
+      const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes]));
+      const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+      context.drawImage(bitmap, 0, 0);
+      const { data } = context.getImageData(x - 2, y - 2, 5, 5);
+      const mean = (channel) => data.reduce((sum, value, i) => sum + (i % 4 === channel ? value : 0), 0) / 25;
+      return [0, 1, 2].map(mean);
+    },
+    { base64: png.toString("base64"), x, y },
+  );
+}
+
+/** Returns whether a colour is that of the hare's fur. */
+export function isFur([r, g, b]) {
+  return r > g && g > b && r < 150 && r < 2 * b + 60;
 }
 
 /** Draws the hare with the command, and returns the path of the image. */

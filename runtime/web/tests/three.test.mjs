@@ -2,15 +2,12 @@
 
 import assert from "node:assert/strict";
 import { existsSync, writeFileSync } from "node:fs";
-import { test } from "node:test";
-import { browser, ROOT } from "./needs.mjs";
-import { hare, open, OUT, page, SITE } from "./stage.mjs";
+import { inBrowser, LONG_MS, ROOT } from "./needs.mjs";
+import { colorAt, hare, isFur, open, OUT, page, SITE } from "./stage.mjs";
 
 const EXAMPLE = `${ROOT}/runtime/web/examples/three`;
-const LONG_MS = 120_000;
 
-const needed = browser("fur_and_three_js_meshes_occlude_each_other");
-test("fur_and_three_js_meshes_occlude_each_other", { timeout: LONG_MS, skip: !needed }, async () => {
+inBrowser("fur_and_three_js_meshes_occlude_each_other", async () => {
   assert.ok(existsSync(`${EXAMPLE}/node_modules/three`), "three.js is not there: npm ci in runtime/web/examples/three");
   const opened = await open();
   // Stops the clock of the animation.
@@ -39,26 +36,19 @@ test("fur_and_three_js_meshes_occlude_each_other", { timeout: LONG_MS, skip: !ne
   const picture = await shown.screenshot();
   writeFileSync(`${OUT}/three.png`, picture);
 
-  /** Returns the mean red, green and blue of a square of 5 x 5 pixels. */
-  const color = (x, y) =>
-    shown.evaluate(
-      async ({ base64, x, y }) => {
-        const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-        const bitmap = await createImageBitmap(new Blob([bytes]));
-        const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
-        context.drawImage(bitmap, 0, 0);
-        const { data } = context.getImageData(x - 2, y - 2, 5, 5);
-        return [0, 1, 2].map((channel) => data.reduce((sum, value, i) => sum + (i % 4 === channel ? value : 0), 0) / 25);
-      },
-      { base64: picture.toString("base64"), x, y },
-    );
+  const color = (x, y) => colorAt(shown, picture, x, y);
   const gold = ([r, g, b]) => r > 120 && r > 1.08 * g && g > 1.5 * b;
-  const fur = ([r, g, b]) => r > g && g > b && r < 150 && r < 2 * b + 60;
-  const at = { ear: [161, 44], ringBefore: [147, 144], ringBehind: [155, 100], ringBeside: [210, 102], body: [180, 165], mesh: [20, 220] };
-  const colors = Object.fromEntries(await Promise.all(Object.entries(at).map(async ([name, place]) => [name, await color(...place)])));
+  const colors = {
+    ear: await color(161, 44),
+    ringBefore: await color(147, 144),
+    ringBehind: await color(155, 100),
+    ringBeside: await color(210, 102),
+    body: await color(180, 165),
+    mesh: await color(20, 220),
+  };
   const words = JSON.stringify(colors);
   assert.ok(gold(colors.ringBefore) && gold(colors.ringBeside), words);
-  assert.ok(fur(colors.body) && fur(colors.ear) && fur(colors.ringBehind), words);
+  assert.ok(isFur(colors.body) && isFur(colors.ear) && isFur(colors.ringBehind), words);
   assert.ok(colors.mesh[1] > colors.mesh[0], words);
   assert.deepEqual(faults, []);
   await opened.close();
