@@ -109,7 +109,7 @@ const INTRODUCTION: [&str; 4] = [
     "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left \
      out\", the bake chooses the value from the model. `pelage unpack` writes out the recipe that a package was baked \
      with.",
-    "The pictures show the hare from `assets/models`, baked with the default recipe, except for one key at three of its values.",
+    "The pictures show the hare from `assets/models`, baked with the default recipe and three values of one key.",
     "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin chores write-docs`.",
 ];
 

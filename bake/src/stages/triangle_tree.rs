@@ -14,8 +14,8 @@ use std::time::Duration;
 /// Half the surface area of a box, relative to the mean area of a triangle, above which the box may be split. Boxes of
 /// ordinary triangles are far smaller.
 const SPLIT_AREA: f32 = 64.0;
-/// Limit of the mean number of boxes per triangle, for meshes of slivers. Not exact: it assumes that a sliver of k boxes
-/// has boxes of 1/k² of its own box's area.
+/// Approximate limit of the mean number of boxes per triangle, for meshes of slivers. It assumes that k boxes of a
+/// sliver have 1/k² of the area of its single box each.
 const MOST_BOXES: f32 = 8.0;
 /// Limits of the search for splits: rounds, each of which may double the boxes; and tried positions of a split.
 const SPLIT_ROUNDS: u32 = 10;

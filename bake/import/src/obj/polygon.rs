@@ -1,8 +1,8 @@
 //! Triangulation of polygons.
 //!
 //! A convex polygon becomes a fan, or is halved repeatedly if it has many corners. All others are triangulated by ear
-//! clipping (Meisters, "Polygons Have Ears", American Mathematical Monthly 82(6), 1975). A polygon too large for that is
-//! halved into pieces that are clipped: rounded coordinates make a circle of many corners slightly concave. Clipping
+//! clipping (Meisters, "Polygons Have Ears", American Mathematical Monthly 82(6), 1975). A polygon too large for that
+//! is halved into pieces that are clipped: rounded coordinates make a circle of many corners slightly concave. Clipping
 //! works in the plane of the normal by Newell's method, in double precision.
 
 use glam::{DVec2, DVec3, Vec3};
@@ -49,8 +49,8 @@ fn fan(n: usize, clean: bool) -> Triangulation {
     Triangulation { triangles: (2..n).map(|i| [0, i - 1, i]).collect(), clean }
 }
 
-/// Divides a polygon by a triangle from its first to its middle and last corner, and both halves in the same way. Pieces
-/// of at most `piece` corners, at least 3, are triangulated by ear clipping.
+/// Divides a polygon by a triangle from its first to its middle and last corner, and both halves in the same way.
+/// Pieces of at most `piece` corners, at least 3, are triangulated by ear clipping.
 fn halve(flat: &[DVec2], piece: usize) -> Triangulation {
     let mut out = Triangulation { triangles: Vec::with_capacity(flat.len() - 2), clean: true };
     let mut ranges = vec![(0, flat.len() - 1)];

@@ -144,7 +144,7 @@ fn energy() -> Finding {
         Some(half * angles.from.1 / (cos_d * cos_d)).filter(|x| x.is_finite()).unwrap_or_default()
     };
     Finding {
-        case: "light seen at 0 to 89.5 degrees to the fibre's normal plane, uniform light, widths of lobes halved as in Marschner 2003".into(),
+        case: "uniform light, seen at 0 to 89.5 degrees; widths of lobes halved as in Marschner 2003".into(),
         measure: "largest gain of light, as a share of the incident light",
         naive: whole(&printed),
         safe: whole(&|angles| fibre.along(angles)[0]),

@@ -438,11 +438,11 @@ fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
             match (shadows, furry) {
                 (true, true) if w.knows_visibility => {
                     format!(
-                        "one map of {mapped} layers, {size} x {size} texels, redrawn whenever light, pose or model changes"
+                        "one map of {mapped} layers, {size} x {size} texels, redrawn if light, pose or model changes"
                     )
                 }
                 (true, true) => {
-                    format!("{mapped} maps of {size} x {size} texels, redrawn whenever light, pose or model changes")
+                    format!("{mapped} maps of {size} x {size} texels, redrawn if light, pose or model changes")
                 }
                 (false, _) => "switched off".into(),
                 (_, false) => "no fur is drawn".into(),
@@ -453,11 +453,7 @@ fn passes(w: &PassInput<'_>) -> Vec<PassWork> {
         pass(
             "shadow_width",
             shadows,
-            yes_or(
-                shadows,
-                format!("{size} x {size} texels, redrawn whenever light, pose or model changes"),
-                "switched off",
-            ),
+            yes_or(shadows, format!("{size} x {size} texels, redrawn if light, pose or model changes"), "switched off"),
             w.vertices,
             None,
         ),
