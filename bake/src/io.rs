@@ -205,8 +205,8 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
         let path = place(name);
         let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
         let bytes = read_named_file(&path).map_err(|error| fail(error.to_string()))?;
-        let image = decode_image(&bytes, texels_left).map_err(|reason| fail(format!("{} {reason}", path.display())))?;
-        texels_left -= u64::from(image.width) * u64::from(image.height);
+        let image = decode_image(&bytes, &mut texels_left);
+        let image = image.map_err(|reason| fail(format!("{} {reason}", path.display())))?;
         read.inputs.push(input_record("image", name, &bytes));
         read.images.insert(name.to_owned(), image);
     }

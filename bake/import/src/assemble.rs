@@ -60,7 +60,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let mut joints = Joints::default();
     let instances = instances(source, &tree, &mut gathered, &mut joints)?;
     if instances.iter().all(|i| i.primitives.is_empty()) {
-        return Err(nothing_to_show(source, gathered.skipped));
+        return Err(nothing_to_show(source, gathered.skipped, tree.hidden_meshes));
     }
     let (mut vertices, mut indices) = (0, 0);
     for primitive in instances.iter().flat_map(|i| i.primitives.iter()) {
@@ -115,7 +115,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     Ok(Model {
         mesh,
         materials: gathered.materials.materials,
-        images: gathered.materials.images,
+        images: gathered.materials.images.images,
         nodes: named_nodes(&tree, &world),
         combs,
         animation,
@@ -170,6 +170,9 @@ fn instances<'a>(
         };
         if let (Some(_), Some(rigid)) = (skin, primitives.iter().find(|p| p.influences.is_none())) {
             source.warn(format!("{} has no joints, but its node has a skin; it follows the node", rigid.label));
+        }
+        for (skin, primitive) in skin.iter().flat_map(|skin| primitives.iter().map(move |p| (*skin, p))) {
+            joints.check_binds(source, skin, &primitive.label, primitive.influences.as_deref().unwrap_or_default());
         }
         instances.push(Instance { node: Some(node), skin, names, primitives });
     }
@@ -344,7 +347,7 @@ fn check_finite(rest: &RestPose, places: &[(JsonNode<'_>, Range<usize>)]) -> Res
     Ok(())
 }
 
-fn nothing_to_show(source: &Source<'_, '_>, skipped: usize) -> BakeError {
+fn nothing_to_show(source: &Source<'_, '_>, skipped: usize, hidden: usize) -> BakeError {
     let lists = ["nodes", "meshes", "skins", "animations", "materials", "images", "cameras"];
     let has: Vec<String> = lists
         .into_iter()
@@ -359,5 +362,6 @@ fn nothing_to_show(source: &Source<'_, '_>, skipped: usize) -> BakeError {
     } else {
         String::new()
     };
-    source.root.fault(format!("the scene has no triangles, expected at least one; the file {has}{skipped}"))
+    let hidden = if hidden > 0 { format!("; {hidden} nodes with a mesh are hidden") } else { String::new() };
+    source.root.fault(format!("the scene has no triangles, expected at least one; the file {has}{skipped}{hidden}"))
 }

@@ -52,7 +52,7 @@ pub(super) fn read_comb_lines<'a>(
         }
         return Ok(found);
     }
-    let are_joints = joint_nodes(source, tree)?;
+    let are_joints = joint_nodes(source, tree);
     for node in tree.shown() {
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else {
@@ -79,17 +79,15 @@ pub(super) fn read_comb_lines<'a>(
     Ok(found)
 }
 
-/// Returns for each node whether it is a joint of a skin.
-fn joint_nodes<'a>(source: &Source<'a, '_>, tree: &Tree<'a>) -> Result<Vec<bool>, BakeError> {
+/// Returns for each node whether it is a joint of a skin. Faults are ignored, because the skin may be unused.
+fn joint_nodes<'a>(source: &Source<'a, '_>, tree: &Tree<'a>) -> Vec<bool> {
     let mut are = vec![false; tree.nodes.len()];
-    let Some(skins) = source.root.get("skins") else { return Ok(are) };
-    for skin in skins.entries()? {
-        let Some(joints) = skin.get("joints") else { continue };
-        for reference in joints.entries()? {
-            are[source.root.follow("nodes", &reference)?.0] = true;
-        }
+    let skins = source.root.get("skins").and_then(|skins| skins.entries().ok());
+    let joints = skins.into_iter().flatten().filter_map(|skin| skin.get("joints")?.entries().ok());
+    for (joint, _) in joints.flatten().filter_map(|reference| source.root.follow("nodes", &reference).ok()) {
+        are[joint] = true;
     }
-    Ok(are)
+    are
 }
 
 fn read_empty(source: &mut Source<'_, '_>, at: &JsonNode<'_>, world: Mat4, found: &mut Vec<CombLine>) {

@@ -3,9 +3,17 @@
 use super::source::Source;
 use crate::BakeError;
 
-/// Extensions that are read, or that do not affect shape, base colour or motion.
+/// Extensions that are read, or that do not affect shape, base colour or motion. A texture that cannot be read for lack
+/// of its extension is a warning of its own.
 const READABLE: &[&str] = &[
     "EXT_mesh_gpu_instancing",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
+    "MSFT_texture_dds",
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
@@ -27,7 +35,6 @@ pub(super) fn conversion(name: &str) -> &'static str {
     match name {
         "KHR_meshopt_compression" => "decode it with `gltf-transform cp in.glb out.glb`, or run gltfpack without -c",
         "KHR_texture_basisu" => "supply the textures as PNG or JPEG: `gltf-transform ktxdecompress in.glb out.glb`",
-        "EXT_texture_webp" => "supply the textures as PNG or JPEG: `gltf-transform png in.glb out.glb`",
         "EXT_texture_avif" | "MSFT_texture_dds" => "supply the textures as PNG or JPEG",
         _ => "export the model without it",
     }
@@ -38,8 +45,9 @@ impl Source<'_, '_> {
     pub fn check_extensions(&mut self) -> Result<(), BakeError> {
         let Some(list) = self.root.get("extensionsRequired") else { return Ok(()) };
         let mut unreadable = Vec::new();
-        for at in list.entries()? {
-            let name = at.string()?;
+        let Some(list) = self.or_warn(list.entries(), "ignored") else { return Ok(()) };
+        for at in list {
+            let Some(name) = self.or_warn(at.string(), "ignored") else { continue };
             // Only the base colour of materials is read; all other material extensions leave it unchanged.
             if !READABLE.contains(&name) && !name.starts_with("KHR_materials_") {
                 unreadable.push((at.clone(), format!("{}: {}", super::json::shorten(name), conversion(name))));

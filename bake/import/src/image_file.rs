@@ -1,4 +1,4 @@
-//! Reading of PNG and JPEG images, with limits on texels and memory.
+//! Reading of PNG, JPEG and WebP images, with limits on texels and memory.
 
 use crate::mesh::Image;
 use pelage_formats::Limits;
@@ -8,11 +8,52 @@ use std::io::Cursor;
 /// texels or sixteen of 4096². A limit is needed because a PNG of a few kilobytes can claim as much.
 pub const MAX_TEXELS: u64 = 1 << 28;
 
-/// Decodes a PNG or JPEG of at most `texels_left` texels. The error text lacks a subject: the caller puts the image's
-/// name before it.
-pub fn decode_image(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
-    let png_or_jpeg = match image::guess_format(bytes) {
-        Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg)) => Ok(format),
+/// Maximum size of all image files of a model together, bytes. A limit is needed because many images can name the same
+/// large file.
+const MAX_IMAGE_BYTES: u64 = 2 << 30;
+
+/// Decoded images of a model, and what is left of the limits that they share.
+#[derive(Debug)]
+pub(crate) struct ImageList {
+    pub images: Vec<Image>,
+    texels_left: u64,
+    bytes_left: u64,
+}
+
+impl Default for ImageList {
+    fn default() -> Self {
+        Self { images: Vec::new(), texels_left: MAX_TEXELS, bytes_left: MAX_IMAGE_BYTES }
+    }
+}
+
+impl ImageList {
+    /// Checks that a limit is not reached yet; to be called before an image is opened. The error text lacks a subject,
+    /// as in [`decode_image`].
+    pub fn check_limits(&self) -> Result<(), String> {
+        if self.texels_left.min(self.bytes_left) > 0 {
+            return Ok(());
+        }
+        Err(format!(
+            "is not opened, because the model's images have reached a limit: {MAX_TEXELS} texels or \
+             {MAX_IMAGE_BYTES} bytes in total"
+        ))
+    }
+
+    /// Decodes an image and returns its index. An image that cannot be decoded counts towards the limits as well. The
+    /// error text lacks a subject, as in [`decode_image`].
+    pub fn add(&mut self, bytes: &[u8]) -> Result<usize, String> {
+        self.bytes_left = self.bytes_left.saturating_sub(bytes.len() as u64);
+        self.images.push(decode_image(bytes, &mut self.texels_left)?);
+        Ok(self.images.len() - 1)
+    }
+}
+
+/// Decodes a PNG, JPEG or WebP of at most `texels_left` texels, and subtracts its texels. Texels of an image that
+/// cannot be decoded are subtracted too. The error text lacks a subject: the caller puts the image's name before it.
+pub fn decode_image(bytes: &[u8], texels_left: &mut u64) -> Result<Image, String> {
+    use image::ImageFormat::{Jpeg, Png, WebP};
+    let readable = match image::guess_format(bytes) {
+        Ok(format @ (Png | Jpeg | WebP)) => Ok(format),
         Ok(other) => Err(format!("{other:?}")),
         Err(_) if bytes.starts_with(b"\xabKTX") => Err("KTX".to_owned()),
         Err(_) => {
@@ -20,14 +61,15 @@ pub fn decode_image(bytes: &[u8], texels_left: u64) -> Result<Image, String> {
             Err(format!("{} bytes that begin with [{}]", bytes.len(), head.join(" ")))
         }
     };
-    let format = png_or_jpeg.map_err(|found| format!("is {found}, expected PNG or JPEG"))?;
+    let format = readable.map_err(|found| format!("is {found}, expected PNG, JPEG or WebP"))?;
     let (pixels, width, height) = bounded_reader(bytes, format)?;
-    if u64::from(width) * u64::from(height) > texels_left {
-        return Err(format!(
+    let left = texels_left.checked_sub(u64::from(width) * u64::from(height)).ok_or_else(|| {
+        format!(
             "is {width} x {height} texels and makes the model's images larger than {MAX_TEXELS} texels \
              in total"
-        ));
-    }
+        )
+    })?;
+    *texels_left = left;
     let rgba = pixels.decode().map_err(broken)?.into_rgba8().into_raw();
     Ok(Image { width, height, rgba })
 }

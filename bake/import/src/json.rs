@@ -5,6 +5,7 @@
 //! represent all files that the specification allows, such as an animation channel without a target node or a scene
 //! without nodes. The importer reads only what it uses, and checks it while reading.
 
+use super::notes::Notes;
 use crate::BakeError;
 use serde_json::Value;
 
@@ -37,6 +38,11 @@ impl<'a> JsonNode<'a> {
         let value = self.value.get(key).filter(|v| !v.is_null())?;
         let key = key.replace('~', "~0").replace('/', "~1");
         Some(JsonNode { file: self.file, value, place: format!("{}/{key}", self.place) })
+    }
+
+    /// Returns the extension `name` of this object, if present.
+    pub fn extension(&self, name: &str) -> Option<JsonNode<'a>> {
+        self.get("extensions")?.get(name)
     }
 
     /// Returns the member `key`, or an error if absent.
@@ -156,8 +162,47 @@ pub(super) fn shorten(text: &str) -> String {
     out
 }
 
-/// Parses `json`, which begins at byte `offset` of the file.
-pub(super) fn parse(file: &str, json: &[u8], offset: usize) -> Result<Value> {
+/// Members that hold an index and may be absent. Some exporters write -1 for "none".
+const OPTIONAL_INDICES: &[&str] =
+    &["camera", "indices", "inverseBindMatrices", "material", "mesh", "node", "scene", "skin", "source"];
+
+/// Removes optional indices of -1 from the tree below `place`, and adds their positions to `removed`. Recursion is
+/// bounded, because the parser limits the depth of the tree.
+fn remove_minus_one(value: &mut Value, place: &str, removed: &mut Vec<String>) {
+    let is_tree = |value: &Value| value.is_object() || value.is_array();
+    match value {
+        Value::Array(list) => {
+            for (i, value) in list.iter_mut().enumerate().filter(|(_, value)| is_tree(value)) {
+                remove_minus_one(value, &format!("{place}/{i}"), removed);
+            }
+        }
+        Value::Object(map) => {
+            for key in OPTIONAL_INDICES {
+                if map.get(*key).and_then(Value::as_f64) == Some(-1.0) {
+                    map.shift_remove(*key);
+                    removed.push(format!("{place}/{key}"));
+                }
+            }
+            for (key, value) in map.iter_mut().filter(|(key, value)| *key != "extras" && is_tree(value)) {
+                remove_minus_one(value, &format!("{place}/{}", shorten(key)), removed);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Parses `json`, which begins at byte `offset` of the file. Optional indices of -1 are removed.
+pub(super) fn parse(file: &str, json: &[u8], offset: usize, notes: &mut Notes) -> Result<Value> {
+    let mut document = parse_exactly(file, json, offset)?;
+    let mut removed = Vec::new();
+    remove_minus_one(&mut document, "", &mut removed);
+    if let Some(first) = removed.first() {
+        notes.warn(format!("{} indices are -1, such as {first}; treated as absent", removed.len()));
+    }
+    Ok(document)
+}
+
+fn parse_exactly(file: &str, json: &[u8], offset: usize) -> Result<Value> {
     serde_json::from_slice(json).map_err(|error| {
         let mut at = json.len();
         if error.line() > 0 && !error.is_eof() {

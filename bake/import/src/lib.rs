@@ -11,15 +11,19 @@
 //!   the fur at every edge.
 //! * Vertices of a skin without any weight follow the first joint that they name. Of more than four weights, the
 //!   largest four are kept.
+//! * Nodes hidden by `KHR_node_visibility` are left out with their descendants.
 //! * Parts are flipped if the scene or the rest pose mirrors them, or if they face against their normals.
 //! * Lines of nodes and meshes whose name begins with `comb`, and empty nodes named `comb` or `comb_…`, define the comb
 //!   direction ([`crate::mesh::CombLine`]). Other lines are ignored.
 //! * Morph targets are applied at their default weights. The remaining deltas are kept ([`crate::mesh::MorphRows`]),
 //!   and then every vertex has joints. In a document without nodes morph targets do not move.
 //!
-//! Repairs, omissions and guesses are reported in [`Model::warnings`]. Invalid input is an error with its position
-//! (byte offset, JSON pointer or line), the value found and the value expected. Every number of a file is checked
-//! against the available bytes, or against [`pelage_formats::Limits`], before it is used.
+//! Repairs, omissions and guesses are reported in [`Model::warnings`]. Faults in parts that a picture can do without
+//! leave the part out: materials, images, clips, morph targets, node transforms, normals, texture coordinates, colours.
+//!
+//! Other invalid input is an error with its position (byte offset, JSON pointer or line), the value found and the value
+//! expected. Every number of a file is checked against the available bytes, or against [`pelage_formats::Limits`],
+//! before it is used.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "packages made by tests are never kept"))]
 
@@ -72,7 +76,8 @@ pub use source::{Resolve, path_as_uri};
 /// contents are ambiguous.
 ///
 /// `file` is the name for messages. `resolve` fetches the contents of a relative URI, percent-encoded as in a glTF. Its
-/// second argument is the maximum number of bytes, at which it cuts off longer contents.
+/// second argument is the maximum number of bytes, at which it cuts off longer contents. If it fails with
+/// [`std::io::ErrorKind::NotFound`], it is called again with other spellings of the name.
 ///
 /// # Errors
 ///
@@ -90,7 +95,7 @@ pub fn import<'r>(
     notes.record("model", file, bytes);
     let model = match kind {
         ModelFile::Gltf(container) => {
-            let document = json::parse(file, container.json, container.json_offset)?;
+            let document = json::parse(file, container.json, container.json_offset, &mut notes)?;
             let mut source = open_document(file, &document, container.bin, resolve, notes)?;
             let mut model = assemble::model(&mut source, options)?;
             (model.warnings, model.inputs) = source.notes.finish();
@@ -122,7 +127,7 @@ pub fn import_strands<'r>(
         return Err(BakeError::Input { file: file.to_owned(), place: "byte 0".into(), reason });
     };
     notes.record("strands", file, bytes);
-    let document = json::parse(file, container.json, container.json_offset)?;
+    let document = json::parse(file, container.json, container.json_offset, &mut notes)?;
     let mut source = open_document(file, &document, container.bin, resolve, notes)?;
     let mut guides = lines::strands(&mut source)?;
     let (warnings, inputs) = source.notes.finish();

@@ -23,17 +23,19 @@ pub(super) struct TargetInfo {
 
 impl TargetInfo {
     /// Reads the targets of a mesh, with the node's weights if it has any.
-    pub(super) fn from_mesh(mesh: &JsonNode<'_>, node_weights: Option<&JsonNode<'_>>) -> Result<Self, BakeError> {
+    pub(super) fn from_mesh(
+        source: &mut Source<'_, '_>,
+        mesh: &JsonNode<'_>,
+        node_weights: Option<&JsonNode<'_>>,
+    ) -> Self {
         let list = node_weights.cloned().or_else(|| mesh.get("weights"));
-        let weights = match &list {
-            Some(list) => list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>()?,
-            None => Vec::new(),
-        };
+        let weights = list.map(|list| list.entries()?.map(|w| w.number()).collect::<Result<Vec<f32>, _>>());
+        let weights = weights.and_then(|weights| source.or_warn(weights, "all weights are 0")).unwrap_or_default();
         // `targetNames` is not part of glTF, but all exporters write it.
         let names = mesh.get("extras").and_then(|extras| extras.get("targetNames"));
         let names =
             names.and_then(|list| Some(list.entries().ok()?.map(|name| name.string().unwrap_or_default().to_owned())));
-        Ok(Self { names: names.into_iter().flatten().collect(), weights })
+        Self { names: names.into_iter().flatten().collect(), weights }
     }
 }
 
@@ -59,7 +61,7 @@ pub(super) fn read<'a>(
     entries: &mut u64,
 ) -> Result<Option<Morph>, BakeError> {
     let Some(list) = at.get("targets") else { return Ok(None) };
-    let count = list.len()?;
+    let count = source.or_warn(list.len(), "no morph targets are read").unwrap_or_default();
     if count == 0 {
         return Ok(None);
     }
@@ -72,15 +74,16 @@ pub(super) fn read<'a>(
     }
     let mut rows: Vec<Vec<RowDelta>> = vec![Vec::new(); positions.len()];
     for (number, target) in list.entries()?.enumerate() {
-        let mut deltas = |key: &str, wanted: bool| -> Result<Option<Vec<f32>>, BakeError> {
-            let Some(reference) = target.get(key).filter(|_| wanted) else { return Ok(None) };
-            let deltas = read_per_vertex(source, &reference, &[3], positions.len(), false)?;
-            match deltas.iter().position(|x| !x.is_finite()) {
+        let mut deltas = |key: &str, wanted: bool| {
+            let reference = target.get(key).filter(|_| wanted)?;
+            let deltas = read_per_vertex(source, &reference, &[3], positions.len(), false);
+            let deltas = deltas.and_then(|deltas| match deltas.iter().position(|x| !x.is_finite()) {
                 Some(i) => Err(reference.fault(format!("element {} is not finite, expected finite numbers", i / 3))),
-                None => Ok(Some(deltas)),
-            }
+                None => Ok(deltas),
+            });
+            source.or_warn(deltas, "left out of the morph target")
         };
-        let (position, normal) = (deltas("POSITION", true)?, deltas("NORMAL", normals.is_some())?);
+        let (position, normal) = (deltas("POSITION", true), deltas("NORMAL", normals.is_some()));
         let at = |deltas: &Option<Vec<f32>>, v: usize| {
             deltas.as_ref().and_then(|deltas| Some(Vec3::from_slice(deltas.get(3 * v..3 * v + 3)?)))
         };

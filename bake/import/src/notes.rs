@@ -24,6 +24,16 @@ impl Notes {
         }
     }
 
+    /// Returns the value of `result`. Turns an error into a warning that ends with `consequence`, and returns `None`.
+    /// For faults in parts that the picture can do without.
+    pub fn or_warn<T>(&mut self, result: Result<T, BakeError>, consequence: &str) -> Option<T> {
+        let warn = |error| match error {
+            BakeError::Input { place, reason, .. } => self.warn(format!("{place}: {reason}; {consequence}")),
+            other => self.warn(format!("{other}; {consequence}")),
+        };
+        result.map_err(warn).ok()
+    }
+
     /// Records a file or an embedded image.
     pub fn record(&mut self, role: &str, name: &str, bytes: &[u8]) {
         self.inputs.push(input_record(role, name, bytes));

@@ -90,7 +90,7 @@ pub(super) fn read_mesh<'a>(
     gathered: &mut MeshTotals,
     mesh: &MeshUse<'a>,
 ) -> Result<Vec<Primitive<'a>>, BakeError> {
-    let targets = morphs::TargetInfo::from_mesh(&mesh.at, mesh.weights.as_ref())?;
+    let targets = morphs::TargetInfo::from_mesh(source, &mesh.at, mesh.weights.as_ref());
     let name = mesh.at.name();
     let name = if name.is_empty() { String::new() } else { format!(" \"{}\"", shorten(name)) };
     for at in mesh.at.require("primitives")?.entries()? {
@@ -159,18 +159,20 @@ fn read_primitive<'a>(
         source.warn(format!("{label} has {} vertices but no triangles; left out", positions.len()));
         return Ok(None);
     }
-    let mut normals = match attributes.get("NORMAL") {
-        Some(reference) => Some(vectors(&read_per_vertex(source, &reference, &[3], positions.len(), false)?)),
-        None => None,
-    };
+    let mut normals = attributes.get("NORMAL").and_then(|reference| {
+        let normals = read_per_vertex(source, &reference, &[3], positions.len(), false);
+        source.or_warn(normals, "normals are computed").map(|flat| vectors(&flat))
+    });
     let entries = &mut gathered.morphed;
     let morph = morphs::read(source, at, &label, targets, &mut positions, normals.as_deref_mut(), entries)?;
     if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
         return Err(position_at.fault(format!("element {i} is {}, expected finite numbers", positions[i])));
     }
-    let (material, coords) = gathered.materials.read(source, at.get("material").as_ref())?;
-    let uvs = read_uvs(source, &attributes, &label, &coords, positions.len())?;
-    let colors = read_colors(source, &attributes, positions.len())?;
+    let (material, coords) = gathered.materials.read(source, at.get("material").as_ref());
+    let uvs = read_uvs(source, &attributes, &label, &coords, positions.len());
+    let uvs = source.or_warn(uvs, "the texture coordinates are left out").flatten();
+    let colors = read_colors(source, &attributes, positions.len());
+    let colors = source.or_warn(colors, "the vertex colours are white");
     let influences = if skinned { weights::read(source, &attributes, &label, positions.len())? } else { None };
     Ok(Some(Primitive {
         at: at.clone(),
@@ -180,7 +182,7 @@ fn read_primitive<'a>(
         normals: normals.unwrap_or_default(),
         has_uvs: uvs.is_some(),
         uvs: uvs.unwrap_or_else(|| vec![Vec2::ZERO; positions.len()]),
-        colors,
+        colors: colors.unwrap_or_else(|| vec![[255; 4]; positions.len()]),
         influences,
         triangles,
         positions,
@@ -190,7 +192,7 @@ fn read_primitive<'a>(
 
 /// Returns the extension of a primitive that has Draco data and no uncompressed data.
 fn draco_only<'a>(source: &Source<'a, '_>, at: &JsonNode<'a>) -> Option<JsonNode<'a>> {
-    let extension = at.get("extensions")?.get("KHR_draco_mesh_compression")?;
+    let extension = at.extension("KHR_draco_mesh_compression")?;
     let position = at.get("attributes").and_then(|a| a.get("POSITION"));
     let accessor = position.and_then(|p| source.root.follow("accessors", &p).ok());
     let plain = accessor.is_some_and(|(_, a)| a.get("bufferView").is_some() || a.get("sparse").is_some());

@@ -1,7 +1,7 @@
 //! The node tree: parents, order and transforms.
 
 use super::elements::Component;
-use super::json::JsonNode;
+use super::json::{JsonNode, shorten};
 use super::source::Source;
 use crate::BakeError;
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Quat, Vec3};
@@ -40,6 +40,10 @@ pub(super) struct Tree<'a> {
     pub order: Vec<usize>,
     /// Nodes of the scene, parents first.
     pub scene: Vec<usize>,
+    /// Whether each node is hidden by itself or by an ancestor (`KHR_node_visibility`).
+    hidden: Vec<bool>,
+    /// Number of nodes of the scene with a mesh that is hidden.
+    pub hidden_meshes: usize,
 }
 
 impl<'a> Tree<'a> {
@@ -47,7 +51,7 @@ impl<'a> Tree<'a> {
         let mut nodes = Vec::new();
         if let Some(list) = source.root.get("nodes") {
             for at in list.entries()? {
-                let (local, trs) = transform(&at, source)?;
+                let (local, trs) = transform(&at, source);
                 nodes.push(TreeNode { at, parent: None, local, trs, shows: MeshVisibility::Mesh });
             }
         }
@@ -57,8 +61,11 @@ impl<'a> Tree<'a> {
             for reference in named.entries()? {
                 let (child, _) = source.root.follow("nodes", &reference)?;
                 if let Some(other) = nodes[child].parent {
-                    let reason = format!("is {child}, which is also a child of node {other}; expected one parent");
-                    return Err(reference.fault(reason));
+                    source.warn(format!(
+                        "{} is {child}, which is also a child of node {other}, expected one parent; drawn there only",
+                        reference.place
+                    ));
+                    continue;
                 }
                 nodes[child].parent = Some(parent);
                 list.push(child);
@@ -85,13 +92,27 @@ impl<'a> Tree<'a> {
             let lost = reached.iter().position(|r| !r).unwrap_or_default();
             return Err(nodes[lost].at.fault("is its own ancestor; expected a tree"));
         }
-        let scene = walk(&scene_roots(source, &nodes)?.unwrap_or(roots), &children);
-        Ok(Self { nodes, order, scene })
+        let roots = match scene_nodes(source, nodes.len()) {
+            Some(listed) => detach_roots(source, &listed, &order, &mut nodes, &mut children),
+            None => roots,
+        };
+        let scene = walk(&roots, &children);
+        let mut hidden = vec![false; nodes.len()];
+        for i in &order {
+            hidden[*i] = nodes[*i].parent.is_some_and(|p| hidden[p]) || is_hidden(source, &nodes[*i].at);
+        }
+        let of_mesh = |i: &&usize| nodes[**i].shows != MeshVisibility::Instance && nodes[**i].at.get("mesh").is_some();
+        let hidden_meshes = scene.iter().filter(of_mesh).filter(|i| hidden[**i]).count();
+        if hidden_meshes > 0 {
+            source.warn(format!("{hidden_meshes} nodes with a mesh are hidden by KHR_node_visibility; left out"));
+        }
+        Ok(Self { nodes, order, scene, hidden, hidden_meshes })
     }
 
     /// Returns the nodes of the scene whose mesh (if any) is shown, parents first.
     pub fn shown(&self) -> impl Iterator<Item = usize> {
-        self.scene.iter().copied().filter(|node| self.nodes[*node].shows != MeshVisibility::Instances)
+        let shown = |node: &usize| self.nodes[*node].shows != MeshVisibility::Instances && !self.hidden[*node];
+        self.scene.iter().copied().filter(shown)
     }
 
     /// Returns the transforms to world space, one per node, under `root`.
@@ -121,32 +142,64 @@ fn walk(roots: &[usize], children: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// Returns the roots of the default scene, or of the first scene if none is the default. `None` without scenes: then
-/// all roots of the document are shown.
-fn scene_roots<'a>(source: &mut Source<'a, '_>, nodes: &[TreeNode<'a>]) -> Result<Option<Vec<usize>>, BakeError> {
+/// Returns whether a node hides itself and its descendants (`KHR_node_visibility`).
+fn is_hidden(source: &mut Source<'_, '_>, node: &JsonNode<'_>) -> bool {
+    let visible = node.extension("KHR_node_visibility").filter(|at| at.get("visible").is_some());
+    visible.and_then(|at| source.or_warn(at.flag("visible"), "drawn")) == Some(false)
+}
+
+/// Returns the nodes that the default scene lists, or the first scene if none is the default, each once. `None` without
+/// scenes: then all roots of the document are shown.
+fn scene_nodes(source: &mut Source<'_, '_>, count: usize) -> Option<Vec<usize>> {
     let root = source.root.clone();
-    let scene = match root.get("scene") {
-        Some(reference) => root.follow("scenes", &reference)?.1,
-        None => match root.get("scenes").and_then(|scenes| scenes.entry(0)) {
-            Some(first) => first,
-            None => return Ok(None),
-        },
-    };
-    let mut roots = Vec::new();
-    let Some(list) = scene.get("nodes") else { return Ok(Some(roots)) };
-    let mut seen = vec![false; nodes.len()];
-    for reference in list.entries()? {
-        let (index, _) = root.follow("nodes", &reference)?;
-        if let Some(parent) = nodes[index].parent {
-            return Err(reference.fault(format!("is {index}, which is a child of node {parent}; expected a root node")));
-        }
+    let default = root.get("scene").and_then(|reference| {
+        source.or_warn(root.follow("scenes", &reference), "the first scene is drawn, or all nodes if there is none")
+    });
+    let scene = default.map(|(_, scene)| scene).or_else(|| root.get("scenes")?.entry(0))?;
+    let mut listed = Vec::new();
+    let mut seen = vec![false; count];
+    let nodes = scene.get("nodes").and_then(|nodes| source.or_warn(nodes.entries(), "nothing is drawn"));
+    for reference in nodes.into_iter().flatten() {
+        let Some((index, _)) = source.or_warn(root.follow("nodes", &reference), "left out") else { continue };
         if std::mem::replace(&mut seen[index], true) {
             source.warn(format!("{}: node {index} is listed twice; it is used once", reference.place));
         } else {
-            roots.push(index);
+            listed.push(index);
         }
     }
-    Ok(Some(roots))
+    Some(listed)
+}
+
+/// Returns the listed nodes that are not below other listed nodes. Detaches each from its parent, which is then outside
+/// the scene and must not move it.
+fn detach_roots(
+    source: &mut Source<'_, '_>,
+    listed: &[usize],
+    order: &[usize],
+    nodes: &mut [TreeNode<'_>],
+    children: &mut [Vec<usize>],
+) -> Vec<usize> {
+    let nested: Vec<usize> = listed.iter().copied().filter(|node| nodes[*node].parent.is_some()).collect();
+    let Some(first) = nested.first() else { return listed.to_vec() };
+    source.warn(format!(
+        "the scene lists {} nodes that are children of others, such as node {first} \"{}\", expected root nodes; each \
+         is drawn once, without parents outside the scene",
+        nested.len(),
+        shorten(nodes[*first].at.name())
+    ));
+    let mut is_listed = vec![false; nodes.len()];
+    listed.iter().for_each(|node| is_listed[*node] = true);
+    let mut below = vec![false; nodes.len()];
+    for node in order {
+        below[*node] = nodes[*node].parent.is_some_and(|parent| is_listed[parent] || below[parent]);
+    }
+    let is_root = |node: &usize| is_listed[*node] && !below[*node];
+    for list in children {
+        list.retain(|child| !is_root(child));
+    }
+    let roots: Vec<usize> = listed.iter().copied().filter(is_root).collect();
+    roots.iter().for_each(|root| nodes[*root].parent = None);
+    roots
 }
 
 /// A matrix, and its decomposition into translation, rotation and scale (shear is dropped).
@@ -163,7 +216,7 @@ fn instances<'a>(
     node: &JsonNode<'a>,
     most: usize,
 ) -> Result<Option<Vec<Transform>>, BakeError> {
-    let Some(at) = node.get("extensions").and_then(|all| all.get("EXT_mesh_gpu_instancing")) else { return Ok(None) };
+    let Some(at) = node.extension("EXT_mesh_gpu_instancing") else { return Ok(None) };
     if node.get("mesh").is_none() {
         return Ok(None);
     }
@@ -222,39 +275,46 @@ fn unit(q: [f32; 4]) -> Option<(Quat, f64)> {
     (length > 1e-12).then(|| (Quat::from_array(q.map(|x| (f64::from(x) / length) as f32)), length))
 }
 
-/// Reads the transform of a node as a matrix and as translation, rotation and scale.
-fn transform(at: &JsonNode<'_>, source: &mut Source<'_, '_>) -> Result<Transform, BakeError> {
+/// Reads the transform of a node as a matrix and as translation, rotation and scale. A faulty part is left out.
+fn transform(at: &JsonNode<'_>, source: &mut Source<'_, '_>) -> Transform {
     if let Some(matrix_at) = at.get("matrix") {
-        let matrix = Mat4::from_cols_array(&matrix_at.numbers::<16>()?);
-        if matrix.row(3) != glam::Vec4::W {
-            let row = matrix.row(3);
-            return Err(matrix_at.fault(format!("has the last row {row}, expected [0, 0, 0, 1] (column-major order)")));
+        let numbers = source.or_warn(matrix_at.numbers(), "the node is not transformed");
+        let mut matrix = numbers.map_or(Mat4::IDENTITY, |numbers| Mat4::from_cols_array(&numbers));
+        let row = matrix.row(3);
+        if row != glam::Vec4::W {
+            source.warn(format!(
+                "{} has the last row {row}, expected [0, 0, 0, 1] (column-major order); read as that",
+                matrix_at.place
+            ));
+            (matrix.x_axis.w, matrix.y_axis.w, matrix.z_axis.w, matrix.w_axis.w) = (0.0, 0.0, 0.0, 1.0);
         }
         let trs = decompose(matrix);
         if shear(matrix, trs) > 1e-4 {
             source.warn(format!("{} contains shear, which is left out where the model is animated", matrix_at.place));
         }
-        return Ok((matrix, trs));
+        return (matrix, trs);
     }
-    let translation = at.get("translation").map_or(Ok([0.0; 3]), |v| v.numbers())?.into();
-    let scale: Vec3 = at.get("scale").map_or(Ok([1.0; 3]), |v| v.numbers())?.into();
+    let mut vector = |key: &str| source.or_warn(at.get(key)?.numbers().map(Vec3::from_array), "left out");
+    let (translation, scale) = (vector("translation").unwrap_or_default(), vector("scale").unwrap_or(Vec3::ONE));
+    let rotation_at = at.get("rotation");
     let mut rotation = Quat::IDENTITY;
-    if let Some(rotation_at) = at.get("rotation") {
-        let q: [f32; 4] = rotation_at.numbers()?;
+    if let Some((place, q)) =
+        rotation_at.and_then(|at| Some((at.place.clone(), source.or_warn(at.numbers(), "left out")?)))
+    {
         match unit(q) {
             None => {
                 let q = Quat::from_array(q);
-                source.warn(format!("{} is {q}, which is not a rotation; treated as no rotation", rotation_at.place));
+                source.warn(format!("{place} is {q}, which is not a rotation; treated as no rotation"));
             }
             Some((turned, length)) => {
                 if (length - 1.0).abs() > 1e-2 {
-                    source.warn(format!("{} has length {length:.3}; normalised", rotation_at.place));
+                    source.warn(format!("{place} has length {length:.3}; normalised"));
                 }
                 rotation = turned;
             }
         }
     }
-    Ok((Mat4::from_scale_rotation_translation(scale, rotation, translation), (translation, rotation, scale)))
+    (Mat4::from_scale_rotation_translation(scale, rotation, translation), (translation, rotation, scale))
 }
 
 /// Decomposes an affine matrix. A reflection becomes a negative z scale. A collapsed axis gets a scale of zero and an

@@ -3,6 +3,7 @@
 use super::elements::{Component, grouped};
 use super::json::JsonNode;
 use super::source::Source;
+use super::weights::Influence;
 use crate::BakeError;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -14,6 +15,8 @@ pub(super) struct Skin {
     pub joints: Vec<usize>,
     /// Inverse bind matrices, one per joint, column-major.
     pub inverse_binds: Vec<[f32; 16]>,
+    /// Whether the file lacks the matrix of each joint, which is then the identity. A file without any lacks none.
+    lacks_bind: Vec<bool>,
 }
 
 const IDENTITY: [f32; 16] = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
@@ -29,23 +32,40 @@ impl Skin {
             return Err(joints_at.fault("is empty, expected at least one joint"));
         }
         let mut inverse_binds = vec![IDENTITY; joints.len()];
+        let mut lacks_bind = vec![false; joints.len()];
         if let Some(reference) = at.get("inverseBindMatrices") {
-            let elements = source.accessor(&reference, &[16], &[Component::F32])?;
-            if elements.count < joints.len() {
-                let (found, expected) = (elements.count, joints.len());
-                return Err(reference.fault(format!("has {found} matrices, expected {expected}, one per joint")));
-            }
-            for (i, (slot, matrix)) in inverse_binds.iter_mut().zip(grouped::<16>(&elements.to_f32s(false))).enumerate()
-            {
-                if !matrix.iter().all(|x| x.is_finite()) {
-                    return Err(reference.fault(format!("element {i} is not finite, expected finite numbers")));
+            let read = source.accessor(&reference, &[16], &[Component::F32]);
+            let numbers = source.or_warn(read, "no matrix is read").map(|elements| elements.to_f32s(false));
+            let mut matrices = grouped::<16>(numbers.as_deref().unwrap_or_default());
+            for (slot, lacks) in inverse_binds.iter_mut().zip(&mut lacks_bind) {
+                match matrices.next().filter(|matrix| matrix.iter().all(|x| x.is_finite())) {
+                    // The last row is [0, 0, 0, 1] by definition; some files have rounding errors in it.
+                    Some([a, b, c, _, d, e, f, _, g, h, i, _, j, k, l, _]) => {
+                        *slot = [a, b, c, 0.0, d, e, f, 0.0, g, h, i, 0.0, j, k, l, 1.0];
+                    }
+                    None => *lacks = true,
                 }
-                *slot = matrix;
-                // The last row is [0, 0, 0, 1] by definition; some files have rounding errors in it.
-                (slot[3], slot[7], slot[11], slot[15]) = (0.0, 0.0, 0.0, 1.0);
+            }
+            let (lost, expected) = (lacks_bind.iter().filter(|lacks| **lacks).count(), joints.len());
+            if lost > 0 {
+                let (place, found) = (&reference.place, expected - lost);
+                source.warn(format!(
+                    "{place} has {found} usable matrices, expected {expected}, one per joint; a missing one is the \
+                     identity"
+                ));
             }
         }
-        Ok(Self { joints, inverse_binds })
+        Ok(Self { joints, inverse_binds, lacks_bind })
+    }
+
+    /// Returns the number of vertices that follow joints without an inverse bind matrix.
+    fn count_without_bind(&self, influences: &[Influence]) -> usize {
+        if !self.lacks_bind.contains(&true) {
+            return 0;
+        }
+        let lacks = |joint: &u32| self.lacks_bind.get(*joint as usize) == Some(&true);
+        let lost = |(joints, weights): &&Influence| joints.iter().zip(weights).any(|(j, w)| *w > 0.0 && lacks(j));
+        influences.iter().filter(lost).count()
     }
 }
 
@@ -75,6 +95,16 @@ impl Joints {
             slot.insert(Skin::read(source, &at)?);
         }
         Ok(index)
+    }
+
+    /// Warns about vertices of a primitive that follow joints without an inverse bind matrix.
+    pub fn check_binds(&self, source: &mut Source<'_, '_>, skin: usize, label: &str, influences: &[Influence]) {
+        let count = self.skins.get(&skin).map_or(0, |skin| skin.count_without_bind(influences));
+        if count > 0 {
+            source.warn(format!(
+                "{label}: {count} vertices follow joints without an inverse bind matrix and may be out of place"
+            ));
+        }
     }
 
     /// Returns the joints of a skin that was already read: document node and inverse bind matrix of each.

@@ -10,6 +10,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 
 /// Bytes that are percent-encoded in the path of a URI (RFC 3986, section 2.3).
 const OUTSIDE_PATHS: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'-').remove(b'.').remove(b'_').remove(b'~');
@@ -33,10 +34,48 @@ pub(super) const MAX_BESIDE: u64 = 256 << 20;
 /// file.
 const MAX_FILES: u64 = 2 << 30;
 
-/// Fetches a file of at most [`MAX_BESIDE`] bytes. The error text lacks a subject: the caller puts the file's name
-/// before it.
-pub(super) fn fetch_file(uri: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
-    let bytes = resolve(uri, MAX_BESIDE + 1).map_err(why_unreadable)?;
+/// Fetches the first `most` bytes of the file that a URI names. If the file does not exist, tries its other
+/// [`spellings`]; the use of one is a warning. The error text lacks a subject: the caller puts the name before it.
+fn fetch(uri: &str, most: u64, resolve: &mut Resolve<'_>, notes: &mut Notes) -> Result<Vec<u8>, String> {
+    let is_missing =
+        |error: &BakeError| matches!(error, BakeError::Io { source, .. } if source.kind() == ErrorKind::NotFound);
+    let missing = match resolve(uri, most) {
+        Err(error) if is_missing(&error) => error,
+        found => return found.map_err(why_unreadable),
+    };
+    for path in spellings(uri) {
+        match resolve(&path_as_uri(&path), most) {
+            Err(error) if is_missing(&error) => {}
+            found => {
+                let (named, read) = (shorten(&percent_decode_str(uri).decode_utf8_lossy()), shorten(&path));
+                notes.warn(format!("the file \"{named}\" does not exist; \"{read}\" is read instead"));
+                return found.map_err(why_unreadable);
+            }
+        }
+    }
+    Err(why_unreadable(missing))
+}
+
+/// Returns the paths that a URI may stand for if the file that it names does not exist:
+///
+/// * with slashes for the backslashes of Windows
+/// * as it is written, because some exporters do not percent-encode names
+/// * decoded twice, because some exporters percent-encode names twice
+fn spellings(uri: &str) -> Vec<String> {
+    let decode = |text: &str| percent_decode_str(text).decode_utf8_lossy().into_owned();
+    let decoded = decode(uri);
+    let mut paths = Vec::new();
+    for path in [&decoded, uri, &decode(&decoded)].map(|path| path.replace('\\', "/")) {
+        if path != decoded && !paths.contains(&path) {
+            paths.push(path);
+        }
+    }
+    paths
+}
+
+/// Fetches a file of at most [`MAX_BESIDE`] bytes, as [`fetch`] does.
+pub(super) fn fetch_file(uri: &str, resolve: &mut Resolve<'_>, notes: &mut Notes) -> Result<Vec<u8>, String> {
+    let bytes = fetch(uri, MAX_BESIDE + 1, resolve, notes)?;
     if bytes.len() as u64 > MAX_BESIDE {
         return Err(format!("it is larger than {MAX_BESIDE} bytes"));
     }
@@ -92,6 +131,11 @@ impl<'a, 'r> Source<'a, 'r> {
         self.notes.warn(text);
     }
 
+    /// Returns the value of `result`, or `None` with a warning; see [`Notes::or_warn`].
+    pub fn or_warn<T>(&mut self, result: Result<T, BakeError>, consequence: &str) -> Option<T> {
+        self.notes.or_warn(result, consequence)
+    }
+
     /// Records a file or an embedded image.
     pub fn record(&mut self, role: &str, name: &str, bytes: &[u8]) {
         self.notes.record(role, name, bytes);
@@ -117,8 +161,8 @@ impl<'a, 'r> Source<'a, 'r> {
             return Err(at.fault(reason));
         }
         let fetched = match declared {
-            Some(bytes) => (self.resolve)(uri, bytes).map_err(why_unreadable),
-            None => fetch_file(uri, self.resolve),
+            Some(bytes) => fetch(uri, bytes, self.resolve, &mut self.notes),
+            None => fetch_file(uri, self.resolve, &mut self.notes),
         };
         let bytes =
             fetched.map_err(|cause| at.fault(format!("names the {role} file \"{}\": {cause}", shorten(uri))))?;

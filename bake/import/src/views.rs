@@ -16,7 +16,7 @@ impl<'a> Source<'a, '_> {
     pub fn view(&mut self, reference: &JsonNode<'a>) -> Result<BufferView<'_>, BakeError> {
         let (index, at) = self.root.follow("bufferViews", reference)?;
         let stride = at.get("byteStride").map(|s| s.unsigned()).transpose()?.map(|s| s as usize);
-        let Some(packed) = at.get("extensions").and_then(|e| e.get("EXT_meshopt_compression")) else {
+        let Some(packed) = at.extension("EXT_meshopt_compression") else {
             return Ok(BufferView { bytes: self.buffer_range(&at)?, stride });
         };
         if !self.unpacked.contains_key(&index) {

@@ -57,9 +57,35 @@ fn inverse_bind_matrices_undo_the_bind_pose() {
     assert_eq!(rest(&doc.model()), [Vec3::ZERO, Vec3::X, Vec3::Y]);
     let short = doc.floats(&Mat4::IDENTITY.to_cols_array(), "MAT4");
     doc.json["skins"][0]["inverseBindMatrices"] = json!(short);
-    let (place, reason) = doc.fault();
-    assert_eq!(place, "/skins/0/inverseBindMatrices");
-    assert_eq!(reason, "has 1 matrices, expected 2, one per joint");
+    let lost = "/skins/0/inverseBindMatrices has 1 usable matrices, expected 2, one per joint; a missing one is the";
+    let model = doc.model();
+    assert_warns(&model, lost);
+    assert_warns(&model, "mesh 0 \"body\", primitive 0: 2 vertices follow joints without an inverse bind matrix");
+    // The identity raises what follows the second joint by 1.
+    assert_eq!(rest(&model), [Vec3::ZERO, Vec3::new(1., 1., 0.), Vec3::new(0., 1.75, 0.)]);
+    let (mut last, undo) = (Mat4::IDENTITY.to_cols_array(), Mat4::from_translation(Vec3::Y).to_cols_array());
+    last[5] = f32::NAN;
+    let partly = doc.floats(&[undo, last].concat(), "MAT4");
+    doc.json["skins"][0]["inverseBindMatrices"] = json!(partly);
+    assert_warns(&doc.model(), lost);
+    assert_eq!(rest(&doc.model())[0], Vec3::Y, "the matrices that there are hold");
+    // An accessor that cannot be read at all.
+    for broken in [json!(99), json!(0), json!("x")] {
+        doc.json["skins"][0]["inverseBindMatrices"] = broken;
+        assert_warns(&doc.model(), "no matrix is read");
+        assert_warns(&doc.model(), "has 0 usable matrices, expected 2");
+    }
+}
+
+/// Checks that a missing matrix is reported for the file, and for vertices only if any follows the joint.
+#[test]
+fn missing_matrices_of_idle_joints_displace_nothing() {
+    let mut doc = skinned(&[0; 12], &[1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.]);
+    let single = doc.floats(&Mat4::IDENTITY.to_cols_array(), "MAT4");
+    doc.json["skins"][0]["inverseBindMatrices"] = json!(single);
+    let model = doc.model();
+    assert_warns(&model, "has 1 usable matrices, expected 2");
+    assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
 }
 
 #[test]
@@ -258,22 +284,59 @@ fn invalid_channels_are_left_out_or_repaired() {
 }
 
 #[test]
-fn broken_clips_are_named() {
-    let broken = |times: &[f32], values: &[f32], interpolation: &str| {
+fn broken_channels_are_named_and_left_out() {
+    let broken = |times: &[f32], values: &[f32], interpolation: &str, text: &str| {
         let mut doc = rigid();
         clip(&mut doc, 1, "translation", interpolation, times, values);
-        doc.fault()
+        // A sound channel beside the broken one is kept.
+        let (input, output) = (doc.floats(&[0., 1.], "SCALAR"), doc.floats(&[1., 1., 1., 2., 2., 2.], "VEC3"));
+        let animation = &mut doc.json["animations"][0];
+        animation["name"] = json!("walk\u{7}");
+        animation["samplers"].as_array_mut().unwrap().push(json!({"input": input, "output": output}));
+        let sound = json!({"sampler": 1, "target": {"node": 1, "path": "scale"}});
+        animation["channels"].as_array_mut().unwrap().push(sound);
+        let model = doc.model();
+        assert_warns(&model, &format!("{text}; left out of clip \"walk\u{fffd}\""));
+        let channels = &model.animation.as_ref().unwrap().clips[0].channels;
+        assert_eq!(channels.iter().map(|c| c.property).collect::<Vec<_>>(), [Property::Scale]);
     };
-    let (place, reason) = broken(&[0., 1.], &[0.; 3], "LINEAR");
-    assert_eq!(
-        (place.as_str(), reason.as_str()),
-        ("/animations/0/samplers/0/output", "has 1 elements, expected 2 for 2 keys")
+    let output = "/animations/0/samplers/0/output";
+    broken(&[0., 1.], &[0.; 3], "LINEAR", &format!("{output}: has 1 elements, expected 2 for 2 keys"));
+    broken(&[0.], &[0.; 3], "CUBICSPLINE", "has 1 elements, expected 3 for 1 keys");
+    broken(
+        &[f32::NAN],
+        &[0.; 3],
+        "LINEAR",
+        "/animations/0/samplers/0/input: element 0 is NaN, expected a time in seconds",
     );
-    assert_eq!(broken(&[0.], &[0.; 3], "CUBICSPLINE").1, "has 1 elements, expected 3 for 1 keys");
-    assert_eq!(broken(&[f32::NAN], &[0.; 3], "LINEAR").0, "/animations/0/samplers/0/input");
-    assert_eq!(broken(&[0.], &[f32::INFINITY; 3], "LINEAR").1, "element 0 is not finite, expected finite numbers");
-    assert_eq!(broken(&[0.], &[0.; 3], "SPLINE").1, "is \"SPLINE\", expected LINEAR, STEP or CUBICSPLINE");
-    assert_eq!(broken(&[], &[], "LINEAR").1, "has no keys, expected at least one");
+    broken(&[0.], &[f32::INFINITY; 3], "LINEAR", "element 0 is not finite, expected finite numbers");
+    broken(&[0.], &[0.; 3], "SPLINE", "is \"SPLINE\", expected LINEAR, STEP or CUBICSPLINE");
+    broken(&[], &[], "LINEAR", "has no keys, expected at least one");
+}
+
+#[test]
+fn broken_clips_do_not_lose_the_model() {
+    let mut doc = rigid();
+    clip(&mut doc, 1, "translation", "LINEAR", &[0., 1.], &[0., 0., 2., 0., 0., 4.]);
+    for (pointer, value, text) in [
+        ("/animations/0/channels/0/target/node", json!(99), "is 99, expected less than 3, the number of nodes"),
+        ("/animations/0/channels/0/target/path", json!(7), "is 7, expected a string"),
+        ("/animations/0/channels/0/target", json!(null), "has no `target`"),
+        ("/animations/0/channels/0/sampler", json!(9), "is 9, expected less than 1, the number of samplers"),
+        ("/animations/0/channels/0", json!("x"), "is \"x\", expected an object"),
+        ("/animations/0/channels", json!(null), "has no `channels`"),
+        ("/animations/0/samplers", json!({}), "is an object, expected an array"),
+        ("/animations/0/samplers/0/interpolation", json!(0), "is 0, expected a string"),
+        ("/animations/0/samplers/0/input", json!(77), "is 77, expected less than 3, the number of accessors"),
+        ("/animations/0", json!(null), "is null, expected an object"),
+        ("/animations", json!("x"), "is \"x\", expected an array; all clips are left out"),
+    ] {
+        let mut broken = doc.clone();
+        *broken.json.pointer_mut(pointer).unwrap() = value;
+        let model = broken.model();
+        assert_warns(&model, text);
+        assert!(model.animation.is_none(), "{pointer}");
+    }
 }
 
 #[test]

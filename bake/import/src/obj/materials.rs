@@ -2,9 +2,10 @@
 //! does not depend on it.
 
 use super::statements::{Statement, Statements, decode};
-use crate::image_file::{MAX_TEXELS, decode_image};
+use crate::image_file::ImageList;
 use crate::json::shorten;
-use crate::mesh::{Image, Material};
+use crate::material::emission_as_base_color;
+use crate::mesh::Material;
 use crate::notes::Notes;
 use crate::source;
 use crate::source::Resolve;
@@ -16,13 +17,12 @@ pub(super) struct Library {
     /// Used materials, in the order of first use.
     pub used: Vec<Material>,
     /// Decoded images of the used materials.
-    pub images: Vec<Image>,
+    pub images: ImageList,
     known: BTreeMap<String, Entry>,
     /// Index in `used`, by the material's name.
     numbers: BTreeMap<String, usize>,
     /// Index in `images` by path; `None` for an image that cannot be read.
     image_numbers: BTreeMap<String, Option<usize>>,
-    texels: u64,
     any_file: bool,
 }
 
@@ -32,6 +32,9 @@ struct Entry {
     diffuse: Option<[f32; 3]>,
     /// Path of the texture, relative to the model's folder. The second text is the material file and line that name it.
     texture: Option<(String, String)>,
+    /// Emission: colour and texture, as above.
+    emission: Option<[f32; 3]>,
+    emission_texture: Option<(String, String)>,
 }
 
 impl Library {
@@ -41,13 +44,13 @@ impl Library {
         for (line, argument) in names {
             // Names with spaces are common and lists of names are rare, so the whole argument is tried as one name
             // first.
-            let whole = fetch(argument, resolve).map(|bytes| vec![(argument.as_str(), bytes)]);
+            let whole = fetch(argument, resolve, notes).map(|bytes| vec![(argument.as_str(), bytes)]);
             let found = whole.or_else(|error| {
                 let words: Vec<&str> = argument.split_whitespace().collect();
                 if words.len() < 2 {
                     return Err(error);
                 }
-                words.into_iter().map(|word| fetch(word, resolve).map(|bytes| (word, bytes))).collect()
+                words.into_iter().map(|word| fetch(word, resolve, notes).map(|bytes| (word, bytes))).collect()
             });
             match found {
                 Ok(files) => {
@@ -79,13 +82,16 @@ impl Library {
                     let next = (s.name().to_owned(), Entry::default());
                     self.keep(file, entry.replace(next), notes);
                 }
-                ("Kd", Some((_, entry))) => match diffuse(file, s) {
-                    Ok(color) => entry.diffuse = Some(color),
+                (key @ ("Kd" | "Ke"), Some((_, entry))) => match color(file, s) {
+                    Ok(color) => *(if key == "Kd" { &mut entry.diffuse } else { &mut entry.emission }) = Some(color),
                     Err(reason) => notes.warn(format!("{reason}; left out")),
                 },
-                ("map_Kd", Some((_, entry))) => match texture_name(s) {
-                    Some(name) => entry.texture = Some((sibling_path(file, &name), format!("{file}: line {}", s.line))),
-                    None => notes.warn(format!("{file}: line {}: `map_Kd` names no file; left out", s.line)),
+                (key @ ("map_Kd" | "map_Ke"), Some((_, entry))) => match texture_name(s) {
+                    Some(name) => {
+                        let texture = Some((sibling_path(file, &name), format!("{file}: line {}", s.line)));
+                        *(if key == "map_Kd" { &mut entry.texture } else { &mut entry.emission_texture }) = texture;
+                    }
+                    None => notes.warn(format!("{file}: line {}: `{key}` names no file; left out", s.line)),
                 },
                 _ => {}
             }
@@ -111,10 +117,14 @@ impl Library {
         if let Some(number) = self.numbers.get(name) {
             return *number;
         }
-        let entry = self.known.get(name).cloned().unwrap_or_default();
+        let mut entry = self.known.get(name).cloned().unwrap_or_default();
         // If no material file was read, a warning about that exists already, or none is needed.
         if self.any_file && !name.is_empty() && !self.known.contains_key(name) {
             notes.warn(format!("material \"{}\" is not in any material file; it is white", shorten(name)));
+        }
+        if entry.texture.is_none() && entry.diffuse == Some([0.0; 3]) && entry.emission.is_some_and(|e| e != [0.0; 3]) {
+            notes.warn(emission_as_base_color(name));
+            (entry.diffuse, entry.texture) = (entry.emission, entry.emission_texture.take());
         }
         let base_color_image = entry.texture.as_ref().and_then(|(path, at)| self.image(path, at, resolve, notes));
         let mut diffuse = entry.diffuse.unwrap_or([1.0; 3]);
@@ -137,17 +147,15 @@ impl Library {
         if let Some(known) = self.image_numbers.get(path) {
             return *known;
         }
-        let decoded = fetch(path, resolve).and_then(|bytes| {
-            let image = decode_image(&bytes, MAX_TEXELS - self.texels).map_err(|reason| format!("it {reason}"))?;
-            Ok((bytes, image))
+        let it = |reason| format!("it {reason}");
+        let decoded = self.images.check_limits().map_err(it).and_then(|()| {
+            let bytes = fetch(path, resolve, notes)?;
+            let number = self.images.add(&bytes).map_err(it)?;
+            notes.record("image", path, &bytes);
+            Ok(number)
         });
         let number = match decoded {
-            Ok((bytes, image)) => {
-                notes.record("image", path, &bytes);
-                self.texels += u64::from(image.width) * u64::from(image.height);
-                self.images.push(image);
-                Some(self.images.len() - 1)
-            }
+            Ok(number) => Some(number),
             Err(reason) => {
                 notes.warn(format!("{at} names the image file \"{}\": {reason}; only Kd is used", shorten(path)));
                 None
@@ -158,14 +166,13 @@ impl Library {
     }
 }
 
-/// Parses the diffuse colour: `Kd r g b`, or `Kd r` for a grey. The numbers are linear, as written by Blender and
-/// obj2gltf.
-fn diffuse(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> {
+/// Parses a colour: `Kd r g b`, or `Kd r` for a grey. The numbers are linear, as written by Blender and obj2gltf.
+fn color(file: &str, s: &Statement<'_>) -> Result<[f32; 3], crate::BakeError> {
     if let Some(other @ ("spectral" | "xyz")) = s.words().next() {
         return Err(crate::BakeError::Input {
             file: file.to_owned(),
             place: format!("line {}", s.line),
-            reason: format!("`Kd` is `{other}`, expected r g b"),
+            reason: format!("`{}` is `{other}`, expected r g b", s.keyword()),
         });
     }
     let ([r, g, b], count) = s.numbers::<3>(file, 1)?;
@@ -216,13 +223,13 @@ fn sibling_path(file: &str, name: &str) -> String {
 
 /// Returns the bytes of a file, or the reason why it cannot be read. Names in OBJ are plain paths, while `resolve`
 /// requires URIs.
-fn fetch(path: &str, resolve: &mut Resolve<'_>) -> Result<Vec<u8>, String> {
+fn fetch(path: &str, resolve: &mut Resolve<'_>, notes: &mut Notes) -> Result<Vec<u8>, String> {
     let path = path.replace('\\', "/");
     let drive = path.as_bytes().get(1) == Some(&b':') && path.as_bytes()[0].is_ascii_alphabetic();
     if drive || path.starts_with('/') {
         return Err("it is an absolute path; expected a relative one: put the file beside the model".to_owned());
     }
-    source::fetch_file(&source::path_as_uri(&path), resolve)
+    source::fetch_file(&source::path_as_uri(&path), resolve, notes)
 }
 
 #[cfg(test)]

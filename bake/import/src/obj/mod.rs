@@ -87,7 +87,7 @@ pub(super) fn read(
     let rest = RestPose::of(&mesh, None);
     orient::face_outward(&mut notes, &mut mesh, None, &rest, &authored);
     let (warnings, inputs) = notes.finish();
-    let (materials, images) = (library.used, library.images);
+    let (materials, images) = (library.used, library.images.images);
     Ok(Model { mesh, materials, images, inputs, warnings, ..Model::default() })
 }
 
