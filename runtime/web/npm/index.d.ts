@@ -11,7 +11,7 @@ export type Vec3 = readonly [number, number, number];
  * - `package`: the file is invalid; the message gives section, offset, and the values found and expected
  * - `asked`: an argument is invalid; the message gives the values found and expected
  * - `fetch`: the network failed
- * - `superseded`: not a fault; `load` was called again in the meantime
+ * - `superseded`: not a fault; `load` or `dispose` was called in the meantime
  * - `module`: the WebAssembly module could not be loaded
  * - `device`: the driver or the browser failed
  * - `internal`: a bug in this package

@@ -4,7 +4,7 @@
 import { open as openDevice, Viewer } from "./pelage_web.js";
 import { control } from "./controls.js";
 import { PelageError } from "./error.js";
-import { guarded, read, start, written } from "./module.js";
+import { formatted, guarded, read, start } from "./module.js";
 
 export { PelageError };
 export { PelagePass } from "./pass.js";
@@ -34,13 +34,13 @@ export class Pelage extends EventTarget {
   #drawn;
   #adapter = "";
   #info = null;
-  #loads = 0;
+  #loadCount = 0;
   #loop;
-  #wanted = 0;
+  #frameRequest = 0;
   #dirty = true;
   #inFlight = 0;
-  #before = null;
-  #doneAt = 0;
+  #lastTickMs = null;
+  #lastDoneMs = 0;
   #stats = { frames: 0, frameMs: 0, cpuMs: 0, passes: [], gpuBytes: 0, created: 0, uploadedBytes: 0 };
   #lost = false;
   #disposed = false;
@@ -84,16 +84,16 @@ export class Pelage extends EventTarget {
   // Package.
 
   async load(source, options = {}) {
-    this.#alive();
-    const turn = ++this.#loads;
+    this.#liveViewer();
+    const count = ++this.#loadCount;
     const [name, bytes] = await read(source, options);
     // The last call wins, in whatever order the responses arrive.
-    if (turn !== this.#loads || this.#disposed) {
-      throw new PelageError("superseded", `${name}: another package was asked for since`);
+    if (count !== this.#loadCount || this.#disposed) {
+      throw new PelageError("superseded", `${name}: load() or dispose() was called in the meantime`);
     }
     this.#info = guarded(() => this.#viewer.load(name, bytes));
     this.#changed();
-    this.#say("load", this.#info);
+    this.#emit("load", this.#info);
     return this.#info;
   }
 
@@ -104,44 +104,44 @@ export class Pelage extends EventTarget {
   // Camera.
 
   get camera() {
-    const [ex, ey, ez, tx, ty, tz, fovDeg] = this.#alive().view();
+    const [ex, ey, ez, tx, ty, tz, fovDeg] = this.#liveViewer().view();
     return { eye: [ex, ey, ez], target: [tx, ty, tz], fovDeg };
   }
 
   set camera(view) {
     const now = this.camera;
     const { eye, target, fovDeg } = { ...now, ...view };
-    this.#do((viewer) => viewer.set_view(Float32Array.of(...eye, ...target, fovDeg)));
+    this.#change((viewer) => viewer.set_view(Float32Array.of(...eye, ...target, fovDeg)));
   }
 
   get orbit() {
-    const [azimuthDeg, elevationDeg, distanceM] = this.#alive().around();
+    const [azimuthDeg, elevationDeg, distanceM] = this.#liveViewer().around();
     return { azimuthDeg, elevationDeg, distanceM };
   }
 
   set orbit(around) {
     const { azimuthDeg, elevationDeg, distanceM } = { ...this.orbit, ...around };
-    this.#do((viewer) => viewer.go_around(azimuthDeg, elevationDeg, distanceM));
+    this.#change((viewer) => viewer.go_around(azimuthDeg, elevationDeg, distanceM));
   }
 
   orbitBy(right, up) {
-    this.#do((viewer) => viewer.orbit(right, up));
+    this.#change((viewer) => viewer.orbit(right, up));
   }
 
   panBy(right, up) {
-    this.#do((viewer) => viewer.pan(right, up));
+    this.#change((viewer) => viewer.pan(right, up));
   }
 
   zoomBy(factor, right = 0, up = 0) {
-    this.#do((viewer) => viewer.zoom(factor, right, up));
+    this.#change((viewer) => viewer.zoom(factor, right, up));
   }
 
   frameAll() {
-    this.#do((viewer) => viewer.frame_all());
+    this.#change((viewer) => viewer.frame_all());
   }
 
   resetCamera() {
-    this.#do((viewer) => viewer.reset_view());
+    this.#change((viewer) => viewer.reset_view());
   }
 
   get controls() {
@@ -165,27 +165,27 @@ export class Pelage extends EventTarget {
   // Light and look.
 
   setLight({ towards, position, color }) {
-    this.#do((viewer) => {
+    this.#change((viewer) => {
       if (color) viewer.set_light_color(...color);
-      if (towards) viewer.set_look(`light.direction=${written([...towards])}`);
-      if (position) viewer.set_look(`light.position_m=${written([...position])}`);
+      if (towards) viewer.set_look(`light.direction=${formatted([...towards])}`);
+      if (position) viewer.set_look(`light.position_m=${formatted([...position])}`);
     });
   }
 
   setLook(key, value) {
-    this.#do((viewer) => viewer.set_look(`${key}=${written(value)}`));
+    this.#change((viewer) => viewer.set_look(`${key}=${formatted(value)}`));
   }
 
   setEnvironment(toml) {
-    this.#do((viewer) => (toml === null ? viewer.set_look("environment.sky=none") : viewer.set_environment(toml)));
+    this.#change((viewer) => (toml === null ? viewer.set_look("environment.sky=none") : viewer.set_environment(toml)));
   }
 
   get look() {
-    return this.#alive().look();
+    return this.#liveViewer().look();
   }
 
   set look(toml) {
-    this.#do((viewer) => viewer.read_look(toml));
+    this.#change((viewer) => viewer.read_look(toml));
   }
 
   get style() {
@@ -203,11 +203,11 @@ export class Pelage extends EventTarget {
   }
 
   get playback() {
-    return this.#alive().playing();
+    return this.#liveViewer().playing();
   }
 
   play(name) {
-    this.#do((viewer) => {
+    this.#change((viewer) => {
       const now = viewer.playing();
       if (name === undefined && now.clip === null && this.clips.length === 0) return;
       const clip = name ?? now.clip ?? this.clips[0].name;
@@ -219,19 +219,19 @@ export class Pelage extends EventTarget {
   }
 
   pause() {
-    this.#do((viewer) => viewer.set_playing(false));
+    this.#change((viewer) => viewer.set_playing(false));
   }
 
   rest() {
-    this.#do((viewer) => viewer.set_clip(undefined));
+    this.#change((viewer) => viewer.set_clip(undefined));
   }
 
   seek(timeS) {
-    this.#do((viewer) => viewer.seek(timeS));
+    this.#change((viewer) => viewer.seek(timeS));
   }
 
   setMorph(name, weight) {
-    this.#do((viewer) => viewer.set_morph(name, weight ?? undefined));
+    this.#change((viewer) => viewer.set_morph(name, weight ?? undefined));
   }
 
   get speed() {
@@ -239,14 +239,14 @@ export class Pelage extends EventTarget {
   }
 
   set speed(speed) {
-    this.#do((viewer) => viewer.set_speed(speed));
+    this.#change((viewer) => viewer.set_speed(speed));
   }
 
   // Frames.
 
   /** Draws a frame now, independently of the loop. */
   frame() {
-    this.#alive();
+    this.#liveViewer();
     this.#draw();
   }
 
@@ -257,7 +257,7 @@ export class Pelage extends EventTarget {
 
   /** Resolves when the canvas shows all changes so far. */
   async idle() {
-    this.#alive();
+    this.#liveViewer();
     if (this.#loop && this.#dirty) this.#draw();
     await this.#device.queue.onSubmittedWorkDone();
   }
@@ -265,14 +265,14 @@ export class Pelage extends EventTarget {
   resize() {
     const size = this.#size();
     if (this.#disposed || size.every((length, i) => length === this.#drawn[i])) return;
-    this.#do((viewer) => viewer.resize(...size));
+    this.#change((viewer) => viewer.resize(...size));
     this.#drawn = size;
     // A resized canvas is empty, so it is drawn before the page shows it.
     if (this.#loop) this.#draw();
   }
 
   screenshot(type = "image/png") {
-    this.#alive();
+    this.#liveViewer();
     this.#draw();
     return new Promise((resolve, reject) => {
       const unreadable = () => new PelageError("device", "screenshot: the canvas cannot be read");
@@ -285,7 +285,7 @@ export class Pelage extends EventTarget {
   dispose() {
     if (this.#disposed) return;
     this.#disposed = true;
-    cancelAnimationFrame(this.#wanted);
+    cancelAnimationFrame(this.#frameRequest);
     this.#observer?.disconnect();
     this.controls = false;
     this.#viewer.free();
@@ -296,17 +296,17 @@ export class Pelage extends EventTarget {
 
   // Private members.
 
-  #alive() {
-    if (this.#disposed) throw new PelageError("asked", "this Pelage is disposed, expected one that is not");
+  #liveViewer() {
+    if (this.#disposed) throw new PelageError("asked", "this Pelage has been disposed; only dispose() may be called");
     return this.#viewer;
   }
 
-  #say(type, detail) {
+  #emit(type, detail) {
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 
-  #do(change) {
-    const viewer = this.#alive();
+  #change(change) {
+    const viewer = this.#liveViewer();
     guarded(() => change(viewer));
     this.#changed();
   }
@@ -323,32 +323,32 @@ export class Pelage extends EventTarget {
 
   #changed() {
     this.#dirty = true;
-    this.#want();
+    this.#requestFrame();
   }
 
-  #want() {
-    if (!this.#loop || this.#wanted || this.#disposed) return;
-    this.#wanted = requestAnimationFrame((now) => {
-      this.#wanted = 0;
-      this.#turn(now);
+  #requestFrame() {
+    if (!this.#loop || this.#frameRequest || this.#disposed) return;
+    this.#frameRequest = requestAnimationFrame((now) => {
+      this.#frameRequest = 0;
+      this.#tick(now);
     });
   }
 
-  #turn(now) {
+  #tick(now) {
     if (this.#disposed || this.#lost) return;
     // Time stops while nothing moves.
-    const moves = this.#moves;
-    const elapsedS = moves && this.#before !== null ? Math.min((now - this.#before) / 1e3, LONGEST_STEP_S) : 0;
-    this.#before = moves ? now : null;
+    const moves = this.#isMoving;
+    const elapsedS = moves && this.#lastTickMs !== null ? Math.min((now - this.#lastTickMs) / 1e3, LONGEST_STEP_S) : 0;
+    this.#lastTickMs = moves ? now : null;
     if (this.#viewer.advance(elapsedS)) this.#dirty = true;
     // If the device lags behind, the next frame is requested when a frame is complete.
     if (this.#inFlight >= IN_FLIGHT) return;
     if (this.#dirty) this.#draw();
-    if (this.#moves) this.#want();
+    if (this.#isMoving) this.#requestFrame();
   }
 
-  // Whether a clip plays, or hair is still in motion.
-  get #moves() {
+  /** Whether a clip plays, or hair is still in motion. */
+  get #isMoving() {
     return this.playback.playing || this.#viewer.hair_moves();
   }
 
@@ -360,7 +360,7 @@ export class Pelage extends EventTarget {
       drawn = guarded(() => this.#viewer.draw());
     } catch (error) {
       this.#dirty = false;
-      this.#say("error", error);
+      this.#emit("error", error);
       return;
     }
     this.#dirty = false;
@@ -372,11 +372,11 @@ export class Pelage extends EventTarget {
       this.#inFlight -= 1;
       if (this.#disposed) return;
       // Excludes the time spent waiting for the previous frame.
-      const frameMs = now - Math.max(start, this.#doneAt);
-      this.#doneAt = now;
+      const frameMs = now - Math.max(start, this.#lastDoneMs);
+      this.#lastDoneMs = now;
       this.#stats = { frames: this.#stats.frames + 1, frameMs, cpuMs, ...drawn };
-      this.#say("frame", this.stats);
-      if (this.#dirty || this.#moves) this.#want();
+      this.#emit("frame", this.stats);
+      if (this.#dirty || this.#isMoving) this.#requestFrame();
     };
     this.#device.queue.onSubmittedWorkDone().then(done, done);
   }
@@ -387,7 +387,7 @@ export class Pelage extends EventTarget {
     this.#device = device;
     this.#adapter = opened.adapter;
     device.addEventListener("uncapturederror", (event) => {
-      if (device === this.#device) this.#say("error", new PelageError("device", event.error.message));
+      if (device === this.#device) this.#emit("error", new PelageError("device", event.error.message));
     });
     device.lost.then((why) => {
       if (device === this.#device && !this.#disposed) this.#reopen(why);
@@ -397,7 +397,7 @@ export class Pelage extends EventTarget {
   /** Replaces a lost device. */
   async #reopen(why) {
     this.#lost = true;
-    this.#say("devicelost", { reason: why.reason, message: why.message });
+    this.#emit("devicelost", { reason: why.reason, message: why.message });
     let last;
     for (let attempt = 0; attempt < REOPENINGS && !this.#disposed; attempt += 1) {
       if (attempt > 0) await wait(REOPEN_MS * 2 ** (attempt - 1));
@@ -413,13 +413,14 @@ export class Pelage extends EventTarget {
         this.#lost = false;
         this.#inFlight = 0;
         this.#changed();
-        this.#say("devicerestored", { adapter: this.#adapter });
+        this.#emit("devicerestored", { adapter: this.#adapter });
         return;
       } catch (error) {
         last = error;
       }
     }
     if (this.#disposed) return;
-    this.#say("error", new PelageError("device", `the device was lost, and there is no other: ${last?.message}`));
+    const message = `the device was lost and could not be replaced in ${REOPENINGS} attempts: ${last?.message}`;
+    this.#emit("error", new PelageError("device", message));
   }
 }

@@ -78,6 +78,6 @@ export async function read(source, { name, signal }) {
 }
 
 /** Formats a value of the look for `key=value`. */
-export function written(value) {
+export function formatted(value) {
   return Array.isArray(value) ? JSON.stringify(value) : String(value);
 }

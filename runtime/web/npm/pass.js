@@ -2,7 +2,7 @@
 
 import { open_shared as openShared, Pass } from "./pelage_web.js";
 import { PelageError } from "./error.js";
-import { guarded, read, start, written } from "./module.js";
+import { formatted, guarded, read, start } from "./module.js";
 
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
@@ -48,7 +48,7 @@ export class PelagePass {
   }
 
   setLook(key, value) {
-    guarded(() => this.#pass.set_look(`${key}=${written(value)}`));
+    guarded(() => this.#pass.set_look(`${key}=${formatted(value)}`));
   }
 
   setEnvironment(toml) {
@@ -59,7 +59,8 @@ export class PelagePass {
     const index = clip === undefined ? -1 : (this.#info?.clips.findIndex(({ name }) => name === clip) ?? -1);
     if (clip !== undefined && index < 0) {
       const names = this.#info?.clips.map(({ name }) => name).join(", ");
-      throw new PelageError("asked", `clip ${clip}: there is none; expected one of: ${names}`);
+      const expected = names ? `expected one of: ${names}` : "the package has none";
+      throw new PelageError("asked", `clip ${clip}: no such clip; ${expected}`);
     }
     [viewFromWorld, clipFromView, worldFromModel].forEach((matrix, i) => this.#matrices.set(matrix, 16 * i));
     const { durationS } = this.#info?.clips[index] ?? {};

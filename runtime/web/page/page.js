@@ -1,4 +1,4 @@
-// The page around the canvas: its controls. Everything about the animal itself is in the API of the npm package.
+// Controls of the page around the canvas. Everything else is in the npm package.
 
 import { Pelage, PelageError } from "./pelage/index.js";
 
@@ -18,7 +18,7 @@ let loading = 0;
 
 // Messages.
 
-function say(title, text, { fatal = false } = {}) {
+function showMessage(title, text, { fatal = false } = {}) {
   const message = element("message");
   message.querySelector("h2").textContent = title;
   message.querySelector("p").textContent = text;
@@ -26,28 +26,28 @@ function say(title, text, { fatal = false } = {}) {
   message.hidden = false;
 }
 
-function hush() {
+function dismiss() {
   element("message").hidden = true;
 }
 
-element("message").querySelector("button").addEventListener("click", hush);
+element("message").querySelector("button").addEventListener("click", dismiss);
 
 /** Titles of error messages, by kind. */
 const TITLES = {
   "no-webgpu": "This needs WebGPU",
-  "no-adapter": "No graphics adapter that can draw this",
-  package: "This is not a package that can be drawn",
+  "no-adapter": "No suitable graphics adapter",
+  package: "This file cannot be drawn",
   asked: "That cannot be drawn",
-  fetch: "The package did not arrive",
-  module: "The program did not arrive",
+  fetch: "The package could not be downloaded",
+  module: "The program could not be loaded",
   device: "The graphics device failed",
-  internal: "Something is wrong in pelage; please report it",
+  internal: "Internal error; please report it",
 };
 
 function fail(error, options) {
   const kind = error instanceof PelageError ? error.kind : "internal";
   if (kind === "superseded") return;
-  say(TITLES[kind] ?? TITLES.internal, error.message, options);
+  showMessage(TITLES[kind] ?? TITLES.internal, error.message, options);
 }
 
 /** Applies the change of a control, and shows an error if that fails. Returns whether it succeeded. */
@@ -76,8 +76,8 @@ async function show(source, title, options = {}) {
       setStyle("fur");
       return pelage.load(source, options);
     });
-    hush();
-    shown(info, title);
+    dismiss();
+    describe(info, title);
     return true;
   } catch (error) {
     fail(error);
@@ -87,7 +87,7 @@ async function show(source, title, options = {}) {
   }
 }
 
-function shown(info, title) {
+function describe(info, title) {
   caption.textContent = `${title} · ${(info.bytes / 1e6).toFixed(1)} MB`;
   document.title = `${title} · pelage`;
   element("style").querySelector("[value=ink]").disabled = !info.hasInk;
@@ -97,7 +97,7 @@ function shown(info, title) {
   const clips = info.clips.map(({ name }) => new Option(name.split("|").pop(), name));
   clip.replaceChildren(new Option("At rest", ""), ...clips);
   for (const knob of [play, clip, time]) knob.disabled = info.clips.length === 0;
-  follow();
+  updateClipControls();
 }
 
 async function openAnimal(animal) {
@@ -147,7 +147,7 @@ element("style").addEventListener("change", (event) => setStyle(event.target.val
 // Clips.
 
 /** Updates the controls to the state of the clip. */
-function follow() {
+function updateClipControls() {
   const { clip: name, durationS, timeS, playing } = pelage.playback;
   if (clip.value !== (name ?? "")) clip.value = name ?? "";
   play.setAttribute("aria-pressed", String(playing));
@@ -159,11 +159,11 @@ function follow() {
 
 play.addEventListener("click", () => {
   attempt(() => (pelage.playback.playing ? pelage.pause() : pelage.play()));
-  follow();
+  updateClipControls();
 });
 clip.addEventListener("change", () => {
   attempt(() => (clip.value ? pelage.play(clip.value) : pelage.rest()));
-  follow();
+  updateClipControls();
 });
 time.addEventListener("input", () => {
   attempt(() => {
@@ -171,7 +171,7 @@ time.addEventListener("input", () => {
     pelage.pause();
     pelage.seek(Number(time.value));
   });
-  follow();
+  updateClipControls();
 });
 
 // Light: a pad. At its centre the light is at the camera, at its rim behind the animal.
@@ -259,7 +259,7 @@ async function begin() {
     fail(error, { fatal: true });
     return;
   }
-  // For use from the console and by the tests.
+  // For the console and the tests.
   window.pelage = pelage;
   // The controls work from now on.
   for (const knobs of document.querySelectorAll("[inert]")) knobs.inert = false;
@@ -267,11 +267,11 @@ async function begin() {
   pelage.addEventListener("frame", ({ detail }) => {
     const { frameMs, width, height, gpuBytes } = detail;
     numbers.textContent = `${frameMs.toFixed(1)} ms · ${width} × ${height} · ${(gpuBytes / 1e6).toFixed(0)} MB`;
-    if (pelage.playback.playing) follow();
+    if (pelage.playback.playing) updateClipControls();
   });
   pelage.addEventListener("error", ({ detail }) => fail(detail));
-  pelage.addEventListener("devicelost", () => say("The graphics device was lost", "Asking for another one…"));
-  pelage.addEventListener("devicerestored", hush);
+  pelage.addEventListener("devicelost", () => showMessage("The graphics device was lost", "Requesting a new one…"));
+  pelage.addEventListener("devicerestored", dismiss);
   animals = await list();
   element("animals").replaceChildren(
     ...animals.map((animal) => {
@@ -286,7 +286,7 @@ async function begin() {
   const asked = new URLSearchParams(location.search).get("animal");
   const first = animals.find((animal) => animal.name === asked) ?? animals[0];
   if (first) await openAnimal(first);
-  else say("No animal here yet", "Drop a .pelage package onto this page, or open one with the button above.");
+  else showMessage("No animal here yet", "Drop a .pelage package onto this page, or open one with the button above.");
 }
 
 begin();

@@ -41,7 +41,7 @@ export function data(test) {
 /** Timeout of a test in the browser, milliseconds. */
 export const LONG_MS = 120_000;
 
-/** Declares a test in the browser. It is skipped without a browser, and unless `more`. */
+/** Declares a test in the browser. It is skipped if there is no browser, or if `more` is false. */
 export function inBrowser(name, body, more = true) {
   const hasBrowser = browser(name);
   test(name, { timeout: LONG_MS }, async (t) => {

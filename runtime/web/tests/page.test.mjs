@@ -158,7 +158,7 @@ inBrowser("broken_dropped_packages_are_named_and_the_page_continues", async () =
     await message(page).waitFor({ timeout: LONG_MS });
     const text = await page.textContent("#message p");
     assert.match(text, words);
-    assert.equal(await page.textContent("#message h2"), "This is not a package that can be drawn");
+    assert.equal(await page.textContent("#message h2"), "This file cannot be drawn");
     await page.click("text=Dismiss");
     // The previous package is still shown.
     assert.deepEqual(bytesOf(await picture(page, "after_drop")), bytesOf(before), name);
@@ -206,7 +206,7 @@ inBrowser("page_survives_files_other_than_packages", feedEveryFile, folder);
 inBrowser("missing_webgpu_is_reported", async () => {
   for (const [before, title, words] of [
     [() => Object.defineProperty(navigator, "gpu", { value: undefined }), "This needs WebGPU", /no WebGPU.*Chrome/],
-    [() => (GPU.prototype.requestAdapter = async () => null), "No graphics adapter that can draw this", /adapter/],
+    [() => (GPU.prototype.requestAdapter = async () => null), "No suitable graphics adapter", /adapter/],
   ]) {
     const { page: shown, close } = await page(opened, { before });
     await message(shown).waitFor({ timeout: LONG_MS });
