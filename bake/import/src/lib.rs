@@ -114,8 +114,8 @@ pub fn import<'r>(
 ///
 /// # Errors
 ///
-/// [`BakeError::Input`] as for [`import`], and also for a scene without lines, an odd number of line ends, or a point
-/// that is not finite.
+/// [`BakeError::Input`] as for [`import`], and also for a scene without lines, an odd number of line ends, or lines
+/// that are all left out.
 pub fn import_strands<'r>(
     file: &str,
     bytes: &[u8],
@@ -132,7 +132,7 @@ pub fn import_strands<'r>(
     let mut guides = lines::strands(&mut source)?;
     let (warnings, inputs) = source.notes.finish();
     guides.warnings = warnings;
-    Ok((guides, inputs))
+    Ok((guides.checked(file)?, inputs))
 }
 
 /// Opens a parsed document; checks its version and required extensions.

@@ -46,8 +46,6 @@ struct LineStrands {
     counted: LineTotals,
     /// Number of primitives that are not lines.
     others: usize,
-    /// Whether any primitive lacks radii (first entry) or colours (second).
-    lacks: [bool; 2],
 }
 
 /// Reads the lines of the scene, in world space.
@@ -72,19 +70,13 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
         let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[node] };
         read_mesh(source, &mut found, &mesh, placed)?;
     }
-    let LineStrands { mut guides, others, lacks: [no_radii, no_colors], .. } = found;
-    if guides.is_empty() && guides.left_out == 0 {
+    let LineStrands { guides, others, .. } = found;
+    if guides.is_empty() && guides.left_out.total() == 0 {
         let reason = format!(
             "the scene has no lines, expected primitives of mode {LINES} (LINES), {LINE_LOOP} (LINE_LOOP) or \
              {LINE_STRIP} (LINE_STRIP); {others} have other modes"
         );
         return Err(source.root.fault(reason));
-    }
-    if no_radii {
-        guides.radii.clear();
-    }
-    if no_colors {
-        guides.colors.clear();
     }
     Ok(guides)
 }
@@ -117,23 +109,12 @@ fn read_primitive<'a>(
     let position = attributes.require("POSITION")?;
     found.counted.count_primitive(source, at, &position)?;
     let own = vectors(&source.accessor(&position, &[3], REAL)?.to_f32s(false));
-    let mut points = Vec::with_capacity(own.len());
-    for (i, p) in own.iter().enumerate() {
-        let placed = world.transform_point3(*p);
-        if !placed.is_finite() {
-            let reason = format!("element {i} is {p}, which is {placed} in the scene, expected finite numbers");
-            return Err(position.fault(reason));
-        }
-        points.push(placed);
-    }
+    let points: Vec<Vec3> = own.iter().map(|p| world.transform_point3(*p)).collect();
     let size = DMat4::from_cols_array(&world.to_cols_array().map(f64::from)).determinant().abs();
     let radii = match attributes.get("_RADIUS") {
         Some(reference) => {
             let scale = libm::cbrt(size) as f32;
             let radii = read_per_vertex(source, &reference, &[1], own.len(), false)?;
-            if let Some(i) = radii.iter().position(|r| !(scale * r).is_finite()) {
-                return Err(reference.fault(format!("element {i} is {}, expected finite numbers", radii[i])));
-            }
             radii.iter().map(|r| scale * r).collect()
         }
         None => Vec::new(),
@@ -146,8 +127,6 @@ fn read_primitive<'a>(
         }
         None => Vec::new(),
     };
-    found.lacks[0] |= radii.len() < own.len();
-    found.lacks[1] |= colors.len() < own.len();
     let indices = indices_of(source, at, own.len())?;
     for strand in strands_of(at, mode, &indices, &own)? {
         let of = |v: &u32| *v as usize;

@@ -23,8 +23,10 @@ named_table! {
         /// where it is below 0.01.
         mask: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
         /// Strand file whose strands become guides, relative to the recipe's folder. Formats: .hair (Cem Yuksel), .tfx
-        /// (TressFX), .txt (lines of x y z), .glb and .gltf (lines; those that share vertices form one strand). Hair
-        /// then grows only where the scalp has guides nearby. Default: guides are generated.
+        /// (TressFX), .txt (lines of x y z, strands separated by blank lines), .usda (USD as text: BasisCurves,
+        /// converted to metres, y up), .glb and .gltf (lines; those that share vertices form one strand). Bad strands
+        /// are left out with a warning. Hair then grows only where the scalp has guides nearby. Default: guides are
+        /// generated.
         file: FilePath, in ();
         /// Length of one unit of the strand file, metres.
         scale_m: f32 = 1.0, in 1e-6..=1e6;

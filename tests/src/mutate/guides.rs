@@ -1,4 +1,4 @@
-//! Cases of strand files that recipes name: `.hair`, `.tfx`, text, and lines in glTF.
+//! Cases of strand files that recipes name: `.hair`, `.tfx`, text, USD as text, and lines in glTF.
 
 use super::bases::{Bases, SMALL, chunks, glb, glb_of_text};
 use super::case::{Case, Entry, OutputCheck, Step};
@@ -17,7 +17,7 @@ pub fn case(bases: &Bases, turn: u64, random: &mut Random) -> Case {
     };
     let (how, entries) = match file.as_str() {
         "g.glb" => lines(bytes, turn, random),
-        "g.txt" => {
+        "g.txt" | "g.usda" => {
             let (how, text) = change::words(&String::from_utf8_lossy(bytes), random);
             (how, vec![Entry::file(file, text)])
         }

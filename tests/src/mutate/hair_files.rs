@@ -107,7 +107,7 @@ pub fn files() -> anyhow::Result<Vec<Entry>> {
         curves.push(&points(strand).collect::<Vec<_>>(), false, Vec2::ZERO);
     }
     let mut out = Vec::new();
-    for extension in ["hair", "txt", "glb"] {
+    for extension in ["hair", "txt", "usda", "glb"] {
         let mut bytes = Vec::new();
         let format = StrandFormat::of_extension(extension).context("a format that is written")?;
         format.write(&curves, &mut bytes)?;

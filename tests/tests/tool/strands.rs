@@ -154,6 +154,6 @@ fn exported_strands_are_read_as_guides() {
         assert!(run.stderr.contains("g.gltf") && run.stderr.contains(expected), "{run:?}");
     }
     let run = bake(&group("file = \"g.bin\""), "none.pelage");
-    assert!(run.code == Some(3) && run.stderr.contains(".hair, .tfx, .txt, .glb, .gltf"), "{run:?}");
+    assert!(run.code == Some(3) && run.stderr.contains(".hair, .tfx, .txt, .usda, .usd, .glb, .gltf"), "{run:?}");
     assert!(!sandbox.files().contains(&"none.pelage".to_owned()));
 }

@@ -1,9 +1,11 @@
 //! Hair guides, read from files of other programs: the few strands that define the shape of hair on a scalp.
 
+mod check;
 pub mod lines;
 pub mod read;
 
 use glam::Vec3;
+use std::fmt;
 
 /// Strands of a file, each a polyline that begins at the root.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,10 +19,41 @@ pub struct Guides {
     /// Offsets into the points: strand `i` has the points `offsets[i]..offsets[i + 1]`. The list has one entry more
     /// than there are strands, and is empty without strands.
     pub offsets: Vec<u32>,
-    /// Number of strands dropped because they have one point or no length.
-    pub left_out: usize,
+    /// Strands that were left out.
+    pub left_out: LeftOut,
     /// Warnings: other parts of the file that were ignored or guessed.
     pub warnings: Vec<String>,
+}
+
+/// Numbers of strands that were left out of a file, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Strands with one point or no length.
+    pub no_length: usize,
+    /// Strands with a coordinate that is not a finite number.
+    pub not_finite: usize,
+    /// Strands with a piece many times longer than the others.
+    pub far_point: usize,
+}
+
+impl LeftOut {
+    /// Returns the number of strands that were left out.
+    pub fn total(&self) -> usize {
+        self.no_length + self.not_finite + self.far_point
+    }
+}
+
+/// Lists the reasons, each with its number of strands.
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let reasons = [
+            (self.no_length, "without length"),
+            (self.not_finite, "with a coordinate that is not a finite number"),
+            (self.far_point, "with a piece many times longer than the others"),
+        ];
+        let parts = reasons.iter().filter(|(count, _)| *count > 0).map(|(count, reason)| format!("{count} {reason}"));
+        f.write_str(&parts.collect::<Vec<_>>().join(", "))
+    }
 }
 
 impl Guides {
@@ -39,10 +72,14 @@ impl Guides {
         &self.points[self.offsets[index] as usize..self.offsets[index + 1] as usize]
     }
 
-    /// Adds a strand. If it has no length, drops it and counts it in `left_out`. Points equal to their predecessor are
-    /// dropped.
+    /// Adds a strand. If it has no length or a point that is not finite, drops it and counts it in `left_out`. Points
+    /// equal to their predecessor are dropped.
     pub fn push(&mut self, points: &[Vec3], radii: &[f32], colors: &[Vec3]) {
-        let first = self.points.len();
+        if !points.iter().all(|point| point.is_finite()) {
+            self.left_out.not_finite += 1;
+            return;
+        }
+        let [first, first_radius, first_color] = [self.points.len(), self.radii.len(), self.colors.len()];
         for (i, point) in points.iter().enumerate() {
             if i > 0 && self.points[first..].last() == Some(point) {
                 continue;
@@ -53,9 +90,9 @@ impl Guides {
         }
         if self.points.len() - first < 2 {
             self.points.truncate(first);
-            self.radii.truncate(first);
-            self.colors.truncate(first);
-            self.left_out += 1;
+            self.radii.truncate(first_radius);
+            self.colors.truncate(first_color);
+            self.left_out.no_length += 1;
             return;
         }
         if self.offsets.is_empty() {

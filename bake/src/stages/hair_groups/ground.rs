@@ -2,6 +2,7 @@
 
 use crate::recipe::SrgbColor;
 use crate::stages::groom::MapImages;
+use pelage_import::BakeError;
 use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPosition, RestPose};
 use pelage_params::glob;
 
@@ -22,6 +23,18 @@ pub struct GroomTarget<'a> {
     pub nodes: &'a [NamedPosition],
     /// Images and strand files that the recipe names.
     pub files: &'a MapImages,
+}
+
+/// Reason why a group cannot be made: a message about the group, or any other error.
+pub(super) enum GroupError {
+    Here(String),
+    Elsewhere(BakeError),
+}
+
+impl From<BakeError> for GroupError {
+    fn from(error: BakeError) -> Self {
+        Self::Elsewhere(error)
+    }
 }
 
 /// Returns the parts whose material names match `pattern`, or an error message if there are none.

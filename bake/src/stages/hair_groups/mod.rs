@@ -4,6 +4,7 @@
 //! loaded ([`pelage_formats::meaning::hair_groups`]).
 
 mod body;
+mod file_guides;
 mod ground;
 mod grow;
 mod rest_guides;
@@ -19,24 +20,17 @@ use crate::recipe::{HairGroupParams, ScalarMap, StrandParams};
 use crate::stages::groom::scalar_at;
 use crate::stages::simulate::StyleForces;
 use body::SurfaceIndex;
-use glam::{EulerRot, Mat4, Quat, Vec3};
-use ground::{bytes, parts_of};
+use file_guides::read_guides;
+use glam::Vec3;
+use ground::{GroupError, bytes, parts_of};
 use grow::Growth;
-use pelage_formats::meaning::hair_groups::{PointGrid, roots, smoothed};
+use pelage_formats::meaning::hair_groups::{PointGrid, roots};
 use pelage_formats::{HairGroup, TrianglePoint};
 use pelage_import::BakeError;
-use pelage_import::guides::Guides;
 use pelage_import::mesh::MeshPart;
 use rayon::prelude::*;
 use tuft::tuft_of;
 
-/// Largest distance between a file's guide roots and the scalp, as a share of the model's radius. Guides that are
-/// farther away are omitted.
-const MAX_ROOT_DISTANCE: f32 = 0.1;
-/// Share of a guide, from the root, that is moved along when its root is moved to the scalp.
-const MOVED_SHARE: f32 = 0.4;
-/// Maximum number of guides per group.
-const MOST_GUIDES: usize = 1 << 16;
 /// Density below which no hair grows.
 const MIN_DENSITY: f32 = 0.01;
 
@@ -84,18 +78,6 @@ fn input_error(ground: &GroomTarget<'_>, table: &str, number: usize, name: &str,
         file: ground.file.to_owned(),
         place: format!("strands.{table}, table {number} {name:?}"),
         reason,
-    }
-}
-
-/// Reason why a group cannot be made: a message about the group, or any other error.
-enum GroupError {
-    Here(String),
-    Elsewhere(BakeError),
-}
-
-impl From<BakeError> for GroupError {
-    fn from(error: BakeError) -> Self {
-        Self::Elsewhere(error)
     }
 }
 
@@ -212,78 +194,6 @@ fn grown_guides(
         (*root, growth.guide(body, root, seed))
     };
     roots.par_iter().enumerate().map(grow).collect()
-}
-
-/// Reads the guides of a file. The root of each guide is moved to the nearest scalp point. The first 40 % of the
-/// guide's points move with it, less and less towards the tip; the others keep their positions.
-fn read_guides(
-    params: &HairGroupParams,
-    group: &HairGroup,
-    strands: &Guides,
-    ground: &GroomTarget<'_>,
-    body: &SurfaceIndex<'_>,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<(TrianglePoint, Vec<Vec3>)>, GroupError> {
-    let [x, y, z] = params.turn_deg().map(f32::to_radians);
-    let turn = Quat::from_euler(EulerRot::ZYX, z, y, x);
-    let placed = Mat4::from_scale_rotation_translation(Vec3::splat(params.scale_m()), turn, params.at().into());
-    let mut on_scalp = vec![false; body.triangles.len()];
-    group.scalp.iter().for_each(|(triangle, _)| on_scalp[*triangle as usize] = true);
-    let every = params.every() as usize;
-    let chosen: Vec<usize> = (0..strands.len()).step_by(every).collect();
-    let loose_m = params.loose_m.unwrap_or(MAX_ROOT_DISTANCE * ground.radius_m);
-    let guide = |index: &usize| {
-        let points: Vec<Vec3> = strands.strand(*index).iter().map(|p| placed.transform_point3(*p)).collect();
-        let root = body.nearest(points[0], loose_m, |triangle| on_scalp[triangle as usize])?;
-        let last = (points.len() - 1) as f32;
-        let led = |(k, p): (usize, &Vec3)| {
-            let left = (1.0 - k as f32 / (MOVED_SHARE * last)).max(0.0);
-            *p + (root.place - points[0]) * (left * left)
-        };
-        let moved: Vec<Vec3> = points.iter().enumerate().map(led).collect();
-        Some((root.at, smoothed(&moved, group.guide_points as usize)))
-    };
-    let guides: Vec<_> = chosen.par_iter().filter_map(guide).collect();
-    if guides.is_empty() {
-        let bounds = strands.points.iter().map(|p| placed.transform_point3(*p));
-        let (low, high) = bounds.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-        let reason = format!(
-            "none of the {} strands in the file has its root within {loose_m:.3} m of the scalp: they extend from \
-             {low} to {high}; set scale_m, turn_deg and `at` to place them on the model, whose radius is {:.3} m",
-            chosen.len(),
-            ground.radius_m
-        );
-        return Err(GroupError::Here(reason));
-    }
-    let is_near = |p: Vec3, root: Vec3| (p - root).abs().max_element() <= HairGroup::MOST_REACH_M;
-    if !guides.iter().all(|(_, points)| points.iter().all(|p| is_near(*p, points[0]))) {
-        let reason = format!(
-            "a strand in the file reaches farther than {} m from its root, expected a smaller scale_m",
-            HairGroup::MOST_REACH_M
-        );
-        return Err(GroupError::Here(reason));
-    }
-    if guides.len() > MOST_GUIDES {
-        let reason = format!("{} guides, expected at most {MOST_GUIDES}: set `every` to take fewer", guides.len());
-        return Err(GroupError::Here(reason));
-    }
-    if guides.len() < chosen.len() {
-        let gone = chosen.len() - guides.len();
-        warnings.push(format!(
-            "strands.group {:?}: {gone} of {} guides have roots farther than {loose_m:.3} m from the scalp and are \
-             left out",
-            params.name,
-            chosen.len()
-        ));
-    }
-    if strands.left_out > 0 {
-        warnings.push(format!(
-            "strands.group {:?}: {} strands in the file have no length and are left out",
-            params.name, strands.left_out
-        ));
-    }
-    warnings.extend(strands.warnings.iter().map(|text| format!("strands.group {:?}: file: {text}", params.name)));
-    Ok(guides)
 }
 
 /// Largest distance from a file's roots at which hair still grows, divided by the median distance between neighbouring

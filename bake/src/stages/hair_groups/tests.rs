@@ -173,7 +173,23 @@ fn imported_guides_are_attached_to_the_scalp() {
     assert_eq!(groups[0].guide_roots.len(), 3);
     let error = made(&recipe("scale_m = 1000000\nloose_m = 1000000"), &file(&[[Vec3::ZERO, Vec3::X, 9.0 * Vec3::Y]]))
         .unwrap_err();
-    assert!(error.to_string().contains("farther than 1000000 m from its root, expected a smaller scale_m"), "{error}");
+    assert!(error.to_string().contains("farther than 10 m from their roots, expected a smaller scale_m"), "{error}");
+    // Strands that begin at their tips are turned.
+    let turned = |loose: &str| {
+        let tips_first = [0.01, 0.03, 0.05].map(|x| {
+            let [root, middle, tip] = strand(x, 0.0);
+            [tip, middle, root]
+        });
+        let keys = format!("scale_m = 0.01\nhairs = 0\npoints = 9\nguide_points = 9\nlength_variation = 0\n{loose}");
+        let (groups, warnings) = made(&recipe(&keys), &file(&tips_first)).unwrap();
+        assert!(warnings.len() == 1 && warnings[0].contains("begin at their tips"), "{loose}: {warnings:?}");
+        for (hair, x) in hairs(&groups[0]).iter().zip([0.01, 0.03, 0.05]) {
+            assert!((hair[0].length() - 0.1).abs() < 5e-4, "{loose}: roots on the ball: {}", hair[0]);
+            assert!(hair.last().unwrap().distance(strand(x, 0.0)[2]) < 0.02, "{loose}: {}", hair.last().unwrap());
+        }
+    };
+    turned("");
+    turned("loose_m = 0.5");
     // The file is read in metres by mistake: all strands are far away, and the error gives their extent.
     let error = made(&recipe(""), &files).unwrap_err().to_string();
     assert!(error.contains("none of the 3 strands") && error.contains("scale_m"), "{error}");

@@ -35,7 +35,7 @@ impl HairFile {
     ///
     /// [`BakeError::Input`] with the position in the file, the value found and the value expected.
     pub fn read(file: &str, bytes: &[u8]) -> Result<Self, BakeError> {
-        read_whole(Source { file, bytes })
+        read_whole(Source { file, bytes, is_strict: true })
     }
 
     /// Returns the range of each strand's points in [`HairFile::points`].

@@ -1,12 +1,13 @@
 //! Readers of strands from files of other programs.
 //!
 //! Counts are checked against the file's length before anything is allocated: a header may claim four billion strands.
-//! A point that is not finite is an error. A strand without length is dropped and counted.
+//! Single bad strands are left out and counted: no length, a point that is not finite, or a point far from the others.
 
 mod hair;
 mod source;
 mod text;
 mod tfx;
+mod usda;
 
 #[cfg(test)]
 mod tests;
@@ -24,14 +25,17 @@ pub enum GuideFormat {
     Hair,
     /// TressFX, versions 3 and 4.
     Tfx,
-    /// Text with one line `x y z` or `x y z radius` per point. Each strand begins at its root, and blank lines separate
-    /// strands.
+    /// Text with one line `x y z` or `x y z radius` per point; commas may separate the numbers. Each strand begins at
+    /// its root, and blank lines separate strands. Lines that begin with `#` are ignored.
     Text,
+    /// USD as text, with prims of type `BasisCurves`. Points are converted to metres, y up.
+    Usda,
 }
 
 impl GuideFormat {
     /// All formats, with their file extensions.
-    pub const EXTENSIONS: [(&'static str, Self); 3] = [("hair", Self::Hair), ("tfx", Self::Tfx), ("txt", Self::Text)];
+    pub const EXTENSIONS: [(&'static str, Self); 5] =
+        [("hair", Self::Hair), ("tfx", Self::Tfx), ("txt", Self::Text), ("usda", Self::Usda), ("usd", Self::Usda)];
 
     /// Returns the format for a file extension; upper and lower case are equal.
     pub fn of_extension(extension: &str) -> Option<Self> {
@@ -43,13 +47,16 @@ impl GuideFormat {
     ///
     /// # Errors
     ///
-    /// [`BakeError::Input`] with the position in the file, the value found and the value expected.
+    /// [`BakeError::Input`] with the position in the file, the value found and the value expected; also if the file has
+    /// no strands, or all of them are left out.
     pub fn read(self, file: &str, bytes: &[u8]) -> Result<Guides, BakeError> {
-        let source = Source { file, bytes };
-        match self {
+        let source = Source { file, bytes, is_strict: false };
+        let guides = match self {
             Self::Hair => hair::read(source),
             Self::Tfx => tfx::read(source),
             Self::Text => text::read(source),
-        }
+            Self::Usda => usda::read(source),
+        };
+        guides?.checked(file)
     }
 }

@@ -2,12 +2,15 @@
 
 use crate::error::BakeError;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// Name and bytes of a file.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub(super) file: &'a str,
     pub(super) bytes: &'a [u8],
+    /// Whether numbers that are not finite are errors. Otherwise, the strands that contain them are left out.
+    pub(super) is_strict: bool,
 }
 
 impl<'a> Source<'a> {
@@ -34,8 +37,24 @@ impl<'a> Source<'a> {
         self.u32(at, what).map(f32::from_bits)
     }
 
-    /// Reads `count` rows of `width` floats that begin at offset `at`, and keeps the first `N` of each row. Fails if
-    /// one is not finite.
+    /// Returns the text of a file in UTF-8, with or without a byte order mark, or in UTF-16 with one.
+    pub(super) fn text(&self) -> Result<Cow<'a, str>, BakeError> {
+        let utf16 = |unit: fn([u8; 2]) -> u16| {
+            let units = self.bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+            char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect::<String>()
+        };
+        match self.bytes {
+            [0xff, 0xfe, ..] => return Ok(utf16(u16::from_le_bytes).into()),
+            [0xfe, 0xff, ..] => return Ok(utf16(u16::from_be_bytes).into()),
+            _ => {}
+        }
+        let text = std::str::from_utf8(self.bytes)
+            .map_err(|error| self.fault(format!("byte {}", error.valid_up_to()), "not text, expected UTF-8"))?;
+        Ok(text.strip_prefix('\u{feff}').unwrap_or(text).into())
+    }
+
+    /// Reads `count` rows of `width` floats that begin at offset `at`, and keeps the first `N` of each row. In a strict
+    /// source, a number that is not finite is an error.
     pub(super) fn rows<const N: usize>(
         &self,
         at: u64,
@@ -49,7 +68,7 @@ impl<'a> Source<'a> {
             let mut numbers = [0.0; N];
             for (i, number) in numbers.iter_mut().enumerate() {
                 *number = f32::from_le_bytes([row[4 * i], row[4 * i + 1], row[4 * i + 2], row[4 * i + 3]]);
-                if !number.is_finite() {
+                if self.is_strict && !number.is_finite() {
                     let place = format!("byte {}", at + k as u64 * 4 * width + 4 * i as u64);
                     return Err(self.fault(place, format!("{what}: row {k} has {number}, expected finite numbers")));
                 }
