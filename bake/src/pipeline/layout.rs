@@ -111,6 +111,9 @@ pub fn lay_out_model<'a>(
     };
     decisions.extend(hair_color_decisions(&recipe.color, hair_colors, why));
     size::check(file, recipe, &bounds, &lengths)?;
+    if furred.contains(&true) {
+        size::check_hair(recipe, &bounds, &lengths)?;
+    }
     let params = SurfaceParams::from_recipe(&filled.surface, lengths.tile_size_m, furred.clone());
     let lay = maps.layout_maps(&model.mesh, &rest, params.comb.global_direction())?;
     if lay != LayoutMaps::default() && recipe.surface.source == SurfaceSource::Model {

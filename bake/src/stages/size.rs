@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 
-/// Range of the longest side without a warning, metres; covers all animals from mouse to whale.
-const ANIMALS_M: std::ops::RangeInclusive<f64> = 0.01..=30.0;
+/// Range of the longest side without a warning, metres; covers all furred animals from mouse to giraffe.
+const ANIMALS_M: std::ops::RangeInclusive<f64> = 0.01..=5.0;
 /// Radius of an animal between cat and horse, metres. A suggested unit brings the model near this size.
 const ANIMAL_M: f64 = 0.5;
 /// Distance from the origin, in radii, beyond which the precision of a position is worse than a thousandth of the
@@ -71,6 +71,31 @@ pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) ->
     })
 }
 
+/// Rejects hair that is longer than the model: one of the two has another unit, and the bake would take minutes.
+///
+/// # Errors
+///
+/// [`BakeError::Params`] with both lengths, and the unit that would give the model an animal's size.
+pub fn check_hair(recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
+    let longest = sides_m(bounds).into_iter().fold(0.0, f64::max);
+    if f64::from(lengths.length_m) <= longest || longest == 0.0 {
+        return Ok(());
+    }
+    let unit_m = recipe.model.unit_m;
+    let unit = match fitting_unit_m(bounds, unit_m).filter(|fitting| *fitting != unit_m) {
+        Some(fitting) => format!("model.unit_m={fitting}"),
+        None => "model.unit_m".to_owned(),
+    };
+    let what = if recipe.hair.length_m.is_some() { "hair.length_m" } else { "hair.length_per_radius" };
+    let reason = format!(
+        "the hair is {} m long and the model {} m; expected hair shorter than the model, in metres, or {unit} if the \
+         model was made in another unit (now {unit_m})",
+        meters(lengths.length_m.into()),
+        meters(longest)
+    );
+    Err(BakeError::Params { what, reason })
+}
+
 /// Returns the power of ten that, as a unit, brings the model's size nearest to an animal's; `None` if it is outside
 /// the range of a recipe.
 fn fitting_unit_m(bounds: &Bounds, unit_m: f32) -> Option<f32> {
@@ -96,7 +121,8 @@ pub fn warnings(recipe: &Recipe, bounds: &Bounds, positions: &[Vec3], triangles:
         let unit = fitting_unit_m(bounds, recipe.model.unit_m).map_or_else(String::new, |unit_m| {
             format!("; if it was made in a unit other than metres, set model.unit_m={unit_m} or similar")
         });
-        out.push(format!("the model is {} at rest{unit}", format_sides(sides)));
+        let size = if longest < *ANIMALS_M.start() { "small" } else { "large" };
+        out.push(format!("the model is {} at rest, {size} for an animal{unit}", format_sides(sides)));
     }
     let away = DVec3::from(bounds.center.map(f64::from)).length();
     let radius = f64::from(bounds.radius);
@@ -167,9 +193,11 @@ mod tests {
         let found = remarks_of(ball(70.0, false));
         assert_eq!(
             found,
-            ["the model is 140 x 140 x 140 m at rest; \
+            ["the model is 140 x 140 x 140 m at rest, large for an animal; \
               if it was made in a unit other than metres, set model.unit_m=0.01 or similar"]
         );
+        let stag = remarks_of(ball(2.7, false));
+        assert!(stag[0].starts_with("the model is 5.40 x 5.40 x 5.40 m at rest, large for an animal; if"), "{stag:?}");
         assert!(
             remarks_of(ball(0.002, false))[0].contains("4.00e-3 m")
                 || remarks_of(ball(0.002, false))[0].contains("0.00400")
@@ -188,6 +216,25 @@ mod tests {
         // An open sheet that faces down is correct, but has a negative volume below its middle.
         let (bounds, positions, triangles) = ball(1.0, true);
         assert!(remarks_of((bounds, positions, triangles[..4].to_vec())).is_empty());
+    }
+
+    #[test]
+    fn hair_longer_than_the_model_is_refused() {
+        let check_of = |radius: f32, set: &str| {
+            let mut recipe = Recipe::default();
+            recipe.set(set).unwrap_or_else(|e| panic!("{e}"));
+            let (bounds, ..) = ball(radius, false);
+            let lengths = Lengths::resolve(&recipe, &bounds);
+            check_hair(&recipe, &bounds, &lengths).map_err(|error| error.to_string())
+        };
+        assert_eq!(check_of(0.02, "hair.length_m=0.04"), Ok(()));
+        let expected = "hair.length_m: the hair is 200 m long and the model 5.40 m; expected hair shorter than the \
+                        model, in metres, or model.unit_m=0.1 if the model was made in another unit (now 1)";
+        assert_eq!(check_of(2.7, "hair.length_m=200"), Err(expected.to_owned()));
+        let tiny = check_of(0.005, "hair.length_m=0.1").expect_err("longer than the model");
+        assert!(tiny.contains("the model 0.0100 m") && tiny.contains("model.unit_m=100 if"), "{tiny}");
+        let animal = check_of(0.5, "hair.length_m=7").expect_err("longer than the model");
+        assert!(animal.contains("in metres, or model.unit_m if"), "{animal}");
     }
 
     #[test]
