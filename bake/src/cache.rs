@@ -10,6 +10,7 @@
 
 use crate::hexadecimal::{self, hex};
 use crate::io::{digest, read_file, write_atomic};
+use crate::io_guard;
 use crate::io_trace::{Digest, IoTrace, TracedInput};
 use pelage_import::BakeError;
 use serde::{Deserialize, Serialize};
@@ -113,6 +114,7 @@ impl Cache {
                 Node::File { path, most } => {
                     let path = PathBuf::from(path);
                     let digest = digest_of(&path, most)?;
+                    io_guard::record_read(&path, || "an input".to_owned());
                     state = next_state_of_file(&state, digest.as_ref());
                     if digest.is_some() && !read.contains(&path) {
                         read.push(path);

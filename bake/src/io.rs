@@ -1,5 +1,6 @@
 //! File access; no other module of the library touches files.
 
+use crate::io_guard;
 use crate::io_trace;
 use crate::picture::Picture;
 use crate::recipe::Recipe;
@@ -29,7 +30,7 @@ pub const MAX_FILE_BYTES: u64 = 2 << 30;
 ///
 /// [`BakeError::Io`], also for a folder, a device, and a file larger than [`MAX_FILE_BYTES`].
 pub fn read_file(path: &Path) -> Result<Vec<u8>, BakeError> {
-    read_whole(path, |kind| kind.is_file() || is_pipe(kind))
+    read_whole(path, |kind| kind.is_file() || is_pipe(kind), || "an input".to_owned())
 }
 
 /// Reads a text file; `what` is the expected content for messages, such as `a recipe in TOML`.
@@ -52,11 +53,21 @@ pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
 ///
 /// The errors of [`read_file`]; [`BakeError::Io`] also for a pipe.
 pub fn read_named_file(path: &Path) -> Result<Vec<u8>, BakeError> {
-    read_whole(path, FileType::is_file)
+    read_file_named_by(path, "another input")
 }
 
-fn read_whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
-    let bytes = read_prefix(path, MAX_FILE_BYTES + 1, may_be)?;
+/// Reads a file as [`read_named_file`] does; `by` is the file or key that names it.
+fn read_file_named_by(path: &Path, by: &str) -> Result<Vec<u8>, BakeError> {
+    read_whole(path, FileType::is_file, || named_by(by))
+}
+
+/// Returns the role of a file that `by` names, for messages.
+fn named_by(by: &str) -> String {
+    format!("named by {by}")
+}
+
+fn read_whole(path: &Path, may_be: fn(&FileType) -> bool, role: impl FnOnce() -> String) -> Result<Vec<u8>, BakeError> {
+    let bytes = read_prefix(path, MAX_FILE_BYTES + 1, may_be, role)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         let text = format!("it is larger than {MAX_FILE_BYTES} bytes, the limit for one file");
         return Err(io_error(path, "read", io::Error::new(io::ErrorKind::FileTooLarge, text)));
@@ -64,9 +75,16 @@ fn read_whole(path: &Path, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, Bak
     Ok(bytes)
 }
 
-/// Reads the first `most` bytes of a file.
-fn read_prefix(path: &Path, most: u64, may_be: fn(&FileType) -> bool) -> Result<Vec<u8>, BakeError> {
+/// Reads the first `most` bytes of a file; `role` is that of the file in messages about outputs.
+fn read_prefix(
+    path: &Path,
+    most: u64,
+    may_be: fn(&FileType) -> bool,
+    role: impl FnOnce() -> String,
+) -> Result<Vec<u8>, BakeError> {
     let fail = |source| io_error(path, "read", source);
+    // Noted before the read, because a caller may continue without a file that cannot be read.
+    io_guard::record_read(path, role);
     // The file type is checked before opening, because opening a pipe waits for its writer.
     let found = std::fs::metadata(path).map_err(fail)?;
     if !may_be(&found.file_type()) {
@@ -138,7 +156,9 @@ pub fn read_model_noting(
 ) -> Result<Model, BakeError> {
     let bytes = read_file(path)?;
     let mut resolve = resolver(path, reach, named);
-    import(&path.display().to_string(), &bytes, &mut resolve, options)
+    let model = import(&path.display().to_string(), &bytes, &mut resolve, options);
+    // An output among the model's own files explains any other fault, for example a buffer that is overwritten.
+    io_guard::check().and(model)
 }
 
 /// Returns the function that reads the files a model refers to.
@@ -160,7 +180,7 @@ fn resolver<'a>(
         }
         let path = folder.join(relative);
         named(&path);
-        read_prefix(&path, most, FileType::is_file)
+        read_prefix(&path, most, FileType::is_file, || named_by(&model.display().to_string()))
     }
 }
 
@@ -204,7 +224,8 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
     for (key, name) in recipe.images() {
         let path = place(name);
         let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
-        let bytes = read_named_file(&path).map_err(|error| fail(error.to_string()))?;
+        let by = format!("{file}, {key}");
+        let bytes = read_file_named_by(&path, &by).map_err(|error| fail(error.to_string()))?;
         let image = decode_image(&bytes, &mut texels_left);
         let image = image.map_err(|reason| fail(format!("{} {reason}", path.display())))?;
         read.inputs.push(input_record("image", name, &bytes));
@@ -220,7 +241,8 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
             let known: Vec<String> = known.iter().chain(&LINE_EXTENSIONS).map(|e| format!(".{e}")).collect();
             return Err(fail(format!("{}: expected a name that ends in {}", path.display(), known.join(", "))));
         }
-        let bytes = read_named_file(&path).map_err(|error| fail(error.to_string()))?;
+        let by = format!("{file}, {key}");
+        let bytes = read_file_named_by(&path, &by).map_err(|error| fail(error.to_string()))?;
         let shown = path.display().to_string();
         let (strands, inputs) = match format {
             Some(format) => (format.read(&shown, &bytes)?, vec![input_record("strands", name, &bytes)]),
@@ -229,6 +251,7 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
         read.strands.insert(name.to_owned(), strands);
         read.inputs.extend(inputs);
     }
+    io_guard::check()?;
     Ok(read)
 }
 
@@ -279,9 +302,30 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
 ///
 /// # Errors
 ///
-/// [`BakeError::Io`], naming `path` or its folder.
+/// [`BakeError::Io`], naming `path` or its folder. [`BakeError::SameFile`] for a file that a guarded command has read
+/// ([`crate::io_guard`]).
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
     write_atomic_with(path, |out| out.write_all(bytes))
+}
+
+/// Writes a file as [`write_atomic`] does, even if the command has read it: an edit that the user asked for.
+///
+/// # Errors
+///
+/// [`BakeError::Io`], naming `path` or its folder.
+pub fn rewrite_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
+    write_unguarded(path, |out| out.write_all(bytes))?.map_or(Ok(()), PendingFile::commit)
+}
+
+/// Fails if a file cannot be written: its folder is missing or read-only, or it is a folder itself.
+///
+/// # Errors
+///
+/// The errors of [`write_atomic`].
+pub fn require_writable(path: &Path) -> Result<(), BakeError> {
+    let is_device = std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    // Dropping the pending file removes it.
+    if is_device { Ok(()) } else { write_temporary(path, |_| Ok(())).map(drop) }
 }
 
 /// Writes a file as [`write_atomic`] does, with the contents that `write` streams.
@@ -326,17 +370,27 @@ impl PendingFile {
         io_trace::record_written(&named, || digest(file.path(), u64::MAX).ok());
         if same_bytes(file.path(), &target).unwrap_or(false) {
             // Dropping the handle removes the temporary file.
+            io_guard::record_written(&named);
             return Ok(());
         }
         let renamed =
             file.persist(&target).map_err(|error| io_error(&target, "rename a temporary file to", error.error));
         drop(unfinished);
-        renamed.map(drop)
+        renamed.map(|_| io_guard::record_written(&named))
     }
 }
 
-/// Writes a temporary file next to the target; `None` if the target was written to directly.
+/// Writes a temporary file next to the target; `None` if the target was written to directly. Fails for a target that
+/// the command has read.
 fn write_temporary(
+    path: &Path,
+    write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
+) -> Result<Option<PendingFile>, BakeError> {
+    io_guard::check_write(path)?;
+    write_unguarded(path, write)
+}
+
+fn write_unguarded(
     path: &Path,
     write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
 ) -> Result<Option<PendingFile>, BakeError> {

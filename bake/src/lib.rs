@@ -12,6 +12,7 @@ pub mod environment_file;
 pub mod groom_map;
 pub mod hexadecimal;
 pub mod io;
+pub mod io_guard;
 pub mod io_trace;
 pub mod mask;
 pub mod memo;

@@ -2,10 +2,13 @@
 //!
 //! [`crate::io`] writes beside the target and renames complete files. After an error or a panic, the temporary file is
 //! removed during unwinding, but a signal skips that. So this module keeps the names, and a program that handles
-//! signals calls [`remove_all`], as `pelage` does for INT and TERM.
+//! signals calls [`remove_all`], as `pelage` does for INT and TERM. What a killed process leaves, [`remove_abandoned`]
+//! removes later.
 
+use crate::io::TEMP_FILE_AFFIXES;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// Temporary files, removed in reverse order.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -39,12 +42,34 @@ impl Drop for TempFileGuard {
     }
 }
 
+/// Age after which an unchanged temporary file is considered abandoned.
+const ABANDONED: Duration = Duration::from_secs(600);
+
+/// Removes temporary files and folders that killed processes have left in a folder; ignores errors.
+pub fn remove_abandoned(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let old = || entry.metadata().ok()?.modified().ok()?.elapsed().ok().filter(|age| *age > ABANDONED);
+        if name.starts_with(TEMP_FILE_AFFIXES.0) && name.ends_with(TEMP_FILE_AFFIXES.1) && old().is_some() {
+            remove(&entry.path());
+        }
+    }
+}
+
+/// Removes a file or folder; ignores errors.
+fn remove(path: &Path) {
+    // A link is removed itself, not the folder that it points to.
+    let is_folder = path.symlink_metadata().is_ok_and(|found| found.is_dir());
+    let _ = if is_folder { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+}
+
 /// Removes all temporary files, except those that cannot be removed. No write can complete while the returned guard
 /// exists: writers block until the process ends.
 pub fn remove_all() -> impl Drop {
     let mut list = list();
     for path in list.drain(..).rev() {
-        let _ = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+        remove(&path);
     }
     list
 }

@@ -122,10 +122,12 @@ impl Camera {
     pub(crate) fn check(&self, reversed_depth: bool) -> Result<Mat4, RuntimeError> {
         let clip_from_view = self.projection.clip_from_view(reversed_depth);
         let clip_from_world = clip_from_view * self.view_from_world;
-        if !clip_from_world.is_finite() || !self.view_from_world.inverse().is_finite() {
+        let world_from_view = self.view_from_world.inverse();
+        if !clip_from_world.is_finite() || !world_from_view.is_finite() {
+            let eye = world_from_view.w_axis;
             return Err(RuntimeError::Params {
                 field: "FrameParams::camera",
-                found: format!("{self:?}"),
+                found: format!("a camera at {:?}, {:?}, {:?}", eye.x, eye.y, eye.z),
                 expected:
                     "finite matrices, an invertible view, and a projection with near != far, aspect and angle above 0"
                         .into(),

@@ -45,6 +45,14 @@ pub enum BakeError {
         /// Reason: the value found and the value expected.
         reason: String,
     },
+    /// A command would overwrite a file that it reads, or write one file twice (exit code 1).
+    #[error("{written}: is the same file as {other}; expected another file")]
+    SameFile {
+        /// Role and path of the output: `--depfile fox.glb`.
+        written: String,
+        /// Path and role of the other file: `fox.glb, given as MODEL`.
+        other: String,
+    },
     /// Internal error, independent of the input (exit code 5).
     #[error("internal error, please report it: {0}")]
     Internal(String),

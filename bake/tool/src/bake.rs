@@ -2,6 +2,7 @@
 
 use super::anatomy::Anatomy;
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::job::Job;
 use super::limits::{TrialFigures, choose};
 use super::output::{Output, human_bytes, require_parent};
@@ -42,7 +43,7 @@ pub struct BakeArgs {
     model: PathBuf,
     /// Package to write
     #[arg(long, short, value_name = "PKG")]
-    output: PathBuf,
+    output: OutputFile,
     #[command(flatten)]
     recipe: RecipeArgs,
     /// Threads to use; does not change the package [default: one per core]
@@ -56,7 +57,7 @@ pub struct BakeArgs {
     /// model with it gives the same package, byte for byte. So the package does not record how values were chosen for
     /// limits
     #[arg(long, value_name = "R.toml")]
-    write_recipe: Option<PathBuf>,
+    write_recipe: Option<OutputFile>,
 }
 
 impl BakeArgs {
@@ -262,7 +263,7 @@ pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
     require_parent(&args.output)?;
     if let Some(path) = &args.write_recipe {
-        write_recipe::require_place(path, &args.model, &args.output, args.recipe.recipe.as_deref())?;
+        require_parent(path)?;
     }
     let pool = threads::pool(args.threads)?;
     let limits = args.limits.limits();

@@ -1,6 +1,7 @@
 //! `pelage compare`: measures the difference of two pictures.
 
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::job::Job;
 use super::output::{Output, require_parent};
 use pelage_bake::io;
@@ -23,7 +24,7 @@ pub struct CompareArgs {
     b: PathBuf,
     /// Write the FLIP of each pixel as a PNG, from black for 0 to yellow for 1
     #[arg(long, short, value_name = "PNG")]
-    output: Option<PathBuf>,
+    output: Option<OutputFile>,
     /// Background behind transparent pixels for FLIP: sRGB red,green,blue, 0 to 255 each
     #[arg(long, value_name = "R,G,B", default_value = "128,128,128")]
     over: Rgb,
@@ -53,7 +54,7 @@ impl CompareArgs {
     /// Returns the description of the comparison for the cache.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: self.output.as_deref().map(Job::name), ..self.clone() };
-        Some(Job::new("compare", &args, &self.output.iter().collect::<Vec<_>>()))
+        Some(Job::new("compare", &args, &self.output.as_deref().into_iter().collect::<Vec<_>>()))
     }
 }
 

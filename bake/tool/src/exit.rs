@@ -121,6 +121,7 @@ impl Failure {
             Self::Usage(_) => Exit::Usage,
             Self::Bake(error) => match error {
                 BakeError::Io { .. } => Exit::FileSystem,
+                BakeError::SameFile { .. } => Exit::Usage,
                 BakeError::Input { .. } | BakeError::Package { .. } | BakeError::Params { .. } => Exit::BadInput,
                 // Includes `Internal` and all future variants.
                 _ => Exit::Internal,
@@ -148,6 +149,7 @@ mod tests {
             (Failure::Usage("a".into()), 1),
             (io(ErrorKind::NotFound).into(), 2),
             (input.into(), 3),
+            (BakeError::SameFile { written: "-o a".into(), other: "a".into() }.into(), 1),
             (BakeError::Params { what: "a", reason: "b".into() }.into(), 3),
             (Failure::NoAdapter("a".into()), 4),
             (BakeError::Internal("a".into()).into(), 5),

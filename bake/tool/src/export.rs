@@ -1,6 +1,7 @@
 //! `pelage export`: writes strands and mesh to files for other programs.
 
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::output::{Output, require_parent};
 use super::package_file;
 use super::reference::CameraResult;
@@ -9,6 +10,7 @@ use super::view::PictureView;
 use super::view_args::parse_seconds;
 use glam::DVec3;
 use pelage_bake::io::write_atomic_with;
+use pelage_bake::io_guard;
 use pelage_bake::strands::export::{StrandFormat, write_mtl, write_obj};
 use pelage_bake::strands::{CurveGroup, CurvePoint, Curves, GroomReport};
 use pelage_formats::meaning::scattering::colour;
@@ -28,10 +30,10 @@ pub struct ExportArgs {
     /// Strands to write: .txt (a line x y z radius per point, a blank line between strands), .pbrt, .glb, .hair or
     /// .usda (curves that Blender opens as hair). All but .txt name the groups of strands, and so does --json
     #[arg(long, value_name = "FILE", required_unless_present = "mesh")]
-    strands: Option<PathBuf>,
+    strands: Option<OutputFile>,
     /// Posed mesh to write: .obj; its materials go into a .mtl file beside it
     #[arg(long, value_name = "OBJ")]
-    mesh: Option<PathBuf>,
+    mesh: Option<OutputFile>,
     /// Write only the strands of this group, such as coat; may be repeated
     #[arg(long = "group", value_name = "NAME")]
     groups: Vec<String>,
@@ -113,6 +115,9 @@ pub fn run(args: &ExportArgs, output: &mut Output) -> Result<Exit, Failure> {
     let view = PictureView { clip: args.clip.clone(), time_s: args.time, ..PictureView::sized(size) };
     output.progress("growing strands");
     let truth = ReferenceTracer::new(&file, &view)?;
+    if let Some((_, materials)) = &mesh {
+        io_guard::check_write(materials)?;
+    }
     let mut files = Vec::new();
     let chosen = args.chosen(truth.scene.curves())?;
     let curves = args.thinned(&chosen);

@@ -2,6 +2,7 @@
 
 use super::bake::RecipeArgs;
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::output::{Output, require_parent};
 use super::paint_mesh::{self, MeshFormat};
 use super::threads;
@@ -30,7 +31,7 @@ pub struct GroomArgs {
     map: String,
     /// Image to write, .png
     #[arg(long, short, value_name = "PNG")]
-    output: PathBuf,
+    output: OutputFile,
     #[command(flatten)]
     recipe: RecipeArgs,
     /// Texture coordinates of the image: the model's own or the atlas [default: as in the recipe; the atlas if a part
@@ -42,7 +43,7 @@ pub struct GroomArgs {
     texels: u32,
     /// Write the mesh to paint on: .obj, or .glb with the image as its texture
     #[arg(long, value_name = "FILE")]
-    mesh: Option<PathBuf>,
+    mesh: Option<OutputFile>,
     /// Threads to use; does not change the image [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -82,7 +83,7 @@ pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
         return Err(Failure::Usage(format!("-o {}: expected a name that ends in .png", args.output.display())));
     }
     let mesh = args.mesh.as_deref().map(|path| Ok::<_, Failure>((path, MeshFormat::of(path)?))).transpose()?;
-    for path in [Some(args.output.as_path()), args.mesh.as_deref()].into_iter().flatten() {
+    for path in [Some(&*args.output), args.mesh.as_deref()].into_iter().flatten() {
         require_parent(path)?;
     }
     let quantity = Quantity::of_key(&args.map).ok_or_else(|| Failure::Usage(format!("--map {}: unknown", args.map)))?;

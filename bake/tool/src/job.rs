@@ -1,10 +1,12 @@
 //! Options of every command for build systems: dependency file, record of the outcome, and cache.
 
 use super::exit::{Exit, Failure};
+use super::guard::{DeclaredFiles, OutputFile};
 use super::output::{Output, RecordedOutput};
 use pelage_bake::cache::{Cache, CacheHit, CachedFile, CommandResult};
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io;
+use pelage_bake::io_guard;
 use pelage_bake::io_trace::{self, Digest, IoTrace};
 use pelage_import::BakeError;
 use serde::Serialize;
@@ -12,6 +14,7 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::ffi::OsString;
 use std::fmt::Debug;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -21,11 +24,11 @@ pub struct JobArgs {
     /// Write a Make rule that lists every file that the command has read, including those named by a model or a scene;
     /// Ninja, Make and CMake read it
     #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
-    depfile: Option<PathBuf>,
+    depfile: Option<OutputFile>,
     /// Write the outcome of the command as JSON, also if it fails: command line, exit code, seconds, peak memory, and
     /// result or error
     #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
-    record: Option<PathBuf>,
+    record: Option<OutputFile>,
     /// Reuse and store results in this cache folder, which may be shared. A result is reused for the same files, tool
     /// and arguments. Applies to bake, render, reference, merge, compare and sky; measurements are never cached
     #[arg(long, value_name = "DIR", global = true, help_heading = "Builds and farms")]
@@ -55,14 +58,14 @@ pub struct Job {
 impl Job {
     /// Creates the description of the command named `command`. In `args`, the paths of `outputs` must be reduced to
     /// file names.
-    pub fn new(command: &str, args: &impl Debug, outputs: &[&PathBuf]) -> Self {
+    pub fn new(command: &str, args: &impl Debug, outputs: &[&Path]) -> Self {
         let folders = outputs.iter().map(|output| output.parent().unwrap_or(Path::new("")).to_owned()).collect();
         Self { arguments: format!("{command} {args:?}"), folders }
     }
 
     /// Returns the file name without its folder.
-    pub fn name(output: impl AsRef<Path>) -> PathBuf {
-        output.as_ref().file_name().unwrap_or_default().into()
+    pub fn name(output: impl AsRef<Path>) -> OutputFile {
+        PathBuf::from(output.as_ref().file_name().unwrap_or_default()).into()
     }
 
     fn key(&self, tool: &Digest) -> Digest {
@@ -77,23 +80,49 @@ impl Job {
 }
 
 /// Runs a command, with the cache, dependency file and record that `args` requests.
+///
+/// * `files`: files on the command line; a command that would overwrite one of its inputs does not run
 pub fn run(
     args: &JobArgs,
+    files: &DeclaredFiles,
     job: Option<&Job>,
     command: impl FnOnce(&mut Output) -> Result<Exit, Failure>,
     output: &mut Output,
 ) -> Result<Exit, Failure> {
+    let guarded = files.guard().map_err(Failure::from);
     if args.is_empty() {
-        return command(output);
+        return guarded.and_then(|()| command(output));
     }
     let began = Instant::now();
-    if let Some(record) = &args.record {
+    output.start_recording();
+    if let Some(record) = args.record.as_deref().filter(|record| is_record(record)) {
         // The old record is removed first, so that a killed command leaves none. If removal fails, writing the record
         // fails too and reports the error.
         let _ = std::fs::remove_file(record);
     }
+    // A depfile or record that cannot be written must not leave a command with its outputs but as a failure.
+    let files = [args.depfile.as_deref(), args.record.as_deref()];
+    let writable = |()| Ok(files.into_iter().flatten().try_for_each(io::require_writable)?);
+    let (mut result, cached) = match guarded.and_then(writable) {
+        Ok(()) => run_with_depfile(args, job, command, output),
+        Err(failure) => (Err(failure), false),
+    };
+    if let Some(path) = args.record.as_deref() {
+        let recorded = CommandRecord::of(&result, output.said(), began.elapsed().as_secs_f64(), cached).write(path);
+        // The command's own error takes precedence over an error of writing the record.
+        result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
+    }
+    result
+}
+
+/// Runs a command, with the cache and dependency file that `args` requests. Also returns whether it was a cache hit.
+fn run_with_depfile(
+    args: &JobArgs,
+    job: Option<&Job>,
+    command: impl FnOnce(&mut Output) -> Result<Exit, Failure>,
+    output: &mut Output,
+) -> (Result<Exit, Failure>, bool) {
     let cache = args.cache.as_deref().zip(job).and_then(|(folder, job)| CacheSession::open(folder, job, output));
-    output.start_recording();
     let found = cache.as_ref().and_then(CacheSession::find);
     let cached = found.is_some();
     let (mut result, mut read, written): (_, Vec<PathBuf>, Vec<PathBuf>) = match found {
@@ -117,17 +146,29 @@ pub fn run(
         read.retain(|path| !written.contains(path));
         // A Make rule needs a target. For a command without outputs, this is the record, or else the depfile itself.
         let targets =
-            if written.is_empty() { vec![args.record.clone().unwrap_or_else(|| path.clone())] } else { written };
-        result = result.and_then(|exit| {
-            io::write_atomic(path, make_rule(&targets, &read).as_bytes()).map(|()| exit).map_err(Into::into)
-        });
+            if written.is_empty() { vec![args.record.as_ref().unwrap_or(path).to_path_buf()] } else { written };
+        let rule = make_rule(&targets, &read).map_err(|reason| depfile_error(path, reason));
+        if let Err(error) = rule.and_then(|rule| io::write_atomic(path, &rule)) {
+            // Without the depfile the outputs would count as up to date for ever.
+            targets.iter().for_each(|target| drop(std::fs::remove_file(target)));
+            result = Err(error.into());
+        }
     }
-    if let Some(path) = &args.record {
-        let recorded = CommandRecord::of(&result, output.said(), began.elapsed().as_secs_f64(), cached).write(path);
-        // The command's own error takes precedence over an error of writing the record.
-        result = result.and_then(|exit| recorded.map(|()| exit).map_err(Into::into));
-    }
-    result
+    (result, cached)
+}
+
+/// Maximum size of a record, bytes.
+const RECORD_BYTES: u64 = 64 << 20;
+
+/// Whether a file is the record of an earlier command.
+fn is_record(path: &Path) -> bool {
+    let mut text = Vec::new();
+    let read = |file: std::fs::File| file.take(RECORD_BYTES).read_to_end(&mut text);
+    let value: Value = match path.is_file().then(|| std::fs::File::open(path).and_then(read)) {
+        Some(Ok(_)) => serde_json::from_slice(&text).unwrap_or_default(),
+        _ => Value::Null,
+    };
+    value.get("command").is_some() && value.get("exit_code").is_some()
 }
 
 /// Paths and contents of files.
@@ -271,16 +312,19 @@ impl CommandRecord {
         Self { seconds, peak_bytes: peak_bytes(), cached, result, notes: said.notes, ..Self::new(words(), exit, error) }
     }
 
-    /// Writes the record to a file.
+    /// Writes the record to a file, unless the command has read that file.
     pub fn write(&self, path: &Path) -> Result<(), BakeError> {
         let text = serde_json::to_value(self).map_err(|error| BakeError::Internal(error.to_string()))?;
-        io::write_atomic(path, format!("{text:#}\n").as_bytes())
+        // Other outputs may be the reason why the command failed, so they are not checked.
+        io_guard::check_write_alone(path)?;
+        io::rewrite_atomic(path, format!("{text:#}\n").as_bytes())
     }
 }
 
-/// Writes a record for a rejected command line, if it contains `--record`.
+/// Writes a record for a rejected command line, if it contains `--record`. A rejected command line does not say which
+/// files are inputs, so no file but an earlier record is replaced.
 pub fn record_refusal(why: &str) -> Result<(), BakeError> {
-    match record_asked(std::env::args_os()) {
+    match record_asked(std::env::args_os()).filter(|path| !path.is_file() || is_record(path)) {
         Some(path) => CommandRecord::new(words(), Exit::Usage, Some(why.to_owned())).write(&path),
         None => Ok(()),
     }
@@ -315,27 +359,48 @@ fn peak_bytes() -> Option<u64> {
 
 /// Formats a Make rule: the written files depend on the files that were read. Each of the latter also gets an empty
 /// rule.
-fn make_rule(written: &[PathBuf], read: &[PathBuf]) -> String {
-    let words = |paths: &[PathBuf]| paths.iter().map(|path| make_word(&shown(path))).collect::<Vec<_>>();
-    let (targets, sources) = (words(written), words(read));
-    let mut text = format!("{}: \\\n  {}\n", targets.join(" "), sources.join(" \\\n  "));
+///
+/// # Errors
+///
+/// Path that cannot be written in a rule.
+fn make_rule(written: &[PathBuf], read: &[PathBuf]) -> Result<Vec<u8>, String> {
+    let words = |paths: &[PathBuf]| paths.iter().map(|path| make_word(path)).collect::<Result<Vec<_>, _>>();
+    let (targets, sources) = (words(written)?, words(read)?);
+    let rule = [&targets.join(&b" "[..])[..], b": \\\n  ", &sources.join(&b" \\\n  "[..]), b"\n"].concat();
     // With an empty rule, Make does not fail if the file is deleted, but runs the command again.
-    sources.iter().for_each(|source| text += &format!("\n{source}:\n"));
-    text
+    let empty = sources.iter().flat_map(|source| [b"\n", &source[..], b":\n"]).collect::<Vec<_>>().concat();
+    Ok([rule, empty].concat())
 }
 
-/// Escapes a path for Make and Ninja.
-fn make_word(path: &str) -> String {
-    let mut word = String::new();
-    for letter in path.chars() {
-        match letter {
-            ' ' | '#' | '%' => word.push('\\'),
-            '$' => word.push('$'),
+/// Escapes a path for Make and Ninja, which read bytes. Fails for a path that neither can read.
+fn make_word(path: &Path) -> Result<Vec<u8>, String> {
+    let bytes = path.as_os_str().as_encoded_bytes();
+    let unreadable = |byte: &u8| byte.is_ascii_control() || b";|".contains(byte);
+    if bytes.iter().any(unreadable) || bytes.ends_with(b"\\") {
+        return Err(format!("Make and Ninja cannot read the name {path:?}; expected a name without \\n, \\t, ; and |"));
+    }
+    let mut word = Vec::new();
+    for (at, byte) in bytes.iter().enumerate() {
+        match byte {
+            // Backslashes before a space are doubled, those before other characters are kept.
+            b' ' => {
+                let before = bytes[..at].iter().rev().take_while(|byte| **byte == b'\\').count();
+                word.extend(std::iter::repeat_n(b'\\', before + 1));
+            }
+            // A drive of Windows keeps its colon.
+            b':' if cfg!(windows) && at == 1 => {}
+            b'#' | b':' => word.push(b'\\'),
+            b'$' => word.push(b'$'),
             _ => {}
         }
-        word.push(letter);
+        word.push(*byte);
     }
-    word
+    Ok(word)
+}
+
+fn depfile_error(path: &Path, reason: String) -> BakeError {
+    let source = std::io::Error::new(std::io::ErrorKind::InvalidFilename, reason);
+    BakeError::Io { path: path.to_owned(), action: "write", source }
 }
 
 #[cfg(test)]
@@ -347,9 +412,15 @@ mod tests {
     #[test]
     fn depfile_rule_names_the_inputs() {
         let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
-        let text = make_rule(&paths(&["out/a b.pelage"]), &paths(&["fox.glb", "skins/$1#.png"]));
+        let text = make_rule(&paths(&["out/a b.pelage"]), &paths(&["fox.glb", "skins/$1#.png"])).unwrap();
         let expected = "out/a\\ b.pelage: \\\n  fox.glb \\\n  skins/$$1\\#.png\n\nfox.glb:\n\nskins/$$1\\#.png:\n";
-        assert_eq!(text, expected);
+        assert_eq!(String::from_utf8(text).unwrap(), expected);
+        for (name, word) in [("a:b", "a\\:b"), ("50%", "50%"), ("a\\ b", "a\\\\\\ b"), ("a\\b", "a\\b")] {
+            assert_eq!(make_word(Path::new(name)).unwrap(), word.as_bytes());
+        }
+        for name in ["a\nb", "a\tb", "a;b", "a|b", "a\\"] {
+            assert!(make_word(Path::new(name)).unwrap_err().contains(&format!("{name:?}")));
+        }
     }
 
     #[test]

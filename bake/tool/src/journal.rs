@@ -6,6 +6,7 @@
 use super::exit::Failure;
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io::{digest, read_text};
+use pelage_bake::io_guard;
 use pelage_import::BakeError;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,7 @@ impl<T: Entry> Journal<T> {
     /// * `key`: hash of everything that a piece depends on, except its number
     /// * `restart`: discards existing entries
     pub fn open(path: PathBuf, key: &str, restart: bool) -> Result<Self, Failure> {
+        io_guard::check_write(&path)?;
         let text = match std::fs::read_to_string(&path) {
             Ok(text) if !restart => text,
             Ok(_) => String::new(),
@@ -107,6 +109,7 @@ impl<T: Entry> Journal<T> {
     }
 
     fn remove(&mut self) -> Result<(), Failure> {
+        io_guard::check_write(&self.path)?;
         self.file = None;
         match std::fs::remove_file(&self.path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io_error(&self.path, "remove", error).into()),

@@ -20,6 +20,7 @@ mod environment;
 pub mod exit;
 mod export;
 mod groom;
+mod guard;
 #[cfg(feature = "herd")]
 mod herd;
 mod inspect;
@@ -72,8 +73,9 @@ mod window;
 mod write_recipe;
 
 use clap::error::{ContextKind, ContextValue};
-use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use exit::{Exit, Failure};
+use guard::DeclaredFiles;
 use output::Output;
 use pelage_bake::temp_files;
 use std::panic::{self, AssertUnwindSafe};
@@ -208,19 +210,27 @@ pub fn run<C: Commands>() -> std::process::ExitCode {
     restart_with_xdg_runtime_dir();
     install_panic_hook();
     install_signal_handler();
-    let exit = match Cli::<C>::try_parse() {
-        Ok(cli) => {
+    let exit = match parse::<C>() {
+        Ok((cli, files)) => {
             let mut output = Output::new(cli.global.quiet, cli.global.json);
             let job = cli.command.job();
             let definition = Cli::<C>::command;
             let invocation = Invocation { cache: cli.global.job.cache(), refusal: refusal::<C>, definition };
             let run = |output: &mut Output| catch(|| cli.command.run(&invocation, output));
-            let result = job::run(&cli.global.job, job.as_ref(), run, &mut output);
+            let result = job::run(&cli.global.job, &files, job.as_ref(), run, &mut output);
             finish(result, &mut output)
         }
         Err(error) => usage(&error),
     };
     exit.into()
+}
+
+/// Parses the command line of this process; also returns the files that it names.
+fn parse<C: Commands>() -> Result<(Cli<C>, DeclaredFiles), clap::Error> {
+    let mut command = Cli::<C>::command();
+    let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    let cli = Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))?;
+    Ok((cli, DeclaredFiles::of(&command, &matches)))
 }
 
 /// Sets `XDG_RUNTIME_DIR` and restarts the process if the variable is missing. Mesa looks there for a Wayland display

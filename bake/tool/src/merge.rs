@@ -1,6 +1,7 @@
 //! `pelage merge`: combines the parts of a picture that were traced on several machines.
 
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::job::Job;
 use super::output::{Output, require_parent};
 use super::reference::{Format, exr, png};
@@ -19,7 +20,7 @@ pub struct MergeArgs {
     parts: Vec<PathBuf>,
     /// Picture to write: .png as `reference` writes it, or .exr with linear colours times alpha
     #[arg(long, short, value_name = "PNG|EXR")]
-    output: PathBuf,
+    output: OutputFile,
 }
 
 /// Picture combined from its parts.

@@ -4,6 +4,7 @@ use super::exit::{Exit, Failure};
 use super::progress::{ProgressPrinter, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use pelage_bake::progress::StageProgress;
+use pelage_bake::temp_files;
 use pelage_import::BakeError;
 use serde::Serialize;
 use std::fmt;
@@ -219,10 +220,11 @@ pub fn to_stderr(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Fails early if the folder of `file` does not exist.
+/// Fails early if the folder of `file` does not exist. Removes temporary files that killed commands have left in it.
 pub fn require_parent(file: &Path) -> Result<(), Failure> {
     let parent = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if parent.is_dir() {
+        temp_files::remove_abandoned(parent);
         return Ok(());
     }
     let (kind, text) = if parent.exists() {

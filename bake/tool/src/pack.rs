@@ -1,6 +1,7 @@
 //! `pelage pack`: converts an unpacked folder back to a package.
 
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::output::{Output, require_parent};
 use super::unpacked;
 use pelage_bake::io::{read_named_file, write_atomic};
@@ -25,7 +26,7 @@ pub struct PackArgs {
     folder: PathBuf,
     /// Package to write
     #[arg(value_name = "PKG")]
-    package: PathBuf,
+    package: OutputFile,
 }
 
 /// Package that was written.

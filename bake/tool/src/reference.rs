@@ -2,6 +2,7 @@
 
 use super::backdrop::lay_over_sky;
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::job::Job;
 use super::journal::Key;
 use super::output::{Output, human_bytes, require_parent};
@@ -35,7 +36,7 @@ pub struct ReferenceArgs {
     package: PathBuf,
     /// Picture to write: .png as `render` writes it, or .exr with linear colours times alpha
     #[arg(long, short, value_name = "PNG|EXR")]
-    output: PathBuf,
+    output: OutputFile,
     /// Samples per pixel; the error falls with their square root
     #[arg(long, alias = "spp", value_name = "N", default_value_t = 64,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

@@ -1,6 +1,7 @@
 //! `pelage render`: draws a package or a scene into one picture, or a sequence of pictures.
 
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::job::{ADAPTER, Job};
 use super::journal::Key;
 use super::look_args::SamplesArgs;
@@ -38,8 +39,8 @@ pub struct RenderArgs {
     input: PathBuf,
     /// Picture to write. With --frames, %04d is replaced by the picture's number, from 0. If the name ends in .y4m, a
     /// video is written; with -, it goes to stdout. Transparent pixels are white in a video
-    #[arg(long, short, value_name = "PNG|Y4M|-")]
-    output: PathBuf,
+    #[arg(long, short, value_name = "PNG|Y4M|-", value_parser = OutputFile::or_stdout())]
+    output: OutputFile,
     /// Pictures per second of the clip, with --frames [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     fps: Option<u32>,
@@ -107,7 +108,7 @@ impl RenderArgs {
     /// Returns the description of the pictures for the cache.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), restart: false, ..self.clone() };
-        (self.output != Path::new("-")).then(|| Job::new("render", &args, &[&self.output]))
+        (*self.output != *Path::new("-")).then(|| Job::new("render", &args, &[&self.output]))
     }
 }
 
@@ -176,7 +177,7 @@ impl Subject {
 
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
-    if args.output == Path::new("-") && output.is_json() {
+    if *args.output == *Path::new("-") && output.is_json() {
         return Err(Failure::Usage("--json and -o - both write to standard output, expected only one of them".into()));
     }
     // The output name is validated before anything is read. Look files are read only once, after the scene, because a

@@ -7,6 +7,7 @@ use super::picture_series::{Picture, PictureSeries, write_png};
 use super::view_args::Frames;
 use pelage_bake::hexadecimal::hex;
 use pelage_bake::io::write_atomic_with;
+use pelage_bake::io_guard;
 use pelage_bake::io_trace;
 use pelage_bake::picture;
 use pelage_bake::y4m::Y4m;
@@ -168,6 +169,7 @@ fn numbered(
             make_folder(folder)?;
         }
     }
+    names.iter().try_for_each(|name| io_guard::check_write(name))?;
     let mut journal = Journal::<JournalEntry>::open(journal.to_owned(), &key.finish(), restart)?;
     if journal.others() > 0 {
         let what = "scene, view, tool or adapter have changed";

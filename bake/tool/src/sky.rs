@@ -1,6 +1,7 @@
 //! `pelage sky`: fits a small set of lights to an environment map.
 
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::job::Job;
 use super::output::{Output, require_parent};
 use pelage_bake::environment_file::EnvironmentFile;
@@ -22,7 +23,7 @@ pub struct SkyArgs {
     input: PathBuf,
     /// Lights to write, in TOML
     #[arg(long, short, value_name = "TOML")]
-    output: PathBuf,
+    output: OutputFile,
     /// Maximum number of lobes
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=32))]
     lobes: u32,

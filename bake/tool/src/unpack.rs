@@ -4,6 +4,8 @@ use super::exit::{Exit, Failure};
 use super::output::{Output, require_parent};
 use super::package_file;
 use super::unpacked::{self, File};
+use pelage_bake::io::TEMP_FILE_AFFIXES;
+use pelage_bake::io_guard;
 use pelage_bake::temp_files::TempFileGuard;
 use pelage_import::BakeError;
 use serde::Serialize;
@@ -79,9 +81,12 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
         return Err(fail(folder, "replace")(io::Error::new(io::ErrorKind::DirectoryNotEmpty, text)));
     }
     require_parent(&target)?;
+    let replaced = std::fs::read_dir(&target).into_iter().flatten().flatten().map(|entry| entry.path());
+    let replaced = replaced.filter(|_| replaceable).chain(files.iter().map(|(name, _)| target.join(name)));
+    replaced.into_iter().try_for_each(|path| io_guard::check_write(&path))?;
     let parent = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".pelage-").suffix(".tmp");
+    builder.prefix(TEMP_FILE_AFFIXES.0).suffix(TEMP_FILE_AFFIXES.1);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
     // The temporary folder is removed with its remaining contents when this function returns.

@@ -2,6 +2,7 @@
 
 use super::camera_args::CameraArgs;
 use super::look_args::LookArgs;
+use pelage_stage::MAX_COPIES;
 use std::str::FromStr;
 
 /// Options of `render`, `bench` and `reference`.
@@ -22,7 +23,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "NAME:WEIGHT", allow_hyphen_values = true)]
     pub morph: Vec<MorphWeight>,
     /// Copies of the model, side by side on a grid
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 1,
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_COPIES)))]
     pub crowd: u32,
     /// Frames: numbered pictures of `render`, timed frames of `bench`. A..B draws only pictures A to B - 1 of a
     /// sequence of B, and A..B/N of a sequence of N, to share a sequence among machines. A scene's own length takes

@@ -2,7 +2,6 @@
 //! same package.
 
 use super::exit::Failure;
-use super::output::require_parent;
 use super::picture_args::PictureArgs;
 use pelage_bake::decision::Decision;
 use pelage_bake::io;
@@ -14,30 +13,7 @@ use pelage_formats::{InputRecord, Limits as FormatLimits, Package};
 use pelage_import::BakeError;
 use pelage_import::input_record;
 use pelage_truth::decide::{Figure, Limits};
-use std::path::{Path, PathBuf};
-
-/// Returns the canonical path of a file; links are resolved as far as the path exists.
-fn place(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let beside = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-    let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    path.canonicalize().ok().or_else(beside).unwrap_or_else(absolute)
-}
-
-/// Fails early if the recipe cannot be written, or would overwrite another file of the bake.
-///
-/// * `recipe`: recipe file of the bake, if any; it must not be overwritten, because its comments would be lost
-pub fn require_place(path: &Path, model: &Path, package: &Path, recipe: Option<&Path>) -> Result<(), Failure> {
-    require_parent(path)?;
-    let others = [("the model", Some(model)), ("the package", Some(package)), ("the input recipe", recipe)];
-    for (what, other) in others {
-        if other.is_some_and(|other| place(other) == place(path)) {
-            let text = format!("--write-recipe {}: this is {what}; choose another name", path.display());
-            return Err(Failure::Usage(text));
-        }
-    }
-    Ok(())
-}
+use std::path::Path;
 
 /// Fails if the image names in a recipe written to `path` would not lead to the same files.
 ///

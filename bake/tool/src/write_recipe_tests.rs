@@ -33,20 +33,6 @@ fn decisions_with_unknown_keys_are_internal_errors() {
 }
 
 #[test]
-fn written_recipe_never_overwrites_files_of_the_bake() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
-    std::fs::write(at("r.toml"), "").unwrap();
-    let asked = |path: &Path| require_place(path, &at("m.glb"), &at("m.pelage"), Some(&at("r.toml")));
-    assert!(asked(&at("new.toml")).is_ok());
-    for (name, what) in [("./r.toml", "the input recipe"), ("m.pelage", "the package"), ("m.glb", "the model")] {
-        let error = asked(&at(name)).unwrap_err();
-        assert!(matches!(&error, Failure::Usage(text) if text.contains(what) && text.contains(name)), "{error}");
-    }
-    assert!(matches!(asked(&at("none/r.toml")), Err(Failure::Bake(BakeError::Io { .. }))));
-}
-
-#[test]
 fn choosing_options_are_printed_as_typed() {
     let limits = Limits { max_error: Some(0.05), max_bytes: Some(90_000), ..Limits::default() };
     assert_eq!(options(&limits, &PictureArgs::default()), "--max-error 0.05 --max-bytes 90000");

@@ -8,6 +8,9 @@ use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::{Animation, ClipLayer, Manifest, Package, Pose};
 use std::sync::Arc;
 
+/// Maximum number of models in a picture. Each has its own pose, and takes memory even if it shares its package.
+pub const MAX_COPIES: u32 = 10_000;
+
 /// Number of samples between two keys of a path; its curve may overshoot the keys.
 const MOMENTS_PER_KEY: usize = 8;
 

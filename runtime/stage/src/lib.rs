@@ -40,7 +40,8 @@ pub use animator::Animator;
 #[cfg(feature = "draw")]
 pub use canvas::{COLOR_FORMAT, Canvas, CanvasOptions, DEPTH_FORMAT};
 pub use cast::{
-    Actor, Cast, Placement, Playback, clip_named, find_clip, find_morph, frame_actors, root_displacement, wrap_time,
+    Actor, Cast, MAX_COPIES, Placement, Playback, clip_named, find_clip, find_morph, frame_actors, root_displacement,
+    wrap_time,
 };
 pub use error::StageError;
 pub use extent::{no_match_error, outline};

@@ -175,6 +175,9 @@ impl Stage {
         for owner in 0..self.instances.len() {
             self.renderer.forget(owner as u64);
         }
+        // Maps and bind groups of the models before would keep their memory for as many frames as the renderer keeps
+        // unused ones, and a window draws few frames for each change.
+        self.renderer.invalidate();
         let of_actors = cast.actors.iter().map(|actor| &models[actor.package]);
         let instance = |(owner, (model, actor)): (u64, (&Model, &Actor))| {
             Instance::new(owner, model).morphing(actor.morphs.clone())

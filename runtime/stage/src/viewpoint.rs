@@ -30,10 +30,16 @@ pub(crate) fn numbers(text: &str) -> Option<Vec<f32>> {
     text.split(',').map(|n| n.trim().parse().ok().filter(|x: &f32| x.is_finite())).collect()
 }
 
+/// Largest coordinate of a viewpoint, metres. Far beyond it, squared distances are infinite in single precision.
+const MAX_COORDINATE_M: f32 = 1e15;
+
 /// Parses three finite numbers, `x,y,z`. The error describes the expected form.
 fn parse_vec3(text: &str) -> Result<Vec3, String> {
     match numbers(text).as_deref() {
-        Some([x, y, z]) => Ok(Vec3::new(*x, *y, *z)),
+        Some([x, y, z]) if [x, y, z].iter().all(|x| x.abs() <= MAX_COORDINATE_M) => Ok(Vec3::new(*x, *y, *z)),
+        Some([_, _, _]) => {
+            Err(format!("found {text}, expected numbers from -{MAX_COORDINATE_M:e} to {MAX_COORDINATE_M:e}"))
+        }
         _ => Err("expected three numbers x,y,z".into()),
     }
 }

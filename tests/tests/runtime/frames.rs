@@ -25,7 +25,7 @@ fn sphere() -> SphereParams {
 
 /// Returns a furry sphere with a bendable skeleton, a bare band, and fins along the rows of quads of its first cube
 /// face.
-fn furry_package() -> Vec<u8> {
+pub fn furry_package() -> Vec<u8> {
     let row = |j: u32| (0..QUADS).map(move |i| (j * (QUADS + 1) + i, j * (QUADS + 1) + i + 1));
     let edges: Vec<_> = (0..=QUADS).flat_map(row).collect();
     with_fins(&package(&SphereParams { skeleton: true, bare_band: true, ..sphere() }), &edges)

@@ -12,6 +12,7 @@ mod ink;
 mod ink_lines;
 mod ink_specks;
 mod inside_your_pass;
+mod memory;
 mod morphs;
 mod pictures;
 mod scattering;

@@ -8,11 +8,11 @@ use serde_json::Value;
 use std::time::{Duration, SystemTime};
 
 /// Bake settings for a fast bake.
-const SMALL: [&str; 6] =
+pub const SMALL: [&str; 6] =
     ["--set", "slice.tile_texels=32", "--set", "slice.layers=4", "--set", "pack.shell_format=rgba8"];
 
 /// Returns a folder with a model that has an external buffer and image, and with a recipe that names a map.
-fn sandbox() -> Sandbox {
+pub fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
     std::fs::create_dir(sandbox.path().join("out")).unwrap();
     std::fs::create_dir(sandbox.path().join("other")).unwrap();

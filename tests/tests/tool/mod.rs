@@ -15,6 +15,7 @@ mod first_use;
 mod framing;
 mod groom;
 mod groom_maps;
+mod guards;
 mod herd;
 mod jobs;
 mod likeness;

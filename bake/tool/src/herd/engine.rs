@@ -1,6 +1,7 @@
 //! Runs Ninja as a child process.
 
 use super::finish;
+use super::lock::RunLock;
 use super::ninja_output::NinjaOutput;
 use super::on_disk::Herd;
 use super::paths::io_error;
@@ -19,7 +20,13 @@ const HELP: &str =
 
 /// Runs the commands that are not up to date on this machine. Benchmarks run one by one at the end, all others
 /// concurrently.
-pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Result<NinjaOutput, Failure> {
+pub fn run(
+    herd: &Herd,
+    lock: &mut RunLock,
+    jobs: u32,
+    memory_bytes: u64,
+    output: &mut Output,
+) -> Result<NinjaOutput, Failure> {
     let (file, room) = herd.write_ninja(jobs, memory_bytes)?;
     if room.too_large > 0 {
         let (needs, has) = (human_bytes(room.too_large), human_bytes(memory_bytes));
@@ -28,11 +35,11 @@ pub fn run(herd: &Herd, jobs: u32, memory_bytes: u64, output: &mut Output) -> Re
         ));
     }
     let mut ran = NinjaOutput::default();
-    ninja(herd, &file, jobs, &mut ran, output)?;
+    ninja(herd, lock, &file, jobs, &mut ran, output)?;
     // Only packages that exist are timed, so a failed bake is not repeated for its benchmark.
     let timed = herd.timed();
     if !timed.is_empty() {
-        ninja(herd, &herd.write_timed(&timed, memory_bytes)?, 1, &mut ran, output)?;
+        ninja(herd, lock, &herd.write_timed(&timed, memory_bytes)?, 1, &mut ran, output)?;
     }
     Ok(ran)
 }
@@ -88,12 +95,20 @@ pub fn cannot_run(source: io::Error) -> Failure {
     io_error(Path::new("ninja"), "run", source)
 }
 
-fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut NinjaOutput, output: &mut Output) -> Result<(), Failure> {
+fn ninja(
+    herd: &Herd,
+    lock: &mut RunLock,
+    file: &str,
+    jobs: u32,
+    ran: &mut NinjaOutput,
+    output: &mut Output,
+) -> Result<(), Failure> {
     let mut command = command(herd, file);
     // Ninja continues after failures.
     command.args(["-k", "0", "-j", &jobs.to_string()]);
-    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.stdin(lock.to_stdin()?).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().map_err(cannot_run)?;
+    lock.set_owner(child.id())?;
     let errors = child.stderr.take();
     let errors = std::thread::spawn(move || errors.and_then(|errors| io::read_to_string(errors).ok()));
     let mut faults = Vec::new();
@@ -114,6 +129,7 @@ fn ninja(herd: &Herd, file: &str, jobs: u32, ran: &mut NinjaOutput, output: &mut
         }
     }
     let status = child.wait().map_err(|source| io_error(Path::new("ninja"), "run", source))?;
+    lock.set_owner(std::process::id())?;
     let errors = errors.join().ok().flatten().unwrap_or_default();
     faults.extend(errors.lines().filter(|line| line.starts_with("ninja: ")).map(str::to_owned));
     // Failed commands are reported by their own records. Only errors of Ninja itself are reported here.

@@ -3,6 +3,7 @@
 mod args;
 mod engine;
 mod finish;
+mod lock;
 mod memory;
 mod models;
 mod ninja_output;
@@ -15,6 +16,7 @@ mod slurm;
 use super::exit::{Exit, Failure};
 use super::output::{Output, make_folder};
 use args::{Action, Engine, HerdFiles, PlanArgs, RunArgs};
+use lock::RunLock;
 use on_disk::{Herd, Refusal};
 use pelage_herd::{Kind, Task, shell_line};
 use result::{KindSummary, PlannedTask};
@@ -106,6 +108,7 @@ fn run_all(
     output.progress("planning");
     let herd = read(&args.files)?;
     herd.say_idle(output);
+    let mut lock = RunLock::new(&herd)?;
     herd.make_folders()?;
     finish::forget_failures(&herd)?;
     let ran = if farm {
@@ -113,7 +116,7 @@ fn run_all(
         ran
     } else {
         let memory_bytes = args.memory.map_or_else(memory::free_bytes, |mib| mib << 20);
-        engine::run(&herd, args.jobs.unwrap_or_else(memory::cores), memory_bytes, output)?
+        engine::run(&herd, &mut lock, args.jobs.unwrap_or_else(memory::cores), memory_bytes, output)?
     };
     finish::finish(&herd, &ran, output)
 }

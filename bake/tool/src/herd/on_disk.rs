@@ -9,11 +9,11 @@ use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use crate::reference::only_drawn;
 use pelage_bake::io;
+use pelage_bake::temp_files;
 use pelage_herd::{ArgumentValidators, HerdFile, History, Kind, NAME, Plan, PlanInput, Task, ninja, plan};
 use pelage_stage::TomlText;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Function that returns the error message if the tool rejects a command line.
 pub type Refusal<'a> = dyn Fn(&[String]) -> Option<String> + 'a;
@@ -32,7 +32,7 @@ pub struct Herd {
     pub cache: Option<String>,
     /// Absolute path of the `pelage` program.
     pub tool: String,
-    /// Warnings about unused entries of the herd file.
+    /// Warnings about files that cannot be read, and about unused entries of the herd file.
     pub idle: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ impl Herd {
         let folder = absolute(parent)?;
         let out = relative_to(&folder, &absolute(&files.output)?)?;
         let cache = cache.map(|cache| relative_to(&folder, &absolute(cache)?)).transpose()?;
-        let models = models::find(source, &file, &folder, &out)?;
+        let (models, left_out) = models::find(source, &file, &folder, &out)?;
         check_files(source, &file, &folder)?;
         let history = history(&folder, &out);
         let is_file = |path: &str| folder.join(path).is_file();
@@ -62,7 +62,7 @@ impl Herd {
             history: &history,
             is_file: &is_file,
         })?;
-        let idle = file.unused_entries(source, &models, &is_file);
+        let idle = left_out.into_iter().chain(file.unused_entries(source, &models, &is_file)).collect();
         let title = file.title.clone().unwrap_or(name);
         let tool = std::env::current_exe().map_err(|source| io_error(Path::new("pelage"), "find", source))?;
         let tool = utf8(&tool)?.to_owned();
@@ -88,7 +88,7 @@ impl Herd {
         for folder in folders {
             let folder = self.folder.join(folder);
             if folder.is_dir() {
-                remove_temp_files(&folder);
+                temp_files::remove_abandoned(&folder);
             } else {
                 make_folder(&folder)?;
             }
@@ -96,7 +96,7 @@ impl Herd {
         Ok(())
     }
 
-    /// Prints the warnings about unused entries of the herd file.
+    /// Prints [`Self::idle`].
     pub fn say_idle(&self, output: &Output) {
         self.idle.iter().for_each(|idle| output.note(&format!("note: {idle}")));
     }
@@ -138,21 +138,6 @@ impl Herd {
         let settings = ninja::Settings { tool: &self.tool, cache: self.cache.as_deref(), own, room };
         io::write_atomic(&self.path(name), ninja::build_file(tasks, &settings).as_bytes())?;
         Ok(())
-    }
-}
-
-/// Age after which an unchanged temporary file is considered abandoned.
-const ABANDONED: Duration = Duration::from_secs(600);
-
-/// Removes temporary files of commands that were killed; ignores errors.
-fn remove_temp_files(folder: &Path) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let old = || entry.metadata().ok()?.modified().ok()?.elapsed().ok().filter(|age| *age > ABANDONED);
-        if name.starts_with(io::TEMP_FILE_AFFIXES.0) && name.ends_with(io::TEMP_FILE_AFFIXES.1) && old().is_some() {
-            let _ = std::fs::remove_file(entry.path());
-        }
     }
 }
 

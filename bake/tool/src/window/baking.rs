@@ -16,6 +16,10 @@ use typed_arena::Arena;
 /// Polling interval of the progress of a long stage.
 const ASKED_EVERY: Duration = Duration::from_millis(100);
 
+/// Number of recipes after which the baked data and the recipes that they borrow are freed. The next bake is a whole
+/// one.
+const MOST_RECIPES: usize = 256;
+
 /// Request to bake.
 struct BakeRequest {
     recipe: Recipe,
@@ -92,19 +96,27 @@ fn bake_all(
     orders: &Receiver<BakeRequest>,
     answer: &Sender<Answer>,
 ) {
-    // Baked data borrow their recipe and images, so these are kept as long as the model.
-    let (recipes, image_sets) = (Arena::new(), Arena::new());
-    let mut images: &MapImages = image_sets.alloc(MapImages::default());
-    let mut rebake = Rebake::new(model);
-    while let Ok(order) = orders.recv() {
-        if let Some(others) = order.images {
-            images = image_sets.alloc(others);
+    let Ok(mut order) = orders.recv() else { return };
+    let mut images = MapImages::default();
+    loop {
+        if let Some(others) = order.images.take() {
+            images = others;
         }
-        let told = BakeInput { steps, ..BakeInput::new(file, name, recipes.alloc(order.recipe), images) };
-        // The requester may be gone, in which case the progress report is dropped.
-        let baked = rebake.bake(&told, &mut |stage| drop(answer.send(Answer::Begins(stage))));
-        if answer.send(Answer::Done(Box::new(baked))).is_err() {
-            return;
-        }
+        // Baked data borrow their recipe and images, so all of them are freed together.
+        let recipes = Arena::new();
+        let mut rebake = Rebake::new(model);
+        order = loop {
+            let told = BakeInput { steps, ..BakeInput::new(file, name, recipes.alloc(order.recipe), &images) };
+            // The requester may be gone, in which case the progress report is dropped.
+            let baked = rebake.bake(&told, &mut |stage| drop(answer.send(Answer::Begins(stage))));
+            if answer.send(Answer::Done(Box::new(baked))).is_err() {
+                return;
+            }
+            let Ok(next) = orders.recv() else { return };
+            order = next;
+            if order.images.is_some() || recipes.len() >= MOST_RECIPES {
+                break order;
+            }
+        };
     }
 }

@@ -9,6 +9,7 @@ mod workshop;
 use super::bake::RecipeArgs;
 use super::environment::lights_of;
 use super::exit::{Exit, Failure};
+use super::guard::OutputFile;
 use super::look_args::{LookArgs, SamplesArgs};
 use super::output::{Output, require_parent};
 use pelage_import::BakeError;
@@ -51,7 +52,7 @@ pub struct WindowArgs {
     /// Write events to this file, one line of JSON each, for scripts: adapter, made, first picture, picture, failure,
     /// mended, saved, measured, truth
     #[arg(long, value_name = "FILE")]
-    events: Option<PathBuf>,
+    events: Option<OutputFile>,
 }
 
 /// Runs the subcommand; returns when the window is closed.
@@ -67,7 +68,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     let events = match &args.events {
         Some(path) => {
             require_parent(path)?;
-            let fail = |source| BakeError::Io { path: path.clone(), action: "write", source };
+            let fail = |source| BakeError::Io { path: path.to_path_buf(), action: "write", source };
             Some(Box::new(File::create(path).map_err(fail)?) as Box<dyn Write + Send>)
         }
         None => None,

@@ -14,7 +14,7 @@ pub fn change(path: &Path, edits: &[String]) -> Result<(), BakeError> {
         with(&text, edits).map_err(|(place, reason)| BakeError::Input { file: file.clone(), place, reason })?;
     // The changed text is validated before the file is written.
     recipe::Recipe::parse(&file, &changed)?;
-    io::write_atomic(path, changed.as_bytes())
+    io::rewrite_atomic(path, changed.as_bytes())
 }
 
 /// Returns the text with the changes applied.

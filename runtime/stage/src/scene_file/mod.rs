@@ -17,7 +17,7 @@
 //!   one
 //! * `sequence.frames`, `.fps` (none, 24): number of pictures of a numbered sequence or a video, and pictures per
 //!   second
-//! * `[[model]]`: one table for each model
+//! * `[[model]]`: one table for each model, at most 10 000
 //!
 //! Keys of a model:
 //!
@@ -40,7 +40,9 @@
 mod look;
 mod text;
 
-use crate::cast::{Actor, Cast, Placement, Playback, clip_named, frame_actors, morph_named, root_displacement};
+use crate::cast::{
+    Actor, Cast, MAX_COPIES, Placement, Playback, clip_named, frame_actors, morph_named, root_displacement,
+};
 use crate::framing::{FOV_DEG, Framing};
 use crate::toml_text::TomlText;
 use crate::track::Track;
@@ -155,6 +157,10 @@ impl SceneFile {
         let (source, scene) = (self.source(), &self.scene);
         if scene.models.is_empty() {
             return Err(source.fault("model", "found none, expected at least one [[model]] with a package"));
+        }
+        if scene.models.len() > MAX_COPIES as usize {
+            let reason = format!("found {} models, expected at most {MAX_COPIES}", scene.models.len());
+            return Err(source.fault("model", reason));
         }
         check_light(&source, scene.light.as_ref())?;
         let camera = scene.camera.as_ref().map(|camera| shot(&source, camera)).transpose()?;
