@@ -20,6 +20,7 @@ use crate::stages::visibility;
 use Output::*;
 use pelage_formats::Shading;
 use pelage_import::BakeError;
+use pelage_import::mesh::{Mesh, RestPose};
 use std::sync::Arc;
 
 pub(super) fn surface<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
@@ -180,6 +181,12 @@ pub(super) fn ink(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<()
     let (model, laid) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?);
     let self::Groomed { surface, .. } = &**required(&outputs.groomed, Groomed)?;
     let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
+    // The wash is on bare surface.
+    let bare = (!mesh.bare_normals.is_empty()).then(|| {
+        let (positions, normals) = (mesh.positions.clone(), mesh.bare_normals.clone());
+        RestPose::of(&Mesh { positions, normals, skin: mesh.skin.clone(), ..Mesh::default() }, model.animation.as_ref())
+    });
+    let rest = bare.as_ref().unwrap_or(rest);
     let canvas = InkTarget { mesh, rest, radius, materials: &model.materials, images: input.images };
     let params = &input.recipe.ink;
     let fur = ink::fur_strength(input.recipe, model, &laid.furred);
