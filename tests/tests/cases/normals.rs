@@ -1,4 +1,5 @@
-//! Normals: bare surface is lit by those of the file, and only hair stands along joined ones.
+//! Normals: bare surface is lit by those of the file, and only hair stands along joined ones. Fur on a coarse mesh is
+//! as smooth as its normals.
 #![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use base64::Engine as _;
@@ -10,7 +11,7 @@ use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_bake::strands::PosedMesh;
 use pelage_needs::data;
 use pelage_runtime::formats::{ClipLayer, Limits, Package};
-use pelage_runtime::{Camera, FrameParams, Instance, Projection, Renderer, RendererOptions, Style};
+use pelage_runtime::{Camera, FrameParams, HairGeometry, Instance, Projection, Renderer, RendererOptions, Style};
 use pelage_stage::Gpu;
 use pelage_tests::gpu::gpu;
 use pelage_tests::pictures::{Picture, draw};
@@ -232,4 +233,111 @@ fn smooth_models_store_no_bare_normals() {
         let opened = Package::open(&package, &Limits::default()).unwrap();
         assert_eq!(opened.bare_normals().unwrap(), None);
     }
+}
+
+/// Bake settings with enough fur to measure its brightness, and none of the parts that take long.
+const FURRY: [&str; 6] = [
+    "slice.layers=8",
+    "slice.tile_texels=64",
+    "fins.enabled=false",
+    "hair.density=600",
+    "ink.enabled=false",
+    "detail.enabled=false",
+];
+
+/// Returns the mean brightness of a picture of the unit sphere from above, within 0.07 m of a point of the sphere.
+fn brightness(picture: &Picture, at: Vec3) -> f64 {
+    let size = picture.size.0 as f32;
+    let place = |x: f32| (0.5 + x / HEIGHT_M) * size;
+    let (x, y, reach) = (place(at.x), place(at.z), 0.07 / HEIGHT_M * size);
+    let span = |c: f32| (c - reach).round() as u32..=(c + reach).round() as u32;
+    let texels = span(y).flat_map(|row| span(x).map(move |column| (row * picture.size.0 + column) as usize));
+    let lights: Vec<f64> = texels.map(|i| picture.rgba[i][..3].iter().map(|c| f64::from(*c)).sum::<f64>()).collect();
+    lights.iter().sum::<f64>() / lights.len() as f64
+}
+
+/// Height of the picture of [`brightness`], metres.
+const HEIGHT_M: f32 = 2.6;
+
+/// Draws a package of a unit sphere from above, with -z up.
+fn from_above(gpu: &Gpu, package: &[u8], change: impl FnOnce(&mut FrameParams)) -> Picture {
+    let projection = Projection::Orthographic { height_m: HEIGHT_M, aspect: 1.0, near_m: 0.0, far_m: 10.0 };
+    let camera = Camera::look_at(Vec3::new(0.0, 5.0, 0.001), Vec3::ZERO, projection);
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
+    let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
+    let params = FrameParams::new(camera, [256, 256]).with(change);
+    draw(gpu, &mut renderer, &params, &[&instance])
+}
+
+/// Returns the greatest step of brightness across the edges of a coarse sphere that face up, relative to the mean of
+/// both sides.
+fn greatest_step(picture: &Picture, positions: &[Vec3], triangles: &[[u16; 3]]) -> f64 {
+    let mut greatest: f64 = 0.0;
+    for [a, b] in triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).filter(|[a, b]| a < b) {
+        let [p, q] = [a, b].map(|i| positions[usize::from(i)]);
+        if (p + q).normalize().y < 0.6 {
+            continue;
+        }
+        let across = (q - p).cross(p + q).normalize() * 0.12;
+        // Several places along the edge, because single hairs differ.
+        let sides = [1.0, -1.0].map(|side| {
+            let places = [0.2, 0.35, 0.5, 0.65, 0.8].map(|at| (p.lerp(q, at).normalize() + side * across).normalize());
+            places.iter().map(|place| brightness(picture, *place)).sum::<f64>()
+        });
+        greatest = greatest.max((sides[0] - sides[1]).abs() / (0.5 * (sides[0] + sides[1])));
+    }
+    greatest
+}
+
+#[test]
+fn fur_on_a_coarse_sphere_is_as_smooth_as_its_skin() {
+    let Some(gpu) = gpu("fur_on_a_coarse_sphere_is_as_smooth_as_its_skin") else { return };
+    let (positions, triangles) = ball(0);
+    let text = gltf(&positions, Some(&positions), &triangles, false);
+    // Steps in bare style, and of layers and single strands. A device that cannot hold the strands draws layers.
+    let steps = |set: &str| {
+        let package = bake(text.as_bytes(), &[&FURRY[..], &[set]].concat());
+        [None, Some(HairGeometry::Shells), Some(HairGeometry::Strands)].map(|hair| {
+            let picture = from_above(gpu, &package, |params| match (hair, params.fur_mut()) {
+                (Some(hair), Some(fur)) => fur.hair = hair,
+                _ => params.style = Style::Bare,
+            });
+            greatest_step(&picture, &positions, &triangles)
+        })
+    };
+    let [bare, layers, strands] = steps("surface.rounded=true");
+    println!("bare {bare:.3}, layers {layers:.3}, strands {strands:.3}");
+    let allowed = bare + 0.12;
+    assert!(layers < allowed && strands < allowed, "layers {layers:.3}, strands {strands:.3}, allowed {allowed:.3}");
+    // The measure sees the facets that rounding avoids.
+    let [bare, layers, strands] = steps("surface.rounded=false");
+    println!("not rounded: bare {bare:.3}, layers {layers:.3}, strands {strands:.3}");
+    assert!(layers.max(strands) > bare + 0.12, "bare {bare:.3}, layers {layers:.3}, strands {strands:.3}");
+}
+
+#[test]
+fn only_coarse_smooth_surface_is_rounded() {
+    let triangles_of = |text: &str, set: &str| {
+        let package = bake(text.as_bytes(), &[&QUICK[..], &[set]].concat());
+        let opened = Package::open(&package, &Limits::default()).unwrap();
+        PosedMesh::posed("model", &opened, &[]).unwrap()
+    };
+    let (positions, triangles) = ball(0);
+    let coarse = gltf(&positions, Some(&positions), &triangles, true);
+    let rounded = triangles_of(&coarse, "surface.rounded=true");
+    // Edges of 63° are halved three times.
+    assert_eq!(rounded.triangles.len(), 20 * 64);
+    for vertex in &rounded.vertices {
+        let radius = vertex.position_ws.length();
+        assert!((radius - 1.0).abs() < 0.04, "a vertex is {radius} m from the middle");
+        assert!(vertex.normal_ws.dot(vertex.position_ws / radius) > 0.99);
+    }
+    assert_eq!(triangles_of(&coarse, "surface.rounded=false").triangles.len(), 20);
+    // Hard edges stay.
+    let (positions, triangles) = cube();
+    assert_eq!(triangles_of(&gltf(&positions, None, &triangles, false), "surface.rounded=true").triangles.len(), 12);
+    // So does a box whose corners have one normal each.
+    let normals: Vec<Vec3> = positions.iter().map(|p| p.normalize()).collect();
+    let box_like = gltf(&positions, Some(&normals), &triangles, false);
+    assert_eq!(triangles_of(&box_like, "surface.rounded=true").triangles.len(), 12);
 }
