@@ -56,6 +56,7 @@ pub use sampling::{ClipLayer, Pose};
 pub use sections::animation::{
     Animation, Channel, Clip, Interpolation, Joint, MorphChannel, MorphMotion, MorphTarget, Node, Property,
 };
+pub use sections::bare_normals::stored_bare_normals;
 pub use sections::fibres::{FIBRE_LAYERS, FibreInfo, FibreOptics};
 pub use sections::fins::{Fin, FinData, FinsView};
 pub use sections::hair::{HairGroup, TrianglePoint};

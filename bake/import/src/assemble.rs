@@ -4,6 +4,7 @@ use super::clips;
 use super::comb_lines;
 use super::json::JsonNode;
 use super::morphs;
+use super::normals;
 use super::options::ImportOptions;
 use super::orient;
 use super::primitive::{MeshTotals, MeshUse, Primitive, read_mesh, within_limits};
@@ -112,6 +113,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let rest = RestPose::of(&mesh, animation.as_ref());
     check_finite(&rest, &places)?;
     orient::face_outward(&mut source.notes, &mut mesh, animation.as_ref(), &rest, &authored);
+    normals::flatten(&mut mesh, &authored);
     Ok(Model {
         mesh,
         materials: gathered.materials.materials,

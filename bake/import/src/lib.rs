@@ -7,8 +7,8 @@
 //!
 //! * If a mesh of the scene has a skin, or a clip moves a mesh, every vertex is bound to joints and stays in mesh
 //!   space. The only joint of a rigid part is its node. Otherwise all vertices are in world space, without animation.
-//! * If normals are missing, smooth ones without creases are computed. glTF requires flat normals, which would split
-//!   the fur at every edge.
+//! * If a glTF part has no normals, they are flat, as glTF requires. They are smooth where that looks the same, and in
+//!   an OBJ. The stage `surface` joins the normals of hair at edges.
 //! * Vertices of a skin without any weight follow the first joint that they name. Of more than four weights, the
 //!   largest four are kept.
 //! * Nodes hidden by `KHR_node_visibility` are left out with their descendants.

@@ -52,6 +52,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit normals, outward, in the space of `positions`.
     pub normals: Vec<Vec3>,
+    /// Unit normals by which bare surface is lit, where hair stands along others. Empty if they are `normals`.
+    pub bare_normals: Vec<Vec3>,
     /// Texture coordinates of the model; zero in parts without any.
     pub uvs: Vec<Vec2>,
     /// Vertex colours, linear RGBA 0..=255; white in parts without any.
@@ -71,6 +73,7 @@ impl Mesh {
     pub fn copy_vertex(&mut self, v: usize) -> u32 {
         self.positions.push(self.positions[v]);
         self.normals.push(self.normals[v]);
+        self.bare_normals.extend(self.bare_normals.get(v).copied());
         self.uvs.push(self.uvs[v]);
         self.colors.push(self.colors[v]);
         self.skin.extend(self.skin.get(v).copied());

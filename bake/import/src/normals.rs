@@ -1,14 +1,15 @@
 //! Computation of normals that are missing or unusable in the file.
 //!
-//! glTF 2.0 requires flat normals on a primitive without any. Fur shells grow along the normals, so creases would split
-//! the fur along every edge. The importer therefore computes smooth normals without any creases. The normal at a
-//! position is the sum of the normals of all triangles that share the position, even in different primitives of a mesh.
-//! Each triangle is weighted by its angle at the position, so the result does not depend on the triangulation of
-//! polygons. Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", Journal of Graphics Tools
-//! 3(1), 1998.
+//! The importer first computes smooth normals without any creases, as hair grows. The normal at a position is the sum
+//! of the normals of all triangles that share the position, even in different primitives of a mesh. Each triangle is
+//! weighted by its angle at the position, so the result does not depend on the triangulation of polygons. Source:
+//! Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", Journal of Graphics Tools 3(1), 1998.
+//!
+//! glTF 2.0 requires flat normals on a primitive without any: [`flatten`] makes them where the difference shows.
 
 use super::notes::Notes;
 use crate::angle::between;
+use crate::mesh::Mesh;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -86,6 +87,63 @@ pub(super) fn complete_normals(notes: &mut Notes, shapes: &mut [NormalInput<'_>]
             *normal = sum.try_normalize().unwrap_or(DVec3::Y).as_vec3();
         }
     }
+}
+
+/// Mean angle between triangles and the smooth normals at their corners above which a part without normals has flat
+/// ones, radians: 4°. Below it, nobody sees the difference.
+const FLAT_FROM: f64 = 0.07;
+/// Maximum number of triangles with flat normals in a part. More would triple the size of a large model.
+const MOST_FLAT: usize = 1 << 16;
+
+/// Gives flat normals to the parts whose normals were computed, as glTF 2.0 (section 3.7.2.1) requires. `authored` says
+/// for each part whether its normals come from the file. Vertices where flat triangles meet are split.
+///
+/// Parts that look smooth keep smooth normals, and so do parts of more than 65 536 triangles.
+pub(super) fn flatten(mesh: &mut Mesh, authored: &[bool]) {
+    let smooth = mesh.normals.clone();
+    let mut faces = vec![None; smooth.len()];
+    for number in (0..mesh.parts.len()).filter(|number| !authored[*number]) {
+        let part = &mesh.parts[number];
+        let range = part.first_triangle..part.first_triangle + part.triangle_count;
+        let (mut sum, mut total) = (0.0, 0.0);
+        for triangle in &mesh.triangles[range.clone()] {
+            for (v, normal) in triangle.iter().zip(corner_normals(&mesh.positions, triangle)) {
+                let weight = normal.length();
+                sum += if weight > 0.0 { weight * crease(normal, mesh.normals[*v as usize]) } else { 0.0 };
+                total += weight;
+            }
+        }
+        if part.triangle_count > MOST_FLAT || sum <= FLAT_FROM * total {
+            continue;
+        }
+        for t in range {
+            let triangle = mesh.triangles[t];
+            let Some(face) = corner_normals(&mesh.positions, &triangle).iter().find_map(|n| n.try_normalize()) else {
+                continue;
+            };
+            for (k, v) in triangle.into_iter().enumerate() {
+                // Parts mirrored by their joints are wound against their normals in their own space.
+                let normal = (if face.dot(smooth[v as usize].as_dvec3()) < 0.0 { -face } else { face }).as_vec3();
+                match faces[v as usize] {
+                    Some(other) if other != normal => {
+                        let copy = mesh.copy_vertex(v as usize);
+                        mesh.normals[copy as usize] = normal;
+                        mesh.triangles[t][k] = copy;
+                    }
+                    _ => {
+                        mesh.normals[v as usize] = normal;
+                        faces[v as usize] = Some(normal);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Returns the angle between a triangle's normal of any length and a vertex normal, on the nearer side.
+fn crease(face: DVec3, normal: Vec3) -> f64 {
+    let angle = between(face, normal.as_dvec3());
+    angle.min(std::f64::consts::PI - angle)
 }
 
 /// Returns the normal of a triangle at each of its corners, scaled by the angle there. Zero if the triangle has no

@@ -10,16 +10,20 @@ use crate::stages::groom::{
     MarkValues, ModelAtlas,
 };
 use crate::stages::metric::{self, TileRecipe};
+use crate::stages::rounding::rounded;
 use crate::stages::size;
 use crate::stages::surface::{self, Comb, Surface, SurfaceParams};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 use pelage_import::mesh::{CombLine, Model, RestPose};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Output of the `surface` stage.
 #[derive(Clone, Debug)]
 pub struct Layout<'a> {
+    /// Model whose coarse furred surface is rounded; `None` if the imported model has none.
+    pub rounded: Option<Arc<Model>>,
     /// Mesh with hair-tile coordinates.
     pub surface: Surface,
     /// Box and sphere around the mesh at rest.
@@ -44,6 +48,13 @@ pub struct Layout<'a> {
     pub warnings: Vec<String>,
 }
 
+impl Layout<'_> {
+    /// Returns the model that is laid out. `imported`: the model that the layout was made from.
+    pub fn model<'m>(&'m self, imported: &'m Model) -> &'m Model {
+        self.rounded.as_deref().unwrap_or(imported)
+    }
+}
+
 /// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of
 /// [`BakeInput`](super::BakeInput).
 ///
@@ -58,9 +69,18 @@ pub fn lay_out_model<'a>(
 ) -> Result<Layout<'a>, BakeError> {
     let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
-    let bounds = groom::bounds(&rest);
     let FurredMaterials { furred, bare, decision } =
         groom::find_furred_materials(model, &rest, recipe.model.bare.as_deref(), &mut warnings);
+    let rounded = recipe
+        .surface
+        .rounded
+        .then(|| rounded(model, &furred, &rest, groom::bounds(&rest).radius))
+        .flatten()
+        .map(Arc::new);
+    let of_rounding = rounded.as_deref().map(|finer| rounding_decision(model, finer));
+    let model = rounded.as_deref().unwrap_or(model);
+    let rest = if rounded.is_some() { RestPose::of(&model.mesh, model.animation.as_ref()) } else { rest };
+    let bounds = groom::bounds(&rest);
     let animation = model.animation.as_ref();
     let body = Body { mesh: &model.mesh, rest: &rest, animation, furred: &furred, bounds: &bounds };
     let mut by_body = BodyGroom::of(&body, recipe.groom.by_body);
@@ -87,7 +107,8 @@ pub fn lay_out_model<'a>(
     // comb marks have colours, brown becomes the base colour instead.
     let plain = maps.marks().has_color() && !colored && recipe.color.root.is_none() && recipe.color.tip.is_none();
     let (maps, colored) = if plain { (maps.with_plain_color(HairColors::PLAIN), true) } else { (maps, colored) };
-    let mut decisions: Vec<Decision> = decision.into_iter().chain(lengths.decisions(&filled)).chain(of_tile).collect();
+    let mut decisions: Vec<Decision> =
+        decision.into_iter().chain(of_rounding).chain(lengths.decisions(&filled)).chain(of_tile).collect();
     if plain {
         decisions.push(Decision {
             what: "colour of hair without comb marks",
@@ -128,7 +149,17 @@ pub fn lay_out_model<'a>(
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Layout { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
+    Ok(Layout { rounded, surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
+}
+
+/// Reports that coarse surface was rounded.
+fn rounding_decision(model: &Model, finer: &Model) -> Decision {
+    let [before, after] = [model, finer].map(|of| of.mesh.triangles.len());
+    Decision {
+        what: "shape of coarse surface",
+        chosen: format!("rounded along its normals, {after} triangles instead of {before}"),
+        line: "surface.rounded = true".into(),
+    }
 }
 
 /// Returns the decision to comb hair along the lines drawn in the model; `None` if the recipe decides, or if there are

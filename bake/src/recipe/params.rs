@@ -63,6 +63,10 @@ params! {
         /// Source of the tile coordinates. `patches` grows patches over any mesh and needs no texture coordinates;
         /// `model` uses the model's own.
         source: SurfaceSource = SurfaceSource::Patches;
+        /// Round furred surface that is coarse: split triangles with an edge of more than 32° between its normals, and
+        /// move the new vertices onto a curve along the normals. Otherwise, fur shows every triangle. Flat surface and
+        /// hard edges stay as they are.
+        rounded: bool = true;
         /// Width of the tile on the mesh surface, metres. A small tile repeats visibly, a large one has a low texel
         /// density. If left out, the width is chosen from the model's size, and limited by `hair.density_mm2` and
         /// `hair.root_radius_m`.

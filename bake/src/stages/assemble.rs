@@ -38,6 +38,8 @@ pub enum Content<'a> {
     Visibility(VisibilityInfo),
     /// Openness at each vertex: share of the environment that the body does not occlude.
     Openness(Arc<[Openness]>),
+    /// Stored normals of bare surface at each vertex.
+    BareNormals(Arc<[[i16; 2]]>),
     /// Lateral displacement of hair from its root.
     Roots(RootsInfo),
     /// Complete .ktx2 file. The k-th texture section belongs to the k-th texture of the manifest.
@@ -81,6 +83,7 @@ pub fn assemble<'a>(
         Content::Fibres(info) => writer.fibres(&info),
         Content::Visibility(info) => writer.visibility(&info),
         Content::Openness(vertices) => writer.openness(&vertices),
+        Content::BareNormals(vertices) => writer.bare_normals(&vertices),
         Content::Roots(info) => writer.roots(&info),
         Content::Texture(file) => writer.texture(file),
         Content::Bytes(tag, bytes) => writer.section(tag, bytes),

@@ -17,6 +17,7 @@ pub mod morphs;
 pub mod openness;
 pub mod pack;
 mod reach;
+pub mod rounding;
 pub mod scatter;
 pub mod simplify;
 pub mod simulate;

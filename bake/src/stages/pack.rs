@@ -15,8 +15,8 @@ use crate::stages::scatter::FibreTables;
 use crate::stages::simplify;
 use crate::stages::slice::{FIN_SLICES, FinTextures, ShellTextures, VisibilityTexture};
 use crate::stages::surface::Surface;
-use pelage_formats::meaning::groom_bytes;
 use pelage_formats::meaning::openness::Openness;
+use pelage_formats::meaning::{encode_bare_normal, groom_bytes, tile_frame, to_tile};
 use pelage_formats::{
     Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairMotion,
     InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
@@ -198,6 +198,7 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
             .chain(morphs)
             .chain(roots)
             .chain([Content::Openness(opened)])
+            .chain(bare_normals(surface).map(|normals| Content::BareNormals(normals.into())))
             .collect(),
         images: textures,
         lengths: Some(pieces.lengths),
@@ -486,6 +487,15 @@ fn mesh_data(pieces: &ModelResults<'_>) -> MeshData {
         skin: mesh.skin.clone(),
         indices: mesh.triangles.iter().flatten().copied().collect(),
     }
+}
+
+/// Returns the stored normals of bare surface; `None` if they are those of the hair.
+fn bare_normals(surface: &Surface) -> Option<Vec<[i16; 2]>> {
+    let (mesh, tangents) = (&surface.mesh, &surface.tangents);
+    let stored = mesh.bare_normals.iter().zip(&mesh.normals).zip(tangents).map(|((bare, normal), tangent)| {
+        encode_bare_normal(to_tile(tile_frame(*normal, tangent.truncate(), tangent.w), *bare))
+    });
+    (!mesh.bare_normals.is_empty()).then(|| stored.collect())
 }
 
 fn quality(surface: &Surface) -> Vec<QualityFigure> {

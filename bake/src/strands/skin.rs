@@ -5,8 +5,8 @@ use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::slice::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{PlantingMesh, same_places};
-use pelage_formats::meaning::{groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
-use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, SkinVertex};
+use pelage_formats::meaning::{decode_bare_normal, groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
+use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, SkinVertex, stored_bare_normals};
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
@@ -33,6 +33,8 @@ pub struct PosedVertex {
     pub position_ws: DVec3,
     /// Unit normal, pointing outwards.
     pub normal_ws: DVec3,
+    /// Components along the tangent and the bitangent of the unit normal by which bare surface is lit.
+    pub bare_normal: DVec2,
     /// Unit tangent along +u of the tile, perpendicular to the normal.
     pub tangent_ws: DVec3,
     /// Unit vector along +v of the tile.
@@ -72,6 +74,14 @@ pub struct PosedMaterial {
     pub fibre: u8,
 }
 
+impl PosedVertex {
+    /// Returns the unit normal by which bare surface is lit, in world space.
+    pub fn bare_normal_ws(&self) -> DVec3 {
+        let DVec2 { x, y } = self.bare_normal;
+        self.tangent_ws * x + self.bitangent_ws * y + self.normal_ws * (1.0 - x * x - y * y).max(0.0).sqrt()
+    }
+}
+
 impl PosedMesh {
     /// Reads the mesh of a package and poses it.
     ///
@@ -106,13 +116,16 @@ impl PosedMesh {
         let stored = mesh.geometry().enumerate().map(|(i, v)| (v.position, moved_by(i)));
         let mut out = Self { same_place: same_places(stored), ..Self::default() };
         let morphs = package.morphs().map_err(fault)?;
+        let mut bare_normals = stored_bare_normals(package.bare_normals().map_err(fault)?.unwrap_or_default());
         for (posed, attributes) in posed_vertices(&mesh, morphs.as_deref(), &pose).zip(mesh.attributes()) {
             let share = |byte: u8| f32::from(byte) / 255.0;
+            let bare = decode_bare_normal(bare_normals.next().unwrap_or_default());
             out.vertices.push(PosedVertex {
                 tile_uv: Vec2::from(attributes.tile_uv).as_dvec2(),
                 base_uv: attributes.base_uv.into(),
                 color: Vec4::from(attributes.color.map(share)),
                 groom: groom_of_vertex(attributes.groom),
+                bare_normal: bare.truncate().as_dvec2(),
                 ..point(&posed)
             });
         }

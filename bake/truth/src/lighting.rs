@@ -20,7 +20,7 @@ use super::tracer::{Hit, RayOrigin, Tracer};
 use glam::{DVec2, DVec3, Vec3};
 use pelage_bake::noise::{hash, uniform};
 use pelage_bake::stages::simulate::Strands;
-use pelage_bake::strands::PosedMesh;
+use pelage_bake::strands::{PosedMesh, PosedVertex};
 use pelage_formats::Shading;
 use pelage_formats::meaning::tile_axes_f64;
 
@@ -194,7 +194,7 @@ impl Sample<'_> {
         let side = if front { 1.0 } else { -1.0 };
         let start = RayOrigin { strand: None, triangle: Some(triangle) };
         let visible = self.visibility(place_ws, start, shadow_rays);
-        let bare = self.bare(base, normal * side, place_ws, visible, start);
+        let bare = self.bare(base, bare_normal(skin, triangle, weights) * side, place_ws, visible, start);
         if !self.has_undercoat(triangle) {
             return bare;
         }
@@ -325,6 +325,12 @@ pub(super) fn frame(skin: &PosedMesh, triangle: usize, weights: DVec3) -> [DVec3
     let [tangent, across] = tile_axes_f64(normal, sum(corners.map(|c| c.tangent_ws)), 1.0);
     let handed = across.dot(corners[0].bitangent_ws);
     [normal, tangent, if handed < 0.0 { -across } else { across }]
+}
+
+/// Returns the normal by which bare surface is lit at a point, world space, unit length.
+pub(super) fn bare_normal(skin: &PosedMesh, triangle: usize, weights: DVec3) -> DVec3 {
+    let [a, b, c] = skin.corners(triangle).map(PosedVertex::bare_normal_ws);
+    (a * weights.x + b * weights.y + c * weights.z).normalize_or(a)
 }
 
 pub(super) fn vector(k: [f32; 3]) -> DVec3 {

@@ -8,7 +8,7 @@
 //! A fibre's absorption gives dense fur its colour ([`colour::absorption`]). Light enters and leaves a strand at the
 //! same point, because strands are thin compared with their surroundings.
 
-use super::lighting::{Sample, TrueLight, frame, vector};
+use super::lighting::{Sample, TrueLight, bare_normal, frame, vector};
 use super::scattering::TrueScattering;
 use super::sky::TrueSky;
 use super::tracer::{Hit, RayOrigin};
@@ -153,9 +153,11 @@ impl Sample<'_> {
             Hit::Skin { triangle, weights, front } => {
                 let skin = &self.tracer.skin;
                 let base = skin.base_color(triangle, weights).truncate().as_dvec3();
-                let normal = frame(skin, triangle, weights)[0] * if front { 1.0 } else { -1.0 };
                 // The undercoat is the surface below hair: a matte layer of the roots' colour.
                 let (coat, wetness) = self.undercoat(triangle, weights);
+                let hair_normal = frame(skin, triangle, weights)[0];
+                let normal = bare_normal(skin, triangle, weights).lerp(hair_normal, coat).normalize_or(hair_normal);
+                let normal = normal * if front { 1.0 } else { -1.0 };
                 let [dry, wet] = self.material.root_colors;
                 let albedo = base * DVec3::ONE.lerp(dry.lerp(wet, wetness), coat);
                 Scatterer::Skin { albedo: albedo.clamp(DVec3::ZERO, DVec3::splat(MAX_SURFACE_ALBEDO)), normal }

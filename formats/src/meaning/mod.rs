@@ -4,6 +4,7 @@
 //! The runtime's shaders implement the same in WGSL. Its tests compare the shader, the function and an f64 reference.
 //! The functions for points of hair accept f32 and f64, because single hairs seen from afar can only be traced in f64.
 
+mod bare_normal;
 mod direction;
 pub mod environment;
 mod far_layer;
@@ -24,6 +25,7 @@ mod tile_frame;
 mod view;
 mod visibility;
 
+pub use bare_normal::{decode_bare_normal, encode_bare_normal};
 pub use direction::{decode_direction, encode_direction};
 pub use far_layer::{far_layer_light, far_layer_light_coefficients};
 pub use fins::{FIN_CORNERS, LEANING_ROWS, fin_face, fin_opacity, fin_rows, row_heights};

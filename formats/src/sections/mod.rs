@@ -4,6 +4,7 @@
 //! list. A test compares the table of tags in `FORMAT.md` with it. `probe.rs` is a section that exists only in tests.
 
 pub(crate) mod animation;
+pub(crate) mod bare_normals;
 pub(crate) mod fibres;
 pub(crate) mod fins;
 pub(crate) mod hair;
@@ -36,6 +37,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &visibility::KIND,
     &roots::KIND,
     &openness::KIND,
+    &bare_normals::KIND,
     &simplified::KIND,
     &strands::KIND,
     &hair::KIND,

@@ -7,6 +7,7 @@ mod bodies;
 mod common;
 
 mod allocation;
+mod bare_normals;
 mod damage;
 mod fibres;
 mod golden;

@@ -1,6 +1,6 @@
 //! The `OPEN` section: round trip and rejected contents.
 
-use crate::common::sample_package;
+use crate::common::{sample_package, sample_with};
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::*;
 
@@ -11,20 +11,9 @@ fn vertices() -> Vec<Openness> {
     (0..count).map(|i| Openness { share: i as f32 / count as f32, tangential: [0.5, -0.25] }).collect()
 }
 
-/// Returns the sample package with an appended section.
-fn package(add: impl FnOnce(PackageWriter<'_>) -> PackageWriter<'_>) -> Result<Vec<u8>, FormatError> {
-    let bytes = sample_package();
-    let package = Package::open(&bytes, &Limits::default())?;
-    let mut writer = PackageWriter::new(package.manifest().clone());
-    for (index, section) in package.sections().iter().enumerate().skip(1) {
-        writer = writer.section(section.tag, package.section_bytes(index)?);
-    }
-    add(writer).finish()
-}
-
 #[test]
 fn openness_survives_a_round_trip() {
-    let bytes = package(|writer| writer.openness(&vertices())).unwrap();
+    let bytes = sample_with(|writer| writer.openness(&vertices())).unwrap();
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
     let expected: Vec<u8> = vertices().iter().flat_map(|v| [(v.share * 255.0).round() as u8, 63, 225, 0]).collect();
@@ -36,7 +25,7 @@ fn openness_survives_a_round_trip() {
 #[test]
 fn openness_contents_are_checked() {
     let count = vertices().len();
-    let reason = |bytes: Vec<u8>| package(|writer| writer.section(Tag::OPENNESS, bytes)).unwrap_err().to_string();
+    let reason = |bytes: Vec<u8>| sample_with(|writer| writer.section(Tag::OPENNESS, bytes)).unwrap_err().to_string();
     let missing = reason(vec![0; 4 * count - 4]);
     assert!(missing.contains(&format!("expected {}, 4 for each of {count} vertices", 4 * count)), "{missing}");
     for (at, byte, what) in [(7, 1, "vertex 1 has bytes [0, 0, 0, 1]"), (1, 0x80, "vertex 0 has bytes [0, 128, 0, 0]")]
@@ -50,7 +39,7 @@ fn openness_contents_are_checked() {
 
 #[test]
 fn every_changed_byte_of_openness_is_detected() {
-    let bytes = package(|writer| writer.openness(&vertices())).unwrap();
+    let bytes = sample_with(|writer| writer.openness(&vertices())).unwrap();
     let opened = Package::open(&bytes, &Limits::default()).unwrap();
     let section = opened.sections().iter().find(|s| s.tag == Tag::OPENNESS).unwrap();
     for at in section.offset..section.offset + section.length {

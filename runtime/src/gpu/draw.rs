@@ -26,7 +26,7 @@ pub(crate) struct Draw {
     /// Bind groups by number.
     pub(crate) groups: [Option<DrawBindGroup>; 4],
     /// Vertex buffers by slot.
-    pub(crate) vertices: [Option<wgpu::Buffer>; 4],
+    pub(crate) vertices: [Option<wgpu::Buffer>; 5],
     /// Index buffer of 32-bit indices; `None` for a non-indexed draw.
     pub(crate) indices: Option<wgpu::Buffer>,
     /// Range of indices, or of vertices for a non-indexed draw.

@@ -43,6 +43,8 @@ pub(crate) fn load(
     let opened = package.openness()?.map(|openness| with_openness(mesh.attributes, openness));
     let stream = opened.as_deref().unwrap_or(mesh.attributes);
     let attributes = uploader.buffer("attributes", stream, Usage::VERTEX | Usage::STORAGE)?;
+    let bare_normals = package.bare_normals()?;
+    let bare_normals = bare_normals.map(|bytes| uploader.buffer("bare normals", bytes, Usage::VERTEX)).transpose()?;
     let skin = if skinned { Some(uploader.buffer("skin", mesh.skin, Usage::STORAGE)?) } else { None };
     let morphs = package.morphs()?.filter(|morphs| skinned && !morphs.deltas.is_empty());
     let morph_buffers = match &morphs {
@@ -56,7 +58,8 @@ pub(crate) fn load(
     let lists = [mesh.indices, simplified.map_or(&[][..], |lists| lists.indices)].concat();
     let indices = uploader.buffer("indices", &lists, Usage::INDEX)?;
     let of_morphs = morph_buffers.iter().flat_map(|m| [&m.first, &m.deltas]).map(Some);
-    let buffers = [Some(&geometry), Some(&attributes), skin.as_ref(), Some(&indices)].into_iter().chain(of_morphs);
+    let buffers = [Some(&geometry), Some(&attributes), bare_normals.as_ref(), skin.as_ref(), Some(&indices)];
+    let buffers = buffers.into_iter().chain(of_morphs);
     let mut gpu_bytes: u64 = buffers.flatten().map(wgpu::Buffer::size).sum();
 
     let sampler = |label, v, anisotropy| {
@@ -178,6 +181,7 @@ pub(crate) fn load(
         animation,
         geometry,
         attributes,
+        bare_normals,
         skin,
         morphs: morph_buffers,
         indices,

@@ -24,6 +24,8 @@ pub(super) struct Resources {
     pub(super) animation: Option<Arc<Animation>>,
     pub(super) geometry: wgpu::Buffer,
     pub(super) attributes: wgpu::Buffer,
+    /// Normals of bare surface, if they differ from those of the hair.
+    pub(super) bare_normals: Option<wgpu::Buffer>,
     pub(super) skin: Option<wgpu::Buffer>,
     pub(super) morphs: Option<MorphBuffers>,
     pub(super) indices: wgpu::Buffer,
@@ -180,6 +182,10 @@ impl Model {
 
     pub(crate) fn attributes(&self) -> &wgpu::Buffer {
         &self.resources.attributes
+    }
+
+    pub(crate) fn bare_normals(&self) -> Option<&wgpu::Buffer> {
+        self.resources.bare_normals.as_ref()
     }
 
     pub(crate) fn skin(&self) -> Option<&wgpu::Buffer> {

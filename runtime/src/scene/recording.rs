@@ -95,7 +95,7 @@ impl Recording<'_> {
             draws.push(Draw {
                 pipeline,
                 groups: [at.clone(), DrawBindGroup::of(&part.material), hair.clone(), None],
-                vertices: [Some(seen.moved.geometry.clone()), Some(seen.model.attributes().clone()), None, None],
+                vertices: [Some(seen.moved.geometry.clone()), Some(seen.model.attributes().clone()), None, None, None],
                 indices: Some(seen.model.indices().clone()),
                 range: range.clone(),
                 instances: layers.clone(),

@@ -51,6 +51,10 @@ pub(crate) const ATTRIBUTE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = [
     attribute(8, wgpu::VertexFormat::Unorm8x4, offset_of!(AttributeVertex, groom)),
 ];
 
+/// Vertex stream of a model's bare normals, for passes that light bare surface.
+pub(crate) const BARE_NORMALS: VertexLayout =
+    VertexLayout::of::<[i16; 2]>(&[attribute(13, wgpu::VertexFormat::Snorm16x2, 0)]);
+
 /// Maximum number of storage buffers that strand passes bind at once.
 const STRAND_BUFFERS: u32 = 7;
 

@@ -50,6 +50,15 @@ override LEAN: bool = false;
 // Whether at least one vertex has hair of another length than the tile's.
 override SHORT: bool = false;
 
+// Returns the vertex with the normal by which bare surface is lit. `bare`: its components along +u and +v of the tile.
+fn with_bare_normal(v: Vertex, bare: vec2<f32>) -> Vertex {
+    let tile = tile_frame(normalize_or(v.normal, vec3(0.0, 1.0, 0.0)), v.tangent.xyz, v.tangent.w);
+    let along = sqrt(max(1.0 - dot(bare, bare), 0.0));
+    var out = v;
+    out.normal = tile.tangent_ws * bare.x + tile.bitangent_ws * bare.y + tile.normal_ws * along;
+    return out;
+}
+
 // Returns the unit normal of a vertex in world space.
 fn normal_ws(v: Vertex) -> vec3<f32> {
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * v.normal;

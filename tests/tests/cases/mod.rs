@@ -2,3 +2,4 @@
 
 mod hair;
 mod import;
+mod normals;

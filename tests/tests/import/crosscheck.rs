@@ -204,7 +204,7 @@ fn morphed_package_matches_its_gltf_file() {
     for name in MORPHED {
         let path = data.join("meshes").join(name);
         let model = read_model(&path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
-        let text = "[hair]\ncoat = \"natural\"\nstyle = \"straight\"\ndensity = 10\n";
+        let text = "[hair]\ncoat = \"natural\"\nstyle = \"straight\"\ndensity = 10\n[surface]\nrounded = false\n";
         let recipe = Recipe::parse_recorded("test", text).unwrap();
         let baked = bake(&BakeInput::new(name, name, &recipe, &MapImages::default()), &model, &mut |_| ()).unwrap();
         let package = Package::open(&baked.package, &Limits::default()).unwrap();

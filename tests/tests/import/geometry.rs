@@ -280,16 +280,33 @@ const OCTAHEDRON: [[[f32; 3]; 3]; 8] = {
 };
 
 #[test]
-fn missing_normals_are_smooth_over_equal_positions() {
+fn missing_normals_are_flat() {
     let mut doc = Doc::new();
     let position = doc.floats(OCTAHEDRON.as_flattened().as_flattened(), "VEC3");
     doc.show(json!({"attributes": {"POSITION": position}}));
     let model = doc.model();
-    // By symmetry, the mean normal at a corner points away from the centre; flat normals would be (±1,±1,±1)/√3.
-    for (p, n) in model.mesh.positions.iter().zip(&model.mesh.normals) {
-        assert_near(*n, p.to_array());
+    for (triangle, corners) in model.mesh.triangles.iter().zip(OCTAHEDRON) {
+        // (±1, ±1, ±1) / √3.
+        let face = corners.map(Vec3::from).iter().sum::<Vec3>() / 3f32.sqrt();
+        for v in triangle {
+            assert_near(model.mesh.normals[*v as usize], face.to_array());
+        }
     }
     assert!(model.warnings.is_empty());
+}
+
+#[test]
+fn missing_normals_are_smooth_where_facets_do_not_show() {
+    // A bowl of one metre that is a millimetre deep, with shared vertices.
+    let rim = [[1., 0., 0.], [0., 0., -1.], [-1., 0., 0.], [0., 0., 1.]];
+    let positions = [&[[0., -0.001, 0.]], &rim[..]].concat();
+    let mut doc = Doc::new();
+    let position = doc.floats(positions.as_flattened(), "VEC3");
+    let indices = doc.accessor(&[0_u8, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1], U8, "SCALAR", 12);
+    doc.show(json!({"attributes": {"POSITION": position}, "indices": indices}));
+    let mesh = doc.model().mesh;
+    assert_eq!(mesh.positions.len(), 5, "no vertex is split");
+    assert_near(mesh.normals[0], [0., 1., 0.]);
 }
 
 #[test]

@@ -58,11 +58,16 @@ pub(super) fn used_vertices(mesh: &Mesh) -> usize {
     used.into_iter().filter(|u| *u).count()
 }
 
+/// Cosine of the angle between two normals below which an edge is hard: 2°. Surface with less is lit by the joined
+/// normals.
+const SAME_COSINE: f32 = 0.999_39;
+
 /// Gives all furred vertices at one position the same normal, so that the shells above a seam or a hard edge stay
 /// closed.
 ///
 /// The mean is weighted by the angle of each triangle at the vertex, so it does not depend on the triangulation. Hair
-/// has no creases, so flat-shaded input is smoothed as well. Bare parts keep their normals.
+/// has no creases, so flat-shaded input is smoothed as well. Bare parts keep their normals. If an edge is hard,
+/// [`Mesh::bare_normals`] keeps the normals of the input.
 ///
 /// `faces`: triangles of points at rest, with one index per position. Only vertices that also agree in the mesh's own
 /// space are averaged, because two touching rigid parts have different spaces.
@@ -79,9 +84,13 @@ pub(super) fn smooth_normals_over_seams(mesh: &mut Mesh, faces: &[[u32; 3]], fur
             corners.push((a, key));
         }
     }
+    let own = mesh.normals.clone();
     for (vertex, key) in corners {
         if let Some(normal) = sums.get(&key).and_then(|sum| sum.try_normalize()) {
             mesh.normals[vertex] = normal;
         }
+    }
+    if mesh.normals.iter().zip(&own).any(|(joined, own)| joined.dot(*own) < SAME_COSINE) {
+        mesh.bare_normals = own;
     }
 }

@@ -264,6 +264,17 @@ pub fn sample_package_v2() -> Vec<u8> {
     all_sections(writer, 2).finish().unwrap()
 }
 
+/// Returns the sample package with an appended section.
+pub fn sample_with(add: impl FnOnce(PackageWriter<'_>) -> PackageWriter<'_>) -> Result<Vec<u8>, FormatError> {
+    let bytes = sample_package();
+    let package = Package::open(&bytes, &Limits::default())?;
+    let mut writer = PackageWriter::new(package.manifest().clone());
+    for (index, section) in package.sections().iter().enumerate().skip(1) {
+        writer = writer.section(section.tag, package.section_bytes(index)?);
+    }
+    add(writer).finish()
+}
+
 /// Returns a package with every kind of section: the sections of version 2, those added since, one with an unknown tag,
 /// and the far layer in the shell textures.
 pub fn sample_package() -> Vec<u8> {

@@ -83,6 +83,16 @@ const STORED_WIDTH: f32 = 0.25;
 
 @vertex
 fn vs_ink(v: Vertex, ink: InkVertex) -> InkVarying {
+    return ink_varying(v, ink);
+}
+
+// The same for a model with bare normals.
+@vertex
+fn vs_ink_with_normals(v: Vertex, ink: InkVertex, @location(13) bare: vec2<f32>) -> InkVarying {
+    return ink_varying(with_bare_normal(v, bare), ink);
+}
+
+fn ink_varying(v: Vertex, ink: InkVertex) -> InkVarying {
     let position = position_ws(v);
     var out: InkVarying;
     out.position = frame.clip_from_world * vec4(position, 1.0);

@@ -8,6 +8,7 @@ use crate::hair::material_constants;
 use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{Recording, VisibleInstance, depth_compare, has_strokes, ink_surface_wgsl};
+use crate::surface::BARE_NORMALS;
 use pelage_formats::{GeometryVertex, InkVertex};
 use std::mem::offset_of;
 
@@ -68,9 +69,12 @@ fn spec(
     constants.push(flag("FUR_STROKES", strokes && part.furred));
     let stored = [VertexLayout::of::<GeometryVertex>(&REST_ATTRIBUTES), VertexLayout::of::<InkVertex>(&INK_ATTRIBUTES)];
     let sides = [seen.look.mirrored, part.double_sided];
-    let mut spec = frame.picture_spec(SHADER, ["vs_ink", "fs_ink"], constants, sides, false);
+    let bare_normals = seen.model.bare_normals().is_some();
+    let vertex = if bare_normals { "vs_ink_with_normals" } else { "vs_ink" };
+    let mut spec = frame.picture_spec(SHADER, [vertex, "fs_ink"], constants, sides, false);
     spec.groups[2] = model_layout.clone();
     spec.streams.extend(stored);
+    spec.streams.extend(bare_normals.then_some(BARE_NORMALS));
     RenderSpec {
         colors: vec![NORMALS.format.into(), SURFACES.format.into()],
         depth: Some(depth_state(DEPTH.format, true, depth_compare(false, frame.options.reversed_depth))),
@@ -90,6 +94,7 @@ fn draws(frame: &mut Recording<'_>, index: usize, seen: &VisibleInstance) -> Vec
     for draw in &mut draws {
         draw.vertices[2] = Some(seen.model.geometry().clone());
         draw.vertices[3] = Some(ink.vertices.clone());
+        draw.vertices[4] = seen.model.bare_normals().cloned();
     }
     draws
 }

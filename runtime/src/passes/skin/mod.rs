@@ -6,6 +6,7 @@ use crate::hair::{groom_constants, hair_wgsl, material_constants};
 use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{Recording, VisibleInstance};
+use crate::surface::BARE_NORMALS;
 
 /// Shader of the `skin` pass.
 pub(crate) const SHADER: Shader =
@@ -33,11 +34,15 @@ fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part, furred: bool
     let mut constants = material_constants(part);
     constants.extend(look.lit_surface_constants());
     let sides = [look.mirrored, part.double_sided];
+    let bare_normals = model.bare_normals().is_some();
+    let stream = bare_normals.then_some(BARE_NORMALS);
     if !furred {
         constants.push(flag("ROLL_OFF", frame.params.style.kind() == StyleKind::Bare));
-        let mut spec = frame.picture_spec(SHADER, ["vs_bare", "fs_bare"], constants, sides, false);
+        let vertex = if bare_normals { "vs_bare_with_normals" } else { "vs_bare" };
+        let mut spec = frame.picture_spec(SHADER, [vertex, "fs_bare"], constants, sides, false);
         // Bare parts need no hair textures.
         spec.groups.truncate(2);
+        spec.streams.extend(stream);
         return spec;
     }
     constants.extend(groom_constants(model, part));
@@ -46,8 +51,12 @@ fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part, furred: bool
         flag("LEAN", model.varies().lean && look.coat),
         flag("PLANAR_DIRECTIONS", model.planar_directions()),
         flag("COAT", look.coat),
+        flag("BARE_NORMALS", bare_normals),
     ]);
-    frame.picture_spec(SHADER, ["vs_furred", "fs_furred"], constants, sides, false)
+    let vertex = if bare_normals { "vs_furred_with_normals" } else { "vs_furred" };
+    let mut spec = frame.picture_spec(SHADER, [vertex, "fs_furred"], constants, sides, false);
+    spec.streams.extend(stream);
+    spec
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {
@@ -58,7 +67,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     for seen in shown() {
         let groups = [frame.eye_group(seen), seen.fur()];
         let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part, part.furred && furry);
-        draws.extend(frame.part_draws(seen, |_| true, groups, 0..1, spec));
+        let mut of_parts = frame.part_draws(seen, |_| true, groups, 0..1, spec);
+        of_parts.iter_mut().for_each(|draw| draw.vertices[2] = seen.model.bare_normals().cloned());
+        draws.extend(of_parts);
     }
     if draws.is_empty() {
         return Outcome::Skipped(if instances.is_empty() { "no instances" } else { "nothing is in the picture" });

@@ -1,9 +1,11 @@
 //! uses debug/false_color, hair/coat, hair/hair, hair/vertex, light/baked, light/environment, light/fills, light/forms,
-//! light/key, light/point, light/visibility, shared/kajiya_kay, shared/tile_frame, surface/place
+//! light/key, light/point, light/visibility, shared/frame, shared/kajiya_kay, shared/tile_frame, surface/place
 // Opaque base mesh. Furred parts show the innermost hair layer; bare parts (eyes, hooves) are diffuse.
 
 // Whether light is compressed so that no channel exceeds white, as in the bare style.
 override ROLL_OFF: bool = false;
+// Bare surface has normals of its own.
+override BARE_NORMALS: bool = false;
 
 struct SkinVarying {
     @invariant @builtin(position) position: vec4<f32>,
@@ -23,6 +25,8 @@ struct SkinVarying {
     @location(9) normal_ws: vec3<f32>,
     @location(10) tangent: vec4<f32>,
     @location(11) open: vec3<f32>,
+    // Normal of bare surface, if BARE_NORMALS.
+    @location(12) bare_normal_ws: vec3<f32>,
 }
 
 // Returns the inputs of the fragment shader. `height`: height of the vertex above the surface, relative to the fur
@@ -52,6 +56,7 @@ fn skin_varying(v: Vertex, height: f32) -> SkinVarying {
     out.normal_ws = at.spot.normal_ws;
     out.tangent = at.spot.tangent;
     out.open = at.spot.open;
+    out.bare_normal_ws = at.spot.normal_ws;
     return out;
 }
 
@@ -61,8 +66,13 @@ fn vs_bare(v: Vertex) -> SkinVarying {
     return skin_varying(v, 0.0);
 }
 
+// The same for a model with bare normals.
 @vertex
-fn vs_furred(v: Vertex) -> SkinVarying {
+fn vs_bare_with_normals(v: Vertex, @location(13) bare: vec2<f32>) -> SkinVarying {
+    return skin_varying(with_bare_normal(v, bare), 0.0);
+}
+
+fn furred_varying(v: Vertex) -> SkinVarying {
     // The far fur layer rises to its final height while the layers above it fade.
     let height = instance.detail_next * instance.coat_height;
     var out = skin_varying(v, height);
@@ -70,6 +80,19 @@ fn vs_furred(v: Vertex) -> SkinVarying {
     let length = out.grows_length_slope.y;
     let slope = out.grows_length_slope.z;
     out.half_ts = half_or_factors(layer, length, slope, out.light_ts, out.half_ts, v.groom.y);
+    return out;
+}
+
+@vertex
+fn vs_furred(v: Vertex) -> SkinVarying {
+    return furred_varying(v);
+}
+
+// The same for a model with bare normals.
+@vertex
+fn vs_furred_with_normals(v: Vertex, @location(13) bare: vec2<f32>) -> SkinVarying {
+    var out = furred_varying(v);
+    out.bare_normal_ws = normal_ws(with_bare_normal(v, bare));
     return out;
 }
 
@@ -159,7 +182,13 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     point.wetness = groom.y;
     point.arriving = arriving_at(0.0, light, in.half_ts, through, past);
     point.baked = baked;
-    let bare = bare_color(base.rgb, light.z, visible * visible_past_strands(baked, light), spot, side);
+    var bare_spot = spot;
+    var n_dot_l = light.z;
+    if BARE_NORMALS {
+        bare_spot.normal_ws = in.bare_normal_ws;
+        n_dot_l = dot(in.bare_normal_ws, direction_to(frame.light_ws, in.position_ws)) * side;
+    }
+    let bare = bare_color(base.rgb, n_dot_l, visible * visible_past_strands(baked, light), bare_spot, side);
     // The bake writes an opaque innermost layer. If a package's layer is not opaque, the bare surface shows between the
     // hairs.
     let ambient = ambient_attenuation(0.0, instance.ambient_floor);

@@ -66,7 +66,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         draws.push(Draw {
             pipeline: frame.pipeline(spec),
             groups: [frame.eye_group(seen), None, None, None],
-            vertices: [Some(ribbons.corners.clone()), None, None, None],
+            vertices: [Some(ribbons.corners.clone()), None, None, None, None],
             indices: Some(indices.clone()),
             range: 0..0,
             instances: 0..1,
