@@ -7,6 +7,7 @@
 //!
 //! * If a mesh of the scene has a skin, or a clip moves a mesh, every vertex is bound to joints and stays in mesh
 //!   space. The only joint of a rigid part is its node. Otherwise all vertices are in world space, without animation.
+//! * VRM 0.x models are turned by 180° about y, so that they look along +z.
 //! * If normals are missing, smooth ones without creases are computed. glTF requires flat normals, which would split
 //!   the fur at every edge.
 //! * Vertices of a skin without any weight follow the first joint that they name. Of more than four weights, the
