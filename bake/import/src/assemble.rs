@@ -2,6 +2,7 @@
 
 use super::clips;
 use super::comb_lines;
+use super::hidden;
 use super::json::JsonNode;
 use super::morphs;
 use super::options::ImportOptions;
@@ -108,7 +109,9 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let animation = moving.then(|| {
         let joints =
             joints.list.iter().map(|(node, bind)| Joint { node: number(*node), inverse_bind: *bind }).collect();
-        Animation { nodes, joints, clips, morphs: MorphMotion { targets, channels } }
+        let mut animation = Animation { nodes, joints, clips, morphs: MorphMotion { targets, channels } };
+        hidden::snap_hidden_scales(&mut animation);
+        animation
     });
     let rest = RestPose::of(&mesh, animation.as_ref());
     check_finite(&rest, &places)?;

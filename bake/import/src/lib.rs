@@ -7,6 +7,8 @@
 //!
 //! * If a mesh of the scene has a skin, or a clip moves a mesh, every vertex is bound to joints and stays in mesh
 //!   space. The only joint of a rigid part is its node. Otherwise all vertices are in world space, without animation.
+//! * Areas and lengths are those at rest. Nodes hidden at rest by a scale of zero, or below 2% of their largest, have
+//!   the largest scale of their clips instead ([`crate::mesh::RestPose::pose`]).
 //! * VRM 0.x models are turned by 180° about y, so that they look along +z.
 //! * If normals are missing, smooth ones without creases are computed. glTF requires flat normals, which would split
 //!   the fur at every edge.
@@ -35,6 +37,7 @@ mod elements;
 pub mod error;
 mod extensions;
 pub mod guides;
+mod hidden;
 pub mod image_file;
 mod json;
 mod lines;

@@ -1,5 +1,6 @@
 //! Output of `import`: one triangle mesh, with its materials, images and animation.
 
+use crate::hidden;
 use glam::{Mat3, Vec2, Vec3};
 use pelage_formats::meaning::{skin_matrix, transform_normal};
 use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
@@ -209,9 +210,13 @@ impl RestPose {
         let Some(animation) = animation.filter(|_| !mesh.skin.is_empty()) else {
             return Self { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
         };
-        let mut pose = Pose::default();
-        pose.sample(animation, None, 0.0);
-        Self::posed(mesh, &pose)
+        Self::posed(mesh, &Self::pose(animation))
+    }
+
+    /// Returns the skeleton's pose at rest. Nodes that are hidden at rest by a scale of zero have the largest scale that
+    /// they reach in any clip, so that hair fits them where they are visible.
+    pub fn pose(animation: &Animation) -> Pose {
+        hidden::measured_pose(animation)
     }
 
     /// Poses a skinned `mesh`: the CPU twin of the runtime's `pose` pass.

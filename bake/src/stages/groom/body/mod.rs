@@ -23,7 +23,7 @@ pub(super) use bare::furred_faces;
 use glam::Vec3;
 pub use input::Body;
 use parts::{PartGroom, Region};
-use pelage_formats::Pose;
+use pelage_import::mesh::RestPose;
 pub(super) use welded_mesh::WeldedMesh;
 
 /// Width of the smoothing over the surface, in body radii.
@@ -181,8 +181,7 @@ fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) ->
         of_nodes[*node] == Region::Head && parent != Some(&Region::Head)
     };
     if let Some(head) = (0..animation.nodes.len()).find(is_root) {
-        let mut pose = Pose::default();
-        pose.sample(animation, None, 0.0);
+        let pose = RestPose::pose(animation);
         let joint = pose.nodes.get(head).map(|node| to_skin(node.w_axis.truncate()));
         joint.into_iter().for_each(|joint| split_muzzle(skin, joint, &mut parts));
     }
