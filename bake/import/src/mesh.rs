@@ -144,8 +144,14 @@ pub enum Feature {
     EyeRims,
     /// Claws.
     Claws,
+    /// Pairs of small dark patches in the face, and what they enclose.
+    Eyes,
+    /// Connected components inside the head: eyeballs, teeth and tongue.
+    InHead,
     /// Surface shown by a node or mesh with this name.
     Named(String),
+    /// Surface that follows a joint with this name.
+    Joint(String),
 }
 
 impl Feature {
@@ -155,7 +161,9 @@ impl Feature {
             Self::Nose => "nose",
             Self::EyeRims => "eye rims",
             Self::Claws => "claws",
-            Self::Named(name) => name,
+            Self::Eyes => "eyes",
+            Self::InHead => "in the head",
+            Self::Named(name) | Self::Joint(name) => name,
         }
     }
 }

@@ -110,6 +110,7 @@ pub fn groom_map(
     pipeline::make(input, &mut outputs, Output::Groomed, &mut |_| ())?;
     let missing = || BakeError::Internal("the model has no surface or no groom, expected both".into());
     let (laid, groomed) = (outputs.laid.as_ref().ok_or_else(missing)?, outputs.groomed.as_ref().ok_or_else(missing)?);
+    let model = laid.model(model);
     let over = coordinates.unwrap_or_else(|| usual_coordinates(input, laid));
     let ground = match over {
         GroomCoordinates::Atlas => MapLayout::of_atlas(ModelAtlas::new(input.file, model)?, texels),

@@ -20,6 +20,8 @@ use std::collections::BTreeSet;
 /// Output of the `surface` stage.
 #[derive(Clone, Debug)]
 pub struct Layout<'a> {
+    /// Model with the materials that `model.bare` splits along nodes and joints; `None` if it splits none.
+    split: Option<Model>,
     /// Mesh with hair-tile coordinates.
     pub surface: Surface,
     /// Box and sphere around the mesh at rest.
@@ -44,6 +46,13 @@ pub struct Layout<'a> {
     pub warnings: Vec<String>,
 }
 
+impl Layout<'_> {
+    /// Returns the model that was laid out, made from the imported one.
+    pub fn model<'m>(&'m self, imported: &'m Model) -> &'m Model {
+        self.split.as_ref().unwrap_or(imported)
+    }
+}
+
 /// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of
 /// [`BakeInput`](super::BakeInput).
 ///
@@ -56,6 +65,8 @@ pub fn lay_out_model<'a>(
     recipe: &'a Recipe,
     images: &'a MapImages,
 ) -> Result<Layout<'a>, BakeError> {
+    let split = recipe.model.bare.as_deref().and_then(|bare| groom::split_listed(model, bare));
+    let model = split.as_ref().unwrap_or(model);
     let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let bounds = groom::bounds(&rest);
@@ -125,7 +136,7 @@ pub fn lay_out_model<'a>(
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Layout { surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
+    Ok(Layout { split, surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
 }
 
 /// Returns the decision to comb hair along the lines drawn in the model; `None` if the recipe decides, or if there are

@@ -76,7 +76,8 @@ pub(super) fn single(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result
 }
 
 pub(super) fn groom(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (model, laid, recipe) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?, input.recipe);
+    let (laid, recipe) = (required(&outputs.laid, Layout)?, input.recipe);
+    let model = laid.model(required(&outputs.model, Model)?);
     let self::Layout { bounds, furred, maps, .. } = laid;
     let mut surface = laid.surface.clone();
     let pattern = Pattern::new(&recipe.color, input.images, bounds)?;
@@ -135,8 +136,8 @@ fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
 }
 
 pub(super) fn guided(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (model, laid, groomed) =
-        (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
+    let (laid, groomed) = (required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
+    let model = laid.model(required(&outputs.model, Model)?);
     let ground = hair_groups::GroomTarget {
         file: input.file,
         mesh: &groomed.surface.mesh,
@@ -177,7 +178,8 @@ pub(super) fn scatter(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Resul
 }
 
 pub(super) fn ink(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (model, laid) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?);
+    let laid = required(&outputs.laid, Layout)?;
+    let model = laid.model(required(&outputs.model, Model)?);
     let self::Groomed { surface, .. } = &**required(&outputs.groomed, Groomed)?;
     let (mesh, rest, radius) = (&surface.mesh, &surface.rest, laid.bounds.radius);
     let canvas = InkTarget { mesh, rest, radius, materials: &model.materials, images: input.images };
@@ -200,7 +202,8 @@ pub(super) fn ink_textures(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> 
 }
 
 pub(super) fn skin(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
-    let (model, laid) = (required(&outputs.model, Model)?, required(&outputs.laid, Layout)?);
+    let laid = required(&outputs.laid, Layout)?;
+    let model = laid.model(required(&outputs.model, Model)?);
     let (hair, groomed, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.groomed, Groomed)?, input.recipe);
     let images = SkinImages { groomed: groomed.clone(), pack: recipe.pack.clone() };
     let files = outputs.kept.skin.make(images, SkinFiles::encode)?;

@@ -23,6 +23,7 @@ pub(super) use bare::furred_faces;
 use glam::Vec3;
 pub use input::Body;
 use parts::{PartGroom, Region};
+use pelage_formats::Animation;
 use pelage_import::mesh::RestPose;
 pub(super) use welded_mesh::WeldedMesh;
 
@@ -145,6 +146,13 @@ fn relative_thickness(skin: &WeldedMesh, furred: &[bool]) -> Vec<f32> {
     let place = |t: f32| libm::logf((t / thickest).max(1e-6));
     let [low, high] = THIN.map(libm::logf);
     thickness.into_iter().map(|t| t.map_or(1.0, |t| smooth_step(low, high, place(t)))).collect()
+}
+
+/// Returns for each joint whether it moves the head, the face or the muzzle.
+pub(super) fn are_joints_of_head(animation: &Animation) -> Vec<bool> {
+    let regions = regions::of_nodes(animation);
+    let is_head = |region: &Region| matches!(region, Region::Head | Region::Face | Region::Muzzle);
+    animation.joints.iter().map(|joint| regions.get(joint.node as usize).is_some_and(is_head)).collect()
 }
 
 /// Returns the weights of all body parts at each welded vertex; they sum to 1.

@@ -1,0 +1,3 @@
+//! Small inputs that once went wrong, each with the right result.
+
+mod rest;
