@@ -2,6 +2,7 @@
 
 use super::clips;
 use super::comb_lines;
+use super::hidden;
 use super::json::JsonNode;
 use super::morphs;
 use super::normals;
@@ -13,7 +14,7 @@ use super::skin::Joints;
 use super::source::Source;
 use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, NamedPosition, RestPose};
-use glam::{Mat3, Mat4, Vec3};
+use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::meaning::transform_normal;
 use pelage_formats::{Animation, Joint, MorphMotion, Node, SkinVertex};
 use std::collections::BTreeMap;
@@ -56,7 +57,8 @@ impl Instance<'_> {
 /// Reads the scene of a glTF document into a `Model`.
 pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) -> Result<Model, BakeError> {
     let tree = Tree::read(source)?;
-    let root = Mat4::from_scale(Vec3::splat(options.unit_m));
+    let turn = source.forward_turn();
+    let root = Mat4::from_scale(Vec3::splat(options.unit_m)) * Mat4::from_quat(turn);
     let mut gathered = MeshTotals::default();
     let mut joints = Joints::default();
     let instances = instances(source, &tree, &mut gathered, &mut joints)?;
@@ -77,7 +79,7 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
             followed.push(joint_range(&mut joints, &tree, instance, primitive)?);
         }
     }
-    let (numbers, nodes) = number_nodes(&tree, &joints, options);
+    let (numbers, nodes) = number_nodes(&tree, &joints, options.unit_m, turn);
     let number = |node: usize| numbers.get(node).copied().flatten().unwrap_or_default();
     let mut morphed = morphs::ModelMorphs::new();
     let first_targets = instances.iter().map(|instance| instance.first_target(&tree, &mut morphed, number));
@@ -108,7 +110,9 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let animation = moving.then(|| {
         let joints =
             joints.list.iter().map(|(node, bind)| Joint { node: number(*node), inverse_bind: *bind }).collect();
-        Animation { nodes, joints, clips, morphs: MorphMotion { targets, channels } }
+        let mut animation = Animation { nodes, joints, clips, morphs: MorphMotion { targets, channels } };
+        hidden::snap_hidden_scales(&mut animation);
+        animation
     });
     let rest = RestPose::of(&mesh, animation.as_ref());
     check_finite(&rest, &places)?;
@@ -219,8 +223,8 @@ fn joint_range<'a>(
 }
 
 /// Numbers the nodes of the joints and their ancestors, parents first. Adds a root node if the model's unit is not the
-/// metre.
-fn number_nodes(tree: &Tree<'_>, joints: &Joints, options: &ImportOptions) -> (Vec<Option<u32>>, Vec<Node>) {
+/// metre, or if the model is turned.
+fn number_nodes(tree: &Tree<'_>, joints: &Joints, unit_m: f32, turn: Quat) -> (Vec<Option<u32>>, Vec<Node>) {
     let mut kept = vec![false; tree.nodes.len()];
     for (node, _) in &joints.list {
         for ancestor in tree.lineage(*node) {
@@ -231,10 +235,9 @@ fn number_nodes(tree: &Tree<'_>, joints: &Joints, options: &ImportOptions) -> (V
     }
     let mut nodes = Vec::new();
     let mut unit_root = None;
-    if options.unit_m != 1.0 {
-        let scale = [options.unit_m; 3];
-        let name = "unit".to_owned();
-        nodes.push(Node { name, parent: None, translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale });
+    if unit_m != 1.0 || turn != Quat::IDENTITY {
+        let (name, scale) = ("unit".to_owned(), [unit_m; 3]);
+        nodes.push(Node { name, parent: None, translation: [0.0; 3], rotation: turn.into(), scale });
         unit_root = Some(0);
     }
     let mut numbers: Vec<Option<u32>> = vec![None; tree.nodes.len()];

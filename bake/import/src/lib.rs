@@ -9,6 +9,9 @@
 //!   space. The only joint of a rigid part is its node. Otherwise all vertices are in world space, without animation.
 //! * If a glTF part has no normals, they are flat, as glTF requires. They are smooth where that looks the same, and in
 //!   an OBJ. The stage `surface` joins the normals of hair at edges.
+//! * Areas and lengths are those at rest. Nodes hidden at rest by a scale of zero, or below 2% of their largest, have
+//!   the largest scale of their clips instead ([`crate::mesh::RestPose::pose`]).
+//! * VRM 0.x models are turned by 180° about y, so that they look along +z.
 //! * Vertices of a skin without any weight follow the first joint that they name. Of more than four weights, the
 //!   largest four are kept.
 //! * Nodes hidden by `KHR_node_visibility` are left out with their descendants.
@@ -38,6 +41,7 @@ mod elements;
 pub mod error;
 mod extensions;
 pub mod guides;
+mod hidden;
 pub mod image_file;
 mod json;
 mod lines;

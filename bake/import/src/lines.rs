@@ -51,13 +51,14 @@ struct LineStrands {
 /// Reads the lines of the scene, in world space.
 pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeError> {
     let tree = Tree::read(source)?;
-    let world = tree.world(Mat4::IDENTITY);
+    let root = Mat4::from_quat(source.forward_turn());
+    let world = tree.world(root);
     let mut found = LineStrands::default();
     if tree.nodes.is_empty() {
         // In a document without nodes every mesh is shown without a transform, as in models.
         if let Some(meshes) = source.root.get("meshes") {
             for at in meshes.entries()? {
-                read_mesh(source, &mut found, &at, Mat4::IDENTITY)?;
+                read_mesh(source, &mut found, &at, root)?;
             }
         }
     }
@@ -67,7 +68,7 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
         let (_, mesh) = source.root.follow("meshes", &reference)?;
         // A skin determines the positions of its vertices, whatever the node's transform (glTF 2.0, section 3.7.3.3).
         // At rest, a skin mostly leaves the vertices in place, so its joints are ignored.
-        let placed = if at.get("skin").is_some() { Mat4::IDENTITY } else { world[node] };
+        let placed = if at.get("skin").is_some() { root } else { world[node] };
         read_mesh(source, &mut found, &mesh, placed)?;
     }
     let LineStrands { guides, others, .. } = found;

@@ -1,5 +1,6 @@
 //! Output of `import`: one triangle mesh, with its materials, images and animation.
 
+use crate::hidden;
 use glam::{Mat3, Vec2, Vec3};
 use pelage_formats::meaning::{skin_matrix, transform_normal};
 use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
@@ -146,8 +147,14 @@ pub enum Feature {
     EyeRims,
     /// Claws.
     Claws,
+    /// Pairs of small dark patches in the face, and what they enclose.
+    Eyes,
+    /// Connected components inside the head: eyeballs, teeth and tongue.
+    InHead,
     /// Surface shown by a node or mesh with this name.
     Named(String),
+    /// Surface that follows a joint with this name.
+    Joint(String),
 }
 
 impl Feature {
@@ -157,7 +164,9 @@ impl Feature {
             Self::Nose => "nose",
             Self::EyeRims => "eye rims",
             Self::Claws => "claws",
-            Self::Named(name) => name,
+            Self::Eyes => "eyes",
+            Self::InHead => "in the head",
+            Self::Named(name) | Self::Joint(name) => name,
         }
     }
 }
@@ -212,9 +221,13 @@ impl RestPose {
         let Some(animation) = animation.filter(|_| !mesh.skin.is_empty()) else {
             return Self { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
         };
-        let mut pose = Pose::default();
-        pose.sample(animation, None, 0.0);
-        Self::posed(mesh, &pose)
+        Self::posed(mesh, &Self::pose(animation))
+    }
+
+    /// Returns the skeleton's pose at rest. Nodes that are hidden at rest by a scale of zero have the largest scale that
+    /// they reach in any clip, so that hair fits them where they are visible.
+    pub fn pose(animation: &Animation) -> Pose {
+        hidden::measured_pose(animation)
     }
 
     /// Poses a skinned `mesh`: the CPU twin of the runtime's `pose` pass.

@@ -5,8 +5,8 @@ use super::scene::mirrors;
 
 use crate::mesh::{Mesh, RestPose};
 use glam::DVec3;
+use pelage_formats::Animation;
 use pelage_formats::meaning::skin_matrix;
-use pelage_formats::{Animation, Pose};
 
 /// Flips parts that the skeleton's rest pose mirrors, then parts whose triangles still face against their normals.
 ///
@@ -20,10 +20,7 @@ pub(super) fn face_outward(
     rest: &RestPose,
     authored: &[bool],
 ) {
-    let mut pose = Pose::default();
-    if let Some(animation) = animation {
-        pose.sample(animation, None, 0.0);
-    }
+    let pose = animation.map(RestPose::pose).unwrap_or_default();
     for (part, authored) in mesh.parts.iter().zip(authored) {
         let triangles = &mut mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
         if animation.is_some() {

@@ -22,8 +22,9 @@ use std::sync::Arc;
 /// Output of the `surface` stage.
 #[derive(Clone, Debug)]
 pub struct Layout<'a> {
-    /// Model whose coarse furred surface is rounded; `None` if the imported model has none.
-    pub rounded: Option<Arc<Model>>,
+    /// Model with the materials that `model.bare` splits along nodes and joints, and with coarse furred surface rounded;
+    /// `None` if neither changes the imported model.
+    changed: Option<Arc<Model>>,
     /// Mesh with hair-tile coordinates.
     pub surface: Surface,
     /// Box and sphere around the mesh at rest.
@@ -49,9 +50,9 @@ pub struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// Returns the model that is laid out. `imported`: the model that the layout was made from.
+    /// Returns the model that was laid out. `imported`: the model that the layout was made from.
     pub fn model<'m>(&'m self, imported: &'m Model) -> &'m Model {
-        self.rounded.as_deref().unwrap_or(imported)
+        self.changed.as_deref().unwrap_or(imported)
     }
 }
 
@@ -67,6 +68,8 @@ pub fn lay_out_model<'a>(
     recipe: &'a Recipe,
     images: &'a MapImages,
 ) -> Result<Layout<'a>, BakeError> {
+    let split = recipe.model.bare.as_deref().and_then(|bare| groom::split_listed(model, bare)).map(Arc::new);
+    let model = split.as_deref().unwrap_or(model);
     let mut warnings = model.warnings.clone();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let FurredMaterials { furred, bare, decision } =
@@ -149,7 +152,8 @@ pub fn lay_out_model<'a>(
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
-    Ok(Layout { rounded, surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
+    let changed = rounded.or(split);
+    Ok(Layout { changed, surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
 }
 
 /// Reports that coarse surface was rounded.

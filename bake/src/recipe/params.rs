@@ -17,12 +17,14 @@ params! {
         /// Length of one unit of the model, metres. glTF uses metres; set this if the exporter used another unit, and
         /// for OBJ, which does not define one.
         unit_m: f32 = 1.0, in ImportOptions::UNIT_M;
-        /// Names of materials where no hair grows, such as eyes and hooves. `*` matches any characters, `?` one; with
-        /// `[]`, hair grows everywhere. If left out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and
-        /// clothes are detected by the names of materials, nodes and meshes in eight languages. Small parts are also
-        /// detected by gloss or by the shape of eyes. If in doubt, hair grows; the bake reports what it detected. Bare
-        /// parts of a furred material get their own names, such as `Black/nose` or `Main/Eye_L`: a nose, eye rims,
-        /// claws, and parts named by a node or mesh. `Black` matches all of them.
+        /// Names of materials, nodes, meshes and joints where no hair grows, such as eyes and hooves. A joint's name
+        /// includes the joints below it. `*` matches any characters, `?` one; with `[]`, hair grows everywhere. If left
+        /// out, eyes, teeth, tongues, noses, claws, hooves, horns, beaks and clothes are detected by the names of
+        /// materials, nodes, meshes and joints in eight languages. Small parts are also detected by gloss, by the shape
+        /// or colour of eyes, or because they are inside the head. If in doubt, hair grows; the bake reports what it
+        /// detected. Bare parts of a furred material get their own names, such as `Black/nose` or `Main/Eye_L`: a nose,
+        /// eyes, eye rims, claws, parts in the head, and parts named by a node, mesh or joint. `Black` matches all of
+        /// them.
         bare: Option<Vec<String>> = None;
     }
 }

@@ -11,7 +11,8 @@ use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::meaning::{normalize_or, posed, skin_matrix, tile_frame, to_tile};
-use pelage_formats::{Animation, MeshData, Pose};
+use pelage_formats::{Animation, MeshData};
+use pelage_import::mesh::RestPose;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::time::Duration;
@@ -28,10 +29,7 @@ const AWAY: f32 = 1e-3;
 /// Returns the openness of each vertex, with the triangles of the mesh as occluders. `hides` returns whether a triangle
 /// occludes; triangles with holes cut by a texture should not.
 pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(usize) -> bool) -> Vec<Openness> {
-    let mut pose = Pose::default();
-    if let Some(animation) = animation {
-        pose.sample(animation, None, 0.0);
-    }
+    let pose = animation.map(RestPose::pose).unwrap_or_default();
     let at_rest: Vec<_> = mesh
         .geometry
         .iter()

@@ -15,6 +15,7 @@ mod compare;
 mod demo;
 mod doctor;
 mod doctor_trial;
+mod empty_picture;
 mod environment;
 #[doc(hidden)]
 pub mod exit;

@@ -12,7 +12,7 @@ use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_formats::meaning::{hair_motion, srgb_to_linear};
 use pelage_runtime::{Camera, Frame, Light, PassReport, Projection};
-use pelage_stage::{CameraTrack, Stage};
+use pelage_stage::{CameraTrack, Stage, Viewpoint};
 use pelage_truth::{Lens, TrueCamera};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -96,7 +96,7 @@ impl PictureSeries {
         }
         let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
         if self.auto_rotate {
-            self.scene.look_from(self.shot.at(time_s).turned(angle_rad));
+            self.scene.look_from(self.view_of(index).0);
         }
         let turn_deg = if self.turn_light { angle_rad.to_degrees() } else { 0.0 };
         if self.turn_light {
@@ -115,6 +115,14 @@ impl PictureSeries {
         let told =
             if index == self.first { drawn } else { Picture { passes: Vec::new(), detail: Vec::new(), ..drawn } };
         Ok((told, pixels))
+    }
+
+    /// Returns the camera of the picture `index`, and its time in seconds.
+    pub fn view_of(&self, index: usize) -> (Viewpoint, f32) {
+        let time_s = self.time_s(index as i64 * self.moments());
+        let angle_rad = std::f32::consts::TAU * index as f32 / self.count as f32;
+        let camera = self.shot.at(time_s);
+        (if self.auto_rotate { camera.turned(angle_rad) } else { camera }, time_s)
     }
 
     /// Returns the number of simulated moments per picture, which gives at least [`MIN_SIMULATION_RATE`] moments per

@@ -1,6 +1,7 @@
 //! `pelage reference`: traces a reference image of a package with individual strands.
 
 use super::backdrop::lay_over_sky;
+use super::empty_picture::why_empty;
 use super::exit::{Exit, Failure};
 use super::guard::OutputFile;
 use super::job::Job;
@@ -12,6 +13,7 @@ use super::threads;
 use super::truth::{ReferenceTracer, encode};
 use super::view::PictureView;
 use super::view_args::ViewArgs;
+use glam::DMat4;
 use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::strands::GroomReport;
@@ -172,6 +174,10 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
         Format::Exr => exr(&picture)?,
     };
     io::write_atomic(&args.output, &bytes)?;
+    if picture.covered() == 0 && args.part.is_none() {
+        let why = why_empty(&[(truth.scene.skin(), DMat4::IDENTITY)], &truth.viewpoint(&view), view.size());
+        output.note(&format!("warning: the picture shows nothing: {why}"));
+    }
     report(args, output, &truth, &camera, &picture, (grown_s, seconds))
 }
 

@@ -1,5 +1,6 @@
 //! `pelage render`: draws a package or a scene into one picture, or a sequence of pictures.
 
+use super::empty_picture::why_empty;
 use super::exit::{Exit, Failure};
 use super::guard::OutputFile;
 use super::job::{ADAPTER, Job};
@@ -7,17 +8,20 @@ use super::journal::Key;
 use super::look_args::SamplesArgs;
 use super::output::Output;
 use super::package_file;
-use super::picture_series::{PassRun, PictureSeries};
+use super::picture_series::{PassRun, Picture, PictureSeries};
 use super::scene::{Scene, is_scene};
 use super::sequence::{DrawnPictures, Sink};
 use super::stages::{self, FurDetail, crowd};
 use super::view::PictureView;
 use super::view_args::{Frames, ViewArgs};
 use pelage_bake::io_trace;
-use pelage_formats::MAGIC;
-use pelage_stage::{Cast, Gpu, Look, NamedPackage, StageError};
+use pelage_bake::strands::PosedMesh;
+use pelage_formats::{MAGIC, Package};
+use pelage_import::BakeError;
+use pelage_stage::{Actor, Cast, Gpu, Look, NamedPackage, StageError};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Draw a package or a scene into a PNG, or over time into numbered PNGs or a video
 ///
@@ -229,12 +233,41 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
         PictureSeries { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
+    warn_of_empty_pictures(output, &shoot, (&cast.packages, &cast.actors), first, &drawn.pictures)?;
     if sink == Sink::Stdout {
         output.end_progress();
     } else {
         report(output, &shoot, &subject, &sink.files(), &drawn)?;
     }
     Ok(Exit::Done)
+}
+
+/// Package of a cast, with its file.
+type OpenedPackage<'a> = (&'a NamedPackage<'a>, Arc<Package<'a>>);
+
+/// Warns of pictures without a covered pixel, with the reason for the first of them.
+fn warn_of_empty_pictures(
+    output: &Output,
+    shoot: &PictureSeries,
+    (packages, actors): (&[OpenedPackage<'_>], &[Actor]),
+    first: usize,
+    pictures: &[Picture],
+) -> Result<(), Failure> {
+    let empty = || pictures.iter().enumerate().filter(|(_, picture)| picture.covered_pixels == 0);
+    let Some((index, _)) = empty().next() else { return Ok(()) };
+    let (camera, time_s) = shoot.view_of(first + index);
+    let posed = actors.iter().map(|actor| {
+        let (file, package) = &packages[actor.package];
+        let mesh = PosedMesh::morphed(&file.name, package, &actor.layers(time_s), &actor.morphs)?;
+        Ok((mesh, actor.transform(time_s).as_dmat4()))
+    });
+    let posed = posed.collect::<Result<Vec<_>, BakeError>>()?;
+    let posed: Vec<_> = posed.iter().map(|(mesh, world)| (mesh, *world)).collect();
+    let (why, count) = (why_empty(&posed, &camera, shoot.size()), pictures.len());
+    let which =
+        if count == 1 { "the picture shows".into() } else { format!("{} of {count} pictures show", empty().count()) };
+    output.note(&format!("warning: {which} nothing: {why}"));
+    Ok(())
 }
 
 fn report(

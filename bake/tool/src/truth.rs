@@ -79,7 +79,7 @@ impl ReferenceTracer {
     /// Returns the pixels per metre on screen, at the median distance of the mesh surface from the eye. 0 if nothing is
     /// in front of the eye.
     pub fn px_per_m(&self, view: &PictureView) -> f64 {
-        let Viewpoint { eye, target, fov_deg } = view.viewpoint(&self.outline, self.height_m);
+        let Viewpoint { eye, target, fov_deg } = self.viewpoint(view);
         let (eye, forward) = (eye.as_dvec3(), (target - eye).normalize_or_zero().as_dvec3());
         let skin = self.scene.skin();
         let mut depths: Vec<f64> = skin.vertices.iter().map(|p| (p.position_ws - eye).dot(forward)).collect();
@@ -92,7 +92,12 @@ impl ReferenceTracer {
 
     /// Returns the camera that `render` uses for the view.
     pub fn camera(&self, view: &PictureView) -> TrueCamera {
-        true_camera(view.viewpoint(&self.outline, self.height_m))
+        true_camera(self.viewpoint(view))
+    }
+
+    /// Returns the camera of [`Self::camera`] as the command line gives it.
+    pub fn viewpoint(&self, view: &PictureView) -> Viewpoint {
+        view.viewpoint(&self.outline, self.height_m)
     }
 
     /// Traces a picture with `spp` samples per pixel. Size, camera, lights and lighting terms are those of `view`;

@@ -54,7 +54,8 @@ pub fn handedness_of(m: Mat3) -> f32 {
 }
 
 /// Transforms a stored vertex by `matrix` ([`skin_matrix`]). The transformed tangent is neither unit length nor
-/// perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged.
+/// perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged, except that
+/// a vertex collapsed by a scale of zero has no hair.
 pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     let linear = Mat3::from_mat4(matrix);
     let [x, y, z, handedness] = vertex.tangent;
@@ -62,6 +63,7 @@ pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
         position: matrix.transform_point3(Vec3::from(vertex.position)).into(),
         normal: transform_normal(linear, Vec3::from(vertex.normal)).into(),
         tangent: (linear * Vec3::new(x, y, z)).extend(handedness * handedness_of(linear)).into(),
+        fur_height: if linear == Mat3::ZERO { 0.0 } else { vertex.fur_height },
         ..*vertex
     }
 }
@@ -164,5 +166,6 @@ mod tests {
         assert_eq!((handedness, moved.fur_height, moved.lean), (1.0, 0.25, 0.5));
         assert_eq!(posed(&vertex, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))).tangent[3], -1.0, "a mirrored tile");
         assert_eq!(posed(&vertex, Mat4::IDENTITY), vertex);
+        assert_eq!(posed(&vertex, Mat4::from_scale(Vec3::ZERO)).fur_height, 0.0, "hidden by its scale");
     }
 }

@@ -3,3 +3,4 @@
 mod hair;
 mod import;
 mod normals;
+mod rest;

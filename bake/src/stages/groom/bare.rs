@@ -10,6 +10,7 @@ use super::pairs::{WeldedFaces, weld};
 use crate::decision::Decision;
 use pelage_import::mesh::{Feature, Material, Mesh, MeshPart, Model, RestPose};
 use pelage_params::{Field, glob};
+use std::collections::BTreeSet;
 
 /// Maximum share of the mesh's area for detection by gloss or shape. Eyes, claws and nose together cover less of most
 /// animals.
@@ -38,6 +39,7 @@ pub struct FurredMaterials {
 enum BareReason {
     Name,
     PartName,
+    JointName,
     Gloss,
     Shape,
     Feature(&'static str),
@@ -49,7 +51,10 @@ impl BareReason {
             Feature::Nose => Self::Feature("small, dark and foremost"),
             Feature::EyeRims => Self::Feature("small, dark and joined to eyes"),
             Feature::Claws => Self::Feature("small dark tips in pairs"),
+            Feature::Eyes => Self::Feature("small dark pairs in the face"),
+            Feature::InHead => Self::Feature("small and inside the head"),
             Feature::Named(_) => Self::PartName,
+            Feature::Joint(_) => Self::JointName,
         }
     }
 
@@ -57,6 +62,7 @@ impl BareReason {
         match self {
             Self::Name => "by name",
             Self::PartName => "by its mesh's name",
+            Self::JointName => "by its joint's name",
             Self::Gloss => "small and glossy",
             Self::Shape => "small round pairs",
             Self::Feature(why) => why,
@@ -80,7 +86,7 @@ pub fn find_furred_materials(
 ) -> FurredMaterials {
     let materials = &model.materials;
     if let Some(bare) = bare {
-        let furred = furred_materials(materials, bare, warnings);
+        let furred = furred_materials(model, bare, warnings);
         return FurredMaterials { furred, bare: bare.to_vec(), decision: None };
     }
     let mut why = bare_reasons(model, rest);
@@ -110,17 +116,41 @@ pub fn find_furred_materials(
 }
 
 /// Returns for each material whether hair grows on it according to a recipe's list, as in [`find_furred_materials`].
-fn furred_materials(materials: &[Material], bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
+fn furred_materials(model: &Model, bare: &[String], warnings: &mut Vec<String>) -> Vec<bool> {
+    let materials = &model.materials;
     for pattern in bare.iter().filter(|p| !materials.iter().any(|m| is_named(p, m))) {
         let names: Vec<_> = materials.iter().map(Material::full_name).collect();
-        warnings.push(format!("model.bare: {pattern:?} matches no material; the model has {names:?}"));
+        let mut text = format!("model.bare: {pattern:?} matches no material; the model has {names:?}");
+        for (kind, names) in [("nodes", names_of_parts(model)), ("joints", names_of_joints(model))] {
+            if !names.is_empty() {
+                text += &format!(", the {kind} {names:?}");
+            }
+        }
+        warnings.push(text);
     }
     materials.iter().map(|m| !bare.iter().any(|p| is_named(p, m))).collect()
 }
 
-/// Whether a pattern matches a material's name, with or without the name of its feature.
-fn is_named(pattern: &str, material: &Material) -> bool {
-    glob(pattern, &material.name) || (material.feature.is_some() && glob(pattern, &material.full_name()))
+/// Returns the names of the nodes and meshes of the model's parts.
+fn names_of_parts(model: &Model) -> BTreeSet<&str> {
+    model.mesh.parts.iter().flat_map(|part| &part.names).map(String::as_str).collect()
+}
+
+/// Returns the names of the model's joints.
+fn names_of_joints(model: &Model) -> BTreeSet<&str> {
+    let Some(animation) = &model.animation else { return BTreeSet::new() };
+    let nodes = animation.joints.iter().filter_map(|joint| animation.nodes.get(joint.node as usize));
+    nodes.map(|node| node.name.as_str()).filter(|name| !name.is_empty()).collect()
+}
+
+/// Whether a pattern matches a material's name, the name of the node, mesh or joint for which the material was split,
+/// or both together.
+pub(super) fn is_named(pattern: &str, material: &Material) -> bool {
+    let part = match &material.feature {
+        Some(Feature::Named(name) | Feature::Joint(name)) => glob(pattern, name),
+        _ => false,
+    };
+    part || glob(pattern, &material.name) || (material.feature.is_some() && glob(pattern, &material.full_name()))
 }
 
 /// Returns for each material the reason why it is bare, or `None`.

@@ -4,20 +4,23 @@
 //! Materials are split along these parts on import, so that everything that works by material handles them. Each rule
 //! needs several cues, and doubtful parts keep their material: a bald body is worse than a furred claw.
 
-use super::bare::{combined_meaning, part_area_shares, without_common_words};
+use super::bare::{combined_meaning, is_named, part_area_shares, without_common_words};
+use super::components::bare_components;
 use super::names::{NameMeaning, are_names_of_eyes, are_names_of_snout, meaning_of_words, words};
 use super::pairs::{WeldedFaces, weld};
 use super::patches::{FaceMesh, Patch};
 use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
+use pelage_params::glob;
 use std::collections::BTreeMap;
 
 /// Maximum area as a share of the mesh's area. `SMALL`: dark material; `NOSE`: nose; `RIM`: piece of an eye rim;
-/// `CLAW`: claw.
+/// `CLAW`: claw; `EYE`: eye without a name.
 const SMALL: f64 = 0.03;
 const NOSE: f64 = 0.01;
 const RIM: f64 = 0.005;
 const CLAW: f64 = 0.003;
+const EYE: f64 = 0.0015;
 /// Maximum linear luminance of a dark patch. `DARK_BESIDE`: its maximum ratio to the luminance of the neighbours.
 const DARK: f64 = 0.06;
 const DARK_BESIDE: f64 = 0.45;
@@ -34,9 +37,65 @@ pub fn split_features(model: &mut Model) {
     // If several rules detect a triangle, the last rule wins.
     let mut found: BTreeMap<usize, Feature> = named_triangles(model, &rest);
     found.extend(shaped_triangles(model, &rest));
+    found.extend(bare_components(model, &rest));
     if !found.is_empty() {
         assign_materials(model, &found);
     }
+}
+
+/// Returns a copy of the model in which the surfaces of the nodes, meshes and joints that `model.bare` lists have
+/// materials of their own; `None` if the list names materials only.
+///
+/// A joint's surface includes that of the joints below it, and consists of the triangles that follow them by more than
+/// half.
+pub fn split_listed(model: &Model, bare: &[String]) -> Option<Model> {
+    let is_listed = |name: &str| bare.iter().any(|pattern| glob(pattern, name));
+    let is_open = |part: &&MeshPart| {
+        let material = model.materials.get(part.material);
+        material.is_some_and(|material| !bare.iter().any(|pattern| is_named(pattern, material)))
+    };
+    let joints = listed_joints(model, is_listed);
+    let mut found = BTreeMap::new();
+    for part in model.mesh.parts.iter().filter(is_open) {
+        let node = part.names.iter().find(|name| is_listed(name));
+        for triangle in triangle_range(part) {
+            let joint = || joint_of_triangle(model, &joints, triangle).cloned().map(Feature::Joint);
+            let feature = node.map_or_else(joint, |name| Some(Feature::Named(name.clone())));
+            found.extend(feature.map(|feature| (triangle, feature)));
+        }
+    }
+    (!found.is_empty()).then(|| {
+        let mut split = model.clone();
+        assign_materials(&mut split, &found);
+        split
+    })
+}
+
+/// Returns for each joint the name by which it is listed: its own, or that of the nearest listed node above it.
+fn listed_joints(model: &Model, is_listed: impl Fn(&str) -> bool) -> Vec<Option<String>> {
+    let Some(animation) = &model.animation else { return Vec::new() };
+    let mut nodes: Vec<Option<String>> = Vec::with_capacity(animation.nodes.len());
+    for node in &animation.nodes {
+        // Parents precede their children.
+        let above = || node.parent.and_then(|parent| nodes.get(parent as usize)).cloned().flatten();
+        let own = (!node.name.is_empty() && is_listed(&node.name)).then(|| node.name.clone());
+        nodes.push(own.or_else(above));
+    }
+    animation.joints.iter().map(|joint| nodes.get(joint.node as usize).cloned().flatten()).collect()
+}
+
+/// Returns the listed name of the joints that a triangle follows by more than half.
+fn joint_of_triangle<'n>(model: &Model, joints: &'n [Option<String>], triangle: usize) -> Option<&'n String> {
+    let mut shares: BTreeMap<&String, f32> = BTreeMap::new();
+    for skin in model.mesh.triangles.get(triangle)?.iter().filter_map(|v| model.mesh.skin.get(*v as usize)) {
+        for (joint, weight) in skin.joints.iter().zip(skin.weights) {
+            if let Some(Some(name)) = joints.get(usize::from(*joint)) {
+                *shares.entry(name).or_default() += weight / 3.0;
+            }
+        }
+    }
+    let all: f32 = shares.values().sum();
+    shares.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|_| all > 0.5).map(|(name, _)| name)
 }
 
 /// Returns the triangles that nodes or meshes name as bare and whose material other parts use as well.
@@ -80,8 +139,15 @@ fn shaped_triangles(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> 
     let places = weld(&rest.positions);
     let faces = WeldedFaces::new(&model.mesh, &rest.positions, &places, model.materials.len());
     let is_eye = |m: usize| shares[m] <= SMALL && (are_names_of_eyes(&names[m]) || faces.are_round_pairs(m));
-    let eyes: Vec<bool> = (0..model.materials.len()).map(is_eye).collect();
-    let skin = FaceMesh::new(model, rest, &places, &eyes);
+    let mut eyes: Vec<bool> = (0..model.materials.len()).map(is_eye).collect();
+    let mut skin = FaceMesh::new(model, rest, &places, &eyes);
+    if !eyes.contains(&true) {
+        for material in unnamed_eyes(&mut skin, &open) {
+            eyes[material] = true;
+            let triangles = skin.faces.iter().enumerate().filter(|(_, face)| face.material == material);
+            found.extend(triangles.map(|(triangle, _)| (triangle, Feature::Eyes)));
+        }
+    }
     let face = Face::of(&skin, &eyes);
     for material in open.into_iter().filter(|m| !eyes[*m]) {
         let patches = skin.patches(material);
@@ -100,6 +166,51 @@ fn shaped_triangles(model: &Model, rest: &RestPose) -> BTreeMap<usize, Feature> 
         }
     }
     found
+}
+
+/// Returns the materials of eyes that neither names nor round shapes reveal: pairs of small dark patches in the face,
+/// and materials that only surround or highlight these.
+///
+/// * `open`: materials that may be eyes
+fn unnamed_eyes(skin: &mut FaceMesh, open: &[usize]) -> Vec<usize> {
+    let dark = DARK.min(DARK_BESIDE * skin.mean_luminance());
+    let is_pair = |m: &usize| {
+        let patches = skin.patches(*m);
+        patches.iter().all(|patch| patch.luminance <= dark) && are_paired_in_face(skin, &patches)
+    };
+    let mut found: Vec<usize> = open.iter().copied().filter(is_pair).collect();
+    found.iter().for_each(|m| skin.add_eyes(*m));
+    let is_highlight = |m: &usize| {
+        let patches = skin.patches(*m);
+        let share: f64 = patches.iter().map(|patch| patch.share).sum();
+        share <= EYE && patches.iter().all(|patch| patch.touches_eyes && patch.luminance > dark)
+    };
+    let highlights: Vec<usize> = open.iter().copied().filter(|m| !found.contains(m) && is_highlight(m)).collect();
+    highlights.iter().for_each(|m| skin.add_eyes(*m));
+    found.extend(highlights);
+    found
+}
+
+/// Whether patches are one or two pairs of eyes: small and flat or bulging, of equal size, side by side in the upper
+/// half, and at one end of the body.
+fn are_paired_in_face(skin: &FaceMesh, patches: &[Patch]) -> bool {
+    let (low, high) = skin.heights();
+    let is_eye = |patch: &Patch| patch.share <= EYE && patch.center.y > (low + high) / 2.0 && !patch.is_tip();
+    let flat = |v: DVec3| v * DVec3::new(1.0, 0.0, 1.0);
+    let is_pair = |a: &Patch, b: &Patch| {
+        let apart = b.center - a.center;
+        let away = flat((a.center + b.center) / 2.0 - skin.middle());
+        // The eyes are on both sides of the line from the body's centre to the face.
+        let aside = away.dot(apart.normalize_or_zero()).abs();
+        apart != DVec3::ZERO
+            && (a.share - b.share).abs() <= ALIKE * a.share.max(b.share)
+            && apart.y.abs() <= 0.3 * apart.length()
+            && apart.length() <= 0.5 * skin.radius()
+            && away.length() >= 0.05 * skin.radius()
+            && aside <= 0.5 * away.length().max(apart.length())
+    };
+    let partners = |patch: &Patch| patches.iter().filter(|other| is_pair(patch, other)).count();
+    matches!(patches.len(), 2 | 4) && patches.iter().all(|patch| is_eye(patch) && partners(patch) >= 1)
 }
 
 /// Whether a patch is dark, both absolutely and relative to its neighbours.
@@ -217,7 +328,7 @@ fn materials_of(
 }
 
 /// Returns the indices of the triangles of a part.
-fn triangle_range(part: &MeshPart) -> std::ops::Range<usize> {
+pub(super) fn triangle_range(part: &MeshPart) -> std::ops::Range<usize> {
     part.first_triangle..part.first_triangle + part.triangle_count
 }
 

@@ -128,3 +128,58 @@ fn eye_nodes_are_split_off_whatever_their_material_name() {
     model.mesh.parts[0].material = 1;
     assert_eq!(names(model), ["Brown", "Main"]);
 }
+
+/// Adds two squares with edges of 0.05 m, one at each side of x = 0, which face +z.
+fn add_squares(model: &mut Model, material: usize, [x, y, z]: [f32; 3]) {
+    let mesh = &mut model.mesh;
+    let first_triangle = mesh.triangles.len();
+    for x in [-x, x] {
+        let base = mesh.positions.len() as u32;
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        mesh.positions.extend(corners.map(|(a, b)| Vec3::new(x + 0.025 * a, y + 0.025 * b, z)));
+        mesh.normals.extend([Vec3::Z; 4]);
+        mesh.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+    }
+    mesh.parts.push(MeshPart { material, first_triangle, triangle_count: 4, ..MeshPart::default() });
+}
+
+#[test]
+fn small_dark_pairs_in_the_face_are_eyes_whatever_their_material_name() {
+    let with = |grey: f32, at: [f32; 3]| {
+        let mut model = animal(|height| height > 0.985);
+        model.mesh.parts.retain(|part| part.material != 2);
+        model.mesh.triangles.truncate(model.mesh.parts.iter().map(|p| p.triangle_count).sum());
+        for (number, material) in model.materials.iter_mut().enumerate() {
+            material.name = format!("Material.{number:03}");
+        }
+        model.materials[2].base_color = [grey, grey, grey, 1.0];
+        add_squares(&mut model, 2, at);
+        names(model)
+    };
+    let face = [0.15, 0.4, 0.95];
+    assert_eq!(with(0.01, face), ["Material.000/nose", "Material.001", "Material.002/eyes"]);
+    let plain = ["Material.000", "Material.001", "Material.002"];
+    assert_eq!(with(0.3, face), plain, "pale spots");
+    assert_eq!(with(0.01, [0.15, -0.5, 0.95]), plain, "low on the body");
+    assert_eq!(with(0.01, [0.15, 1.1, 0.0]), plain, "on the back");
+}
+
+#[test]
+fn listed_nodes_and_joints_are_split_off() {
+    let model = animal(|_| false);
+    let list = |patterns: &[&str]| patterns.iter().map(|p| (*p).to_owned()).collect::<Vec<_>>();
+    assert!(split_listed(&model, &list(&["Brown", "Eyes"])).is_none(), "materials need no split");
+    let mut named = model;
+    named.mesh.parts[0].names = vec!["Body".into()];
+    for (part, name) in named.mesh.parts[1..].iter_mut().zip(["Left", "Right"]) {
+        part.material = 1;
+        part.names = vec![name.into()];
+    }
+    let split = split_listed(&named, &list(&["left"])).unwrap();
+    let bare =
+        |pattern: &str| split.materials.iter().filter(|m| is_named(pattern, m)).map(Material::full_name).collect();
+    let found: Vec<String> = bare("left");
+    assert_eq!(found, ["Brown/Left"]);
+    let all: Vec<String> = bare("Brown");
+    assert_eq!(all, ["Brown", "Brown/Left"]);
+}

@@ -101,6 +101,18 @@ impl FaceMesh {
         skin
     }
 
+    /// Marks a material as belonging to eyes.
+    pub(super) fn add_eyes(&mut self, material: usize) {
+        self.eyes[material] = true;
+    }
+
+    /// Returns the mean linear luminance of all faces whose colour is known, weighted by area.
+    pub(super) fn mean_luminance(&self) -> f64 {
+        let known = || self.faces.iter().filter_map(|face| Some((face.area, face.luminance?)));
+        let area: f64 = known().map(|(area, _)| area).sum();
+        known().map(|(area, luminance)| area * luminance).sum::<f64>() / area.max(f64::MIN_POSITIVE)
+    }
+
     /// Returns the centre of the model's bounding box, metres.
     pub(super) fn middle(&self) -> DVec3 {
         (self.low + self.high) / 2.0

@@ -107,6 +107,14 @@ pub(super) const INSIDE: &[&str] = &[
 pub(super) const SNOUT: &[&str] =
     &["muzzle", "snout", "schnauze", "museau", "mufle", "hocico", "morro", "muso", "focinho", "hanazura", "kuchimoto"];
 
+/// Words for eyelashes. In the name of a joint they mean the lashes alone, which are bare; in other names they keep the
+/// lids around them furred ([`FURRED`]).
+#[rustfmt::skip]
+pub(super) const LASHES: &[&str] = &[
+    "lash", "lashes", "eyelash", "eyelashes", "wimper", "wimpern", "cils", "pestaña", "pestañas", "ciglia", "cilios",
+    "matsuge", "まつげ", "睫毛",
+];
+
 /// Words that keep a part furred, whatever else its name contains: words for hair, skin and the surroundings of bare
 /// parts.
 #[rustfmt::skip]

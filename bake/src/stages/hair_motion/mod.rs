@@ -12,6 +12,7 @@ use glam::{Mat4, Vec3};
 use pelage_formats::meaning::hair_groups::triangle_frame;
 use pelage_formats::meaning::{posed, skin_matrix};
 use pelage_formats::{Animation, GroupMotion, HairGroup, HairMotion, MeshData, Pose, TrianglePoint};
+use pelage_import::mesh::RestPose;
 
 /// Returns the motion of a recipe's groups, derived from its settings and the body; `None` if no group moves.
 ///
@@ -27,10 +28,7 @@ pub fn group_motion(
     if motions.iter().all(|motion| motion.held >= 1.0) {
         return None;
     }
-    let mut pose = Pose::default();
-    if let Some(animation) = animation {
-        pose.sample(animation, None, 0.0);
-    }
+    let mut pose = animation.map(RestPose::pose).unwrap_or_default();
     if pose.joints.is_empty() {
         pose.joints.push(Mat4::IDENTITY);
     }

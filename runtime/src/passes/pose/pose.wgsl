@@ -37,7 +37,8 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let tangent = orthonormal_tangent(linear * v.tangent.xyz, normal);
     var out: GeometryVertex;
     out.position = (m * vec4(v.position, 1.0)).xyz;
-    out.fur_height = v.fur_height;
+    // A vertex collapsed by a scale of zero has no hair.
+    out.fur_height = select(0.0, v.fur_height, any(max(abs(m[0]), max(abs(m[1]), abs(m[2]))).xyz > vec3(0.0)));
     out.normal = normal;
     out.lean = v.lean;
     out.tangent = vec4(tangent, v.tangent.w * handedness_of(linear));

@@ -23,7 +23,8 @@ pub(super) use bare::furred_faces;
 use glam::Vec3;
 pub use input::Body;
 use parts::{PartGroom, Region};
-use pelage_formats::Pose;
+use pelage_formats::Animation;
+use pelage_import::mesh::RestPose;
 pub(super) use welded_mesh::WeldedMesh;
 
 /// Width of the smoothing over the surface, in body radii.
@@ -147,6 +148,13 @@ fn relative_thickness(skin: &WeldedMesh, furred: &[bool]) -> Vec<f32> {
     thickness.into_iter().map(|t| t.map_or(1.0, |t| smooth_step(low, high, place(t)))).collect()
 }
 
+/// Returns for each joint whether it moves the head, the face or the muzzle.
+pub(super) fn are_joints_of_head(animation: &Animation) -> Vec<bool> {
+    let regions = regions::of_nodes(animation);
+    let is_head = |region: &Region| matches!(region, Region::Head | Region::Face | Region::Muzzle);
+    animation.joints.iter().map(|joint| regions.get(joint.node as usize).is_some_and(is_head)).collect()
+}
+
 /// Returns the weights of all body parts at each welded vertex; they sum to 1.
 fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) -> Vec3) -> Vec<[f32; PARTS]> {
     let mut unknown = [0.0; PARTS];
@@ -181,8 +189,7 @@ fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) ->
         of_nodes[*node] == Region::Head && parent != Some(&Region::Head)
     };
     if let Some(head) = (0..animation.nodes.len()).find(is_root) {
-        let mut pose = Pose::default();
-        pose.sample(animation, None, 0.0);
+        let pose = RestPose::pose(animation);
         let joint = pose.nodes.get(head).map(|node| to_skin(node.w_axis.truncate()));
         joint.into_iter().for_each(|joint| split_muzzle(skin, joint, &mut parts));
     }
