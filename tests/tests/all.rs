@@ -2,6 +2,7 @@
 //! house::`. The window tests are a separate binary that runs alone, because simulated input needs an idle machine.
 
 mod assets;
+mod cases;
 mod house;
 mod import;
 mod runtime;

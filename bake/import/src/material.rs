@@ -9,6 +9,7 @@ use crate::image_file::{MAX_TEXELS, decode_image};
 use crate::mesh::{Image, Material};
 use glam::{Affine2, Mat2, Vec2};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Texture coordinates of a material: set and transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +24,7 @@ pub(super) struct TextureCoords {
 #[derive(Debug, Default)]
 pub(super) struct Materials {
     pub materials: Vec<Material>,
-    pub images: Vec<Image>,
+    pub images: Vec<Arc<Image>>,
     texels: u64,
     /// Materials read so far, by document index (`None`: the default material). For each, its index in `materials` and
     /// its texture coordinates.
@@ -65,7 +66,8 @@ impl Materials {
         if let Some(mode) = at.get("alphaMode") {
             match mode.string()? {
                 "MASK" => material.alpha_cutoff = Some(at.get("alphaCutoff").map_or(Ok(0.5), |v| v.number())?),
-                "OPAQUE" | "BLEND" => {}
+                "BLEND" => material.blends = true,
+                "OPAQUE" => {}
                 _ => return Err(mode.unexpected("OPAQUE, MASK or BLEND")),
             }
         }
@@ -121,7 +123,7 @@ impl Materials {
         })?;
         self.texels += u64::from(image.width) * u64::from(image.height);
         self.known_images.insert(index, self.images.len());
-        self.images.push(image);
+        self.images.push(Arc::new(image));
         Ok(self.images.len() - 1)
     }
 }

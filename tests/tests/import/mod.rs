@@ -12,4 +12,4 @@ mod io;
 mod motion;
 mod mutation;
 mod obj;
-mod support;
+pub mod support;

@@ -9,6 +9,7 @@ use crate::notes::Notes;
 use crate::source;
 use crate::source::Resolve;
 use std::collections::{BTreeMap, btree_map};
+use std::sync::Arc;
 
 /// Materials of all material files, and the list of those that faces use.
 #[derive(Debug, Default)]
@@ -16,7 +17,7 @@ pub(super) struct Library {
     /// Used materials, in the order of first use.
     pub used: Vec<Material>,
     /// Decoded images of the used materials.
-    pub images: Vec<Image>,
+    pub images: Vec<Arc<Image>>,
     known: BTreeMap<String, Entry>,
     /// Index in `used`, by the material's name.
     numbers: BTreeMap<String, usize>,
@@ -145,7 +146,7 @@ impl Library {
             Ok((bytes, image)) => {
                 notes.record("image", path, &bytes);
                 self.texels += u64::from(image.width) * u64::from(image.height);
-                self.images.push(image);
+                self.images.push(Arc::new(image));
                 Some(self.images.len() - 1)
             }
             Err(reason) => {

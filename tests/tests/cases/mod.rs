@@ -1,0 +1,3 @@
+//! Tests of small inputs with one fault each: the files of `cases/` in the test data, and others of the same kinds.
+
+mod pictures;
