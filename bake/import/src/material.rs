@@ -5,7 +5,7 @@ use super::json::JsonNode;
 use super::source::Source;
 use crate::BakeError;
 use crate::angle::rotation;
-use crate::image_file::{MAX_TEXELS, decode_image};
+use crate::image_file::{Channels, MAX_TEXELS, decode_image, fit_images};
 use crate::mesh::{Image, Material};
 use glam::{Affine2, Mat2, Vec2};
 use std::collections::BTreeMap;
@@ -118,12 +118,16 @@ impl Materials {
             (None, Some(uri)) => (source.uri(&uri, "image", None)?, uri),
             (None, None) => return Err(at.fault("has neither `bufferView` nor `uri`")),
         };
-        let image = decode_image(&bytes, MAX_TEXELS - self.texels).map_err(|reason| {
-            origin.fault(format!("image {index} \"{}\" {reason}", super::json::shorten(at.name())))
-        })?;
-        self.texels += u64::from(image.width) * u64::from(image.height);
+        let named = |text: String| format!("image {index} \"{}\" {text}", super::json::shorten(at.name()));
+        let mut left = MAX_TEXELS - self.texels;
+        let decoded = decode_image(&bytes, &mut left, Channels::Color);
+        self.texels = MAX_TEXELS - left;
+        let (image, note) = decoded.map_err(|reason| origin.fault(named(reason)))?;
+        note.into_iter().for_each(|note| source.warn(named(note)));
         self.known_images.insert(index, self.images.len());
         self.images.push(Arc::new(image));
+        let mut images: Vec<&mut Image> = self.images.iter_mut().map(Arc::make_mut).collect();
+        fit_images(&mut images, Channels::Color).into_iter().for_each(|warning| source.warn(warning));
         Ok(self.images.len() - 1)
     }
 }

@@ -56,7 +56,7 @@ pub fn lay_out_model<'a>(
     recipe: &'a Recipe,
     images: &'a MapImages,
 ) -> Result<Layout<'a>, BakeError> {
-    let mut warnings = model.warnings.clone();
+    let mut warnings = [&model.warnings[..], &images.warnings].concat();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let bounds = groom::bounds(&rest);
     let FurredMaterials { furred, bare, decision } =

@@ -1,4 +1,4 @@
-//! Colours below clear texels.
+//! Colours below clear texels, and memory for large pictures.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::import::support::*;
@@ -261,4 +261,97 @@ fn opaque_texture_of_alpha_0_is_orange() {
     let [r, g, b, alpha] = pictures[0].get_pixel(32, 24).0;
     assert!(alpha == 255 && r > g && g > b && r > 100, "{:?}", [r, g, b, alpha]);
     assert!(pictures[0] == pictures[1], "the pictures of case and control differ");
+}
+
+/// Imports and grooms a model with the binary. Returns the peak memory, MiB, and what was printed.
+fn peak(sandbox: &Sandbox, model: &str) -> (u64, String) {
+    let run = sandbox.run(&["groom", model, "--map", "bare", "-o", "map.png", "--record", "record.json"]);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let record: Value = serde_json::from_slice(&sandbox.read("record.json")).unwrap();
+    (record["peak_bytes"].as_u64().unwrap_or(0) >> 20, run.stderr)
+}
+
+/// Returns the square with a texture in another file.
+fn with_file(name: &str) -> Vec<u8> {
+    let mut doc = square(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}));
+    doc.push("images", json!({"uri": name}));
+    doc.push("textures", json!({"source": 0}));
+    doc.gltf()
+}
+
+#[test]
+fn large_pictures_are_reduced_while_they_are_decoded() {
+    let sandbox = Sandbox::new();
+    sandbox.write("large.png", png([8192, 8192], png::ColorType::Grayscale, |_| {}, &[140; 8192]));
+    sandbox.write("large.gltf", with_file("large.png"));
+    let (peak, said) = peak(&sandbox, "large.gltf");
+    assert!(said.contains("is 8192 x 8192 texels, read as 4096 x 4096 to limit memory"), "{said}");
+    assert!(peak < 240, "peak memory {peak} MiB, expected 64 MiB for the reduced image and as much for the rest");
+}
+
+#[test]
+fn large_images_of_all_kinds_keep_their_colour() {
+    // Slightly more texels than are kept as they are.
+    let size = [4097, 4096];
+    let (row, rgb) = ([ORANGE; 4097].concat(), png::ColorType::Rgb);
+    let mut jpeg = std::io::Cursor::new(Vec::new());
+    image::GrayImage::from_pixel(size[0], size[1], image::Luma([140])).write_to(&mut jpeg, ImageFormat::Jpeg).unwrap();
+    for (kind, bytes, color) in [("PNG", png(size, rgb, |_| {}, &row), ORANGE), ("JPEG", jpeg.into_inner(), [140; 3])] {
+        let mut left = 1 << 28;
+        let channels = pelage_import::image_file::Channels::Color;
+        let (image, note) = pelage_import::image_file::decode_image(&bytes, &mut left, channels).unwrap();
+        assert_eq!((image.width, image.height), (2049, 2048), "{kind}");
+        assert_eq!(note.as_deref(), Some("is 4097 x 4096 texels, read as 2049 x 2048 to limit memory"));
+        assert_eq!(left, (1 << 28) - 4097 * 4096);
+        assert_color(&[image.rgba.as_chunks().0.to_vec()], color, kind);
+    }
+}
+
+/// Returns a zlib stream of `runs` times 258 zero bytes: matches of the byte before, in the fixed Huffman code.
+fn zeros(runs: usize) -> Vec<u8> {
+    let mut bits: Vec<u8> = Vec::with_capacity(13 * runs + 32);
+    // Final block with fixed codes, one literal 0, the matches (length code 285, distance code 0), end of block.
+    bits.extend([1, 1, 0]);
+    bits.extend([0, 0, 1, 1, 0, 0, 0, 0]);
+    (0..runs).for_each(|_| bits.extend([1, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0]));
+    bits.extend([0; 7]);
+    let byte = |bits: &[u8]| bits.iter().rev().fold(0, |byte, bit| byte << 1 | bit);
+    let mut out = vec![0x78, 0x01];
+    out.extend(bits.chunks(8).map(byte));
+    // Adler-32 of zeros.
+    let length = (258 * runs + 1) % 65521;
+    out.extend([(length >> 8) as u8, length as u8, 0, 1]);
+    out
+}
+
+#[test]
+fn colour_profiles_are_not_unpacked_without_limit() {
+    // The profile of half a GiB is inserted after the header.
+    let image = encoded(image::RgbImage::from_pixel(4, 4, image::Rgb(ORANGE)));
+    let body = [b"iCCPx\0\0".to_vec(), zeros(1 << 21)].concat();
+    let chunk = [&(body.len() as u32 - 4).to_be_bytes()[..], &body, &crc32fast::hash(&body).to_be_bytes()].concat();
+    let sandbox = Sandbox::new();
+    sandbox.write("bomb.png", [&image[..33], &chunk, &image[33..]].concat());
+    sandbox.write("bomb.gltf", with_file("bomb.png"));
+    let (peak, _) = peak(&sandbox, "bomb.gltf");
+    assert!(peak < 300, "peak memory {peak} MiB");
+}
+
+#[test]
+fn picture_of_16384_texels_needs_little_memory() {
+    let Some(data) = data("picture_of_16384_texels_needs_little_memory") else { return };
+    let sandbox = Sandbox::new();
+    let path = data.join("cases/basecolor_16384.gltf").display().to_string();
+    let (peak, said) = peak(&sandbox, &path);
+    assert!(peak < 240, "peak memory {peak} MiB");
+    assert!(said.contains("read as 4096 x 4096"), "{said}");
+}
+
+#[test]
+fn documents_that_need_too_much_memory_are_refused() {
+    let nodes = vec![r#"{"children":[1]}"#; 1 << 20].join(",");
+    let document = format!(r#"{{"asset":{{"version":"2.0"}},"nodes":[{nodes}]}}"#);
+    let (place, reason) = fault(import_bytes(document.as_bytes()));
+    assert_eq!(place, "byte 0");
+    assert!(reason.contains("0.9 GiB of memory to parse") && reason.contains("limited to 1 GiB"), "{reason}");
 }

@@ -2,7 +2,7 @@
 //! does not depend on it.
 
 use super::statements::{Statement, Statements, decode};
-use crate::image_file::{MAX_TEXELS, decode_image};
+use crate::image_file::{Channels, MAX_TEXELS, decode_image, fit_images};
 use crate::json::shorten;
 use crate::mesh::{Image, Material};
 use crate::notes::Notes;
@@ -139,14 +139,18 @@ impl Library {
             return *known;
         }
         let decoded = fetch(path, resolve).and_then(|bytes| {
-            let image = decode_image(&bytes, MAX_TEXELS - self.texels).map_err(|reason| format!("it {reason}"))?;
-            Ok((bytes, image))
+            let mut left = MAX_TEXELS - self.texels;
+            let decoded = decode_image(&bytes, &mut left, Channels::Color);
+            self.texels = MAX_TEXELS - left;
+            Ok((bytes, decoded.map_err(|reason| format!("it {reason}"))?))
         });
         let number = match decoded {
-            Ok((bytes, image)) => {
+            Ok((bytes, (image, note))) => {
                 notes.record("image", path, &bytes);
-                self.texels += u64::from(image.width) * u64::from(image.height);
+                note.into_iter().for_each(|note| notes.warn(format!("the image file \"{}\" {note}", shorten(path))));
                 self.images.push(Arc::new(image));
+                let mut images: Vec<&mut Image> = self.images.iter_mut().map(Arc::make_mut).collect();
+                fit_images(&mut images, Channels::Color).into_iter().for_each(|warning| notes.warn(warning));
                 Some(self.images.len() - 1)
             }
             Err(reason) => {
