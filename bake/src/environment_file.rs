@@ -3,7 +3,7 @@
 use crate::io::{read_file, read_text};
 use glam::DVec3;
 use pelage_import::BakeError;
-use pelage_import::image_file::bounded_reader;
+use pelage_import::image_file::{bounded_reader, check_memory};
 use pelage_stage::sky::{Environment, FitParams, Panorama, environment_from_toml};
 use std::path::Path;
 
@@ -67,6 +67,9 @@ impl EnvironmentFile {
         };
         let bytes = read_file(path)?;
         let (pixels, width, height) = bounded_reader(&bytes, format).map_err(|reason| input("header", reason))?;
+        // Texels are held twice while they are converted.
+        let memory = check_memory(24 * u64::from(width) * u64::from(height));
+        memory.map_err(|reason| input("header", format!("{reason}; scale it to 8192 x 4096 texels")))?;
         let broken = |error: image::ImageError| input("pixels", format!("cannot be decoded: {error}"));
         let pixels = pixels.decode().map_err(broken)?.into_rgb32f().into_raw();
         let pixels = pixels.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();

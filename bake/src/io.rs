@@ -9,7 +9,7 @@ use crate::stages::import::{ImportOptions, import, import_strands, input_record}
 use crate::temp_files::TempFileGuard;
 use pelage_import::BakeError;
 use pelage_import::guides::read::GuideFormat;
-use pelage_import::image_file::{MAX_TEXELS, decode_image};
+use pelage_import::image_file::{Channels, MAX_TEXELS, decode_image, fit_images};
 use pelage_import::mesh::Model;
 use sha2::{Digest as _, Sha256};
 use std::fs::FileType;
@@ -226,10 +226,16 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
         let fail = |reason: String| BakeError::Input { file: file.to_owned(), place: key.clone(), reason };
         let by = format!("{file}, {key}");
         let bytes = read_file_named_by(&path, &by).map_err(|error| fail(error.to_string()))?;
-        let image = decode_image(&bytes, &mut texels_left);
-        let image = image.map_err(|reason| fail(format!("{} {reason}", path.display())))?;
+        let channels =
+            if key.ends_with("color") || key.ends_with("pattern") { Channels::Color } else { Channels::Values };
+        let decoded = decode_image(&bytes, &mut texels_left, channels);
+        let (image, note) = decoded.map_err(|reason| fail(format!("{} {reason}", path.display())))?;
+        read.warnings.extend(note.map(|note| format!("{key}: {} {note}", path.display())));
         read.inputs.push(input_record("image", name, &bytes));
         read.images.insert(name.to_owned(), image);
+        let mut images: Vec<_> = read.images.values_mut().collect();
+        let warning = fit_images(&mut images, Channels::Values);
+        read.warnings.extend(warning.filter(|warning| !read.warnings.contains(warning)));
     }
     for (key, name) in recipe.strand_files() {
         let path = place(name);

@@ -162,6 +162,31 @@ pub(super) fn shorten(text: &str) -> String {
     out
 }
 
+/// Maximum memory for a parsed document, bytes. A limit is needed because short values take up to 100 times their text.
+const MAX_PARSED: u64 = 640 << 20;
+
+/// Returns an upper estimate of the memory that the parsed document takes, bytes, without long strings. The numbers are
+/// those of `serde_json`'s objects and arrays of up to four entries, of further entries, and of short strings.
+fn parsed_bytes(json: &[u8]) -> u64 {
+    let (mut sum, mut in_string, mut escaped) = (0, false, false);
+    for byte in json {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_string => escaped = true,
+            b'"' => {
+                in_string = !in_string;
+                sum += 16;
+            }
+            _ if in_string => {}
+            b'{' => sum += 480,
+            b'[' => sum += 288,
+            b',' => sum += 104,
+            _ => {}
+        }
+    }
+    sum
+}
+
 /// Members that hold an index and may be absent. Some exporters write -1 for "none".
 const OPTIONAL_INDICES: &[&str] =
     &["camera", "indices", "inverseBindMatrices", "material", "mesh", "node", "scene", "skin", "source"];
@@ -203,6 +228,19 @@ pub(super) fn parse(file: &str, json: &[u8], offset: usize, notes: &mut Notes) -
 }
 
 fn parse_exactly(file: &str, json: &[u8], offset: usize) -> Result<Value> {
+    let needed = parsed_bytes(json);
+    if needed > MAX_PARSED {
+        let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+        return Err(BakeError::Input {
+            file: file.to_owned(),
+            place: format!("byte {offset}"),
+            reason: format!(
+                "needs {:.1} GiB of memory to parse, expected at most {:.1}; a bake is limited to 1 GiB",
+                gib(needed),
+                gib(MAX_PARSED)
+            ),
+        });
+    }
     serde_json::from_slice(json).map_err(|error| {
         let mut at = json.len();
         if error.line() > 0 && !error.is_eof() {

@@ -56,6 +56,7 @@ mod options;
 mod orient;
 mod per_vertex;
 mod primitive;
+mod reduce;
 mod scene;
 mod skin;
 mod source;

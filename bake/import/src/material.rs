@@ -72,7 +72,7 @@ impl Materials {
     ) {
         material.name = at.name().to_owned();
         material.double_sided = source.or_warn(at.flag("doubleSided"), "drawn one-sided").unwrap_or_default();
-        material.alpha_cutoff = source.or_warn(alpha_cutoff(at), "drawn opaque").flatten();
+        (material.alpha_cutoff, material.blends) = source.or_warn(alpha_mode(at), "drawn opaque").unwrap_or_default();
         // The diffuse colour of the older specular-glossiness model has the same meaning under other names. A
         // metallic-roughness colour beside it is a fallback for readers without the extension.
         let specular = at.extension("KHR_materials_pbrSpecularGlossiness");
@@ -169,7 +169,8 @@ impl Materials {
             (None, Some(uri)) => (source.uri(&uri, "image", None)?, uri),
             (None, None) => return Err(at.fault("has neither `bufferView` nor `uri`")),
         };
-        let image = self.images.add(&bytes).map_err(|reason| fault(&origin, &name, reason))?;
+        let image = self.images.add(&bytes, &format!("image {index} \"{name}\""), &mut |text| source.warn(text));
+        let image = image.map_err(|reason| fault(&origin, &name, reason))?;
         self.known_images.insert(index, Some(image));
         Ok(image)
     }
@@ -180,12 +181,13 @@ pub(super) fn emission_as_base_color(material: &str) -> String {
     format!("material \"{}\" is black and emits light; its emission is used as base colour", shorten(material))
 }
 
-/// Returns the alpha below which a material is cut away; `None` if its `alphaMode` is not MASK.
-fn alpha_cutoff(at: &JsonNode<'_>) -> Result<Option<f32>, BakeError> {
-    let Some(mode) = at.get("alphaMode") else { return Ok(None) };
+/// Returns the alpha below which a material is cut away, `None` if its `alphaMode` is not MASK; and whether it is BLEND.
+fn alpha_mode(at: &JsonNode<'_>) -> Result<(Option<f32>, bool), BakeError> {
+    let Some(mode) = at.get("alphaMode") else { return Ok((None, false)) };
     match mode.string()? {
-        "MASK" => Ok(Some(at.get("alphaCutoff").map_or(Ok(0.5), |v| v.number())?)),
-        "OPAQUE" | "BLEND" => Ok(None),
+        "MASK" => Ok((Some(at.get("alphaCutoff").map_or(Ok(0.5), |v| v.number())?), false)),
+        "BLEND" => Ok((None, true)),
+        "OPAQUE" => Ok((None, false)),
         _ => Err(mode.unexpected("OPAQUE, MASK or BLEND")),
     }
 }

@@ -4,6 +4,7 @@ use crate::hidden;
 use glam::{Mat3, Vec2, Vec3};
 use pelage_formats::meaning::{skin_matrix, transform_normal};
 use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
+use std::sync::Arc;
 
 /// An imported model.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +14,7 @@ pub struct Model {
     /// Materials; at least one if the mesh has a part.
     pub materials: Vec<Material>,
     /// Decoded base-colour images that the materials use.
-    pub images: Vec<Image>,
+    pub images: Vec<Arc<Image>>,
     /// Named nodes of the scene: joints and authors' markers. Empty for an OBJ.
     pub nodes: Vec<NamedPosition>,
     /// Comb lines and comb markers drawn in the model. Empty for an OBJ.
@@ -126,6 +127,9 @@ pub struct Material {
     pub base_color_image: Option<usize>,
     /// Alpha below which the surface is cut away (glTF `MASK`).
     pub alpha_cutoff: Option<f32>,
+    /// Whether alpha mixes the surface with what is behind it (glTF `BLEND`). Such a surface is drawn opaque, and clear
+    /// texels take the colour of visible ones.
+    pub blends: bool,
     /// Whether back faces are visible.
     pub double_sided: bool,
     /// Roughness, 0 (mirror) to 1 (dull), glTF `roughnessFactor`. `None` if the file does not give a single number.
@@ -186,6 +190,7 @@ impl Default for Material {
             base_color: [1.0; 4],
             base_color_image: None,
             alpha_cutoff: None,
+            blends: false,
             double_sided: false,
             roughness: None,
             metallic: None,

@@ -70,7 +70,7 @@ pub fn lay_out_model<'a>(
 ) -> Result<Layout<'a>, BakeError> {
     let split = recipe.model.bare.as_deref().and_then(|bare| groom::split_listed(model, bare)).map(Arc::new);
     let model = split.as_deref().unwrap_or(model);
-    let mut warnings = model.warnings.clone();
+    let mut warnings = [&model.warnings[..], &images.warnings].concat();
     let rest = RestPose::of(&model.mesh, model.animation.as_ref());
     let FurredMaterials { furred, bare, decision } =
         groom::find_furred_materials(model, &rest, recipe.model.bare.as_deref(), &mut warnings);

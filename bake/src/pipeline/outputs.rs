@@ -16,7 +16,7 @@ use crate::stages::surface::Surface;
 use crate::stages::visibility::Visibility;
 use pelage_formats::{RootsInfo, StrandsData};
 use pelage_import::BakeError;
-use pelage_import::mesh::{Image, Model};
+use pelage_import::mesh::Model;
 use std::sync::Arc;
 
 /// Input of a bake, the same for all steps.
@@ -148,12 +148,10 @@ pub(super) struct SkinFiles {
 
 impl SkinFiles {
     pub(super) fn encode(SkinImages { groomed, pack }: &SkinImages) -> Result<Arc<Self>, BakeError> {
-        let all = |images: &[Image], encode: fn(&Image, &PackParams) -> Result<Vec<u8>, BakeError>| {
-            images.iter().map(|image| encode(image, pack)).collect::<Result<Vec<_>, _>>()
-        };
+        let (colors, grooms) = (&groomed.colors.images, &groomed.grooms.images);
         Ok(Arc::new(Self {
-            base_colors: all(&groomed.colors.images, slice::encode_base_color)?,
-            grooms: all(&groomed.grooms.images, slice::encode_groom)?,
+            base_colors: colors.iter().map(|image| slice::encode_base_color(image, pack)).collect::<Result<_, _>>()?,
+            grooms: grooms.iter().map(|image| slice::encode_groom(image, pack)).collect::<Result<_, _>>()?,
         }))
     }
 }

@@ -92,8 +92,12 @@ pub(super) fn groom(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<
     };
     let colored =
         |surface: &Surface| groom::colors(model, &Vertices::from(surface), maps, furred, recipe.color.base_color);
-    let uncut = colored(&surface)?;
-    let roots = recipe.color.at_root.then(|| RootAtlas::new(&mut surface, &uncut, &rooting)).flatten();
+    let roots = if recipe.color.at_root {
+        let uncut = colored(&surface)?;
+        RootAtlas::new(&mut surface, &uncut, &rooting)
+    } else {
+        None
+    };
     let plain = pattern.as_ref().filter(|_| roots.is_none());
     let atlas = plain.map(|_| Atlas::new(&mut surface, recipe.color.pattern_texels)).transpose()?;
     let mut coat = maps.vertex_groom(&Vertices::from(&surface))?;

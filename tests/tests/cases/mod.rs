@@ -3,4 +3,5 @@
 mod hair;
 mod import;
 mod normals;
+mod pictures;
 mod rest;

@@ -150,7 +150,8 @@ impl Library {
         let it = |reason| format!("it {reason}");
         let decoded = self.images.check_limits().map_err(it).and_then(|()| {
             let bytes = fetch(path, resolve, notes)?;
-            let number = self.images.add(&bytes).map_err(it)?;
+            let name = format!("the image file \"{}\"", shorten(path));
+            let number = self.images.add(&bytes, &name, &mut |text| notes.warn(text)).map_err(it)?;
             notes.record("image", path, &bytes);
             Ok(number)
         });

@@ -1,5 +1,6 @@
 //! Sources of the colours of hair and mesh surface.
 
+use super::bleed::bleed;
 use super::image_coordinates::Vertices;
 use super::maps::Maps;
 use crate::recipe::{ColorMap, ColorParams};
@@ -8,12 +9,13 @@ use pelage_formats::meaning::srgb_value_to_linear;
 use pelage_import::BakeError;
 use pelage_import::mesh::{Image, Material, MeshPart, Model};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Colours of a model in the form stored in the package: the product of factor, texture and vertex colour.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Colors {
     /// Images used by materials.
-    pub images: Vec<Image>,
+    pub images: Vec<Arc<Image>>,
     /// Colour of each material.
     pub materials: Vec<MaterialColor>,
     /// Colour of each vertex, linear RGBA.
@@ -40,11 +42,67 @@ pub struct MaterialColor {
     pub image: Option<usize>,
 }
 
+/// Use of the alpha of a material's image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum AlphaUse {
+    /// None: the image is opaque.
+    Ignored,
+    /// The image is opaque, and clear texels take the colour of visible ones.
+    Blends,
+    /// The surface is cut away at clear texels. These take the colour of visible ones, so that filters mix nothing else
+    /// into the texels beside them.
+    Cuts,
+}
+
+impl AlphaUse {
+    /// Returns the image as the package stores it; `share` returns it unchanged.
+    fn apply(self, image: &Image, share: impl Fn() -> Arc<Image>) -> Arc<Image> {
+        if image.rgba.as_chunks::<4>().0.iter().all(|texel| texel[3] == 255) {
+            return share();
+        }
+        let mut image = image.clone();
+        if self != Self::Ignored {
+            bleed(&mut image);
+        }
+        if self != Self::Cuts {
+            image.rgba.as_chunks_mut::<4>().0.iter_mut().for_each(|texel| texel[3] = 255);
+        }
+        Arc::new(image)
+    }
+}
+
+/// Images that materials use, each once for each use of its alpha.
+#[derive(Default)]
+struct UsedImages<'a> {
+    images: Vec<Arc<Image>>,
+    /// Source, use of alpha, and index in `images`.
+    known: Vec<(&'a Image, AlphaUse, usize)>,
+}
+
+impl<'a> UsedImages<'a> {
+    /// Returns the index of the image; adds it at its first use.
+    fn index(&mut self, image: &'a Image, alpha: AlphaUse, share: impl Fn() -> Arc<Image>) -> usize {
+        let same = |known: &&(&Image, AlphaUse, usize)| std::ptr::eq(known.0, image) && known.1 == alpha;
+        if let Some((.., index)) = self.known.iter().find(same) {
+            return *index;
+        }
+        let used = alpha.apply(image, share);
+        let index = self.images.iter().position(|image| Arc::ptr_eq(image, &used)).unwrap_or(self.images.len());
+        if index == self.images.len() {
+            self.images.push(used);
+        }
+        self.known.push((image, alpha, index));
+        index
+    }
+}
+
 /// Takes the colour of each material from the model or from `groom.color`.
 ///
 /// * `at`: vertices of the package
 /// * `furred`: whether each material is furred
 /// * `base_color`: whether furred materials show the model's own colours if `groom.color` is not set
+///
+/// Alpha is 1 on all materials that are not cut away where it is low (glTF `MASK`).
 ///
 /// # Errors
 /// [`BakeError::Internal`] if an image was not read.
@@ -57,12 +115,20 @@ pub fn colors(
 ) -> Result<Colors, BakeError> {
     let mesh = at.mesh;
     let mut colors = Colors { vertices: vec![[255; 4]; mesh.positions.len()], ..Colors::default() };
-    let mut known: Vec<&Image> = Vec::new();
-    let mut keeps_vertex_colors = Vec::new();
+    let mut used = UsedImages::default();
+    // The vertex colours that a material keeps: `None` for none, otherwise whether with their alpha.
+    let mut kept_vertex_colors = Vec::new();
     let mut painted = Vec::new();
     for (i, material) in model.materials.iter().enumerate() {
         let own = base_color || !furred.get(i).copied().unwrap_or(false);
-        let [.., alpha] = material.base_color;
+        let cuts = material.alpha_cutoff.is_some();
+        let [r, g, b, alpha] = material.base_color;
+        let alpha = if cuts { alpha } else { 1.0 };
+        let plain = if cuts { AlphaUse::Cuts } else { AlphaUse::Blends };
+        let mut recipe_image = |path| {
+            let image = maps.image(path)?;
+            Ok::<_, BakeError>(used.index(image, plain, || Arc::new(image.clone())))
+        };
         let (factor, image, vertex) = match maps.color(i) {
             Some(ColorMap::Constant(color)) => {
                 let [r, g, b] = color.0.map(srgb_value_to_linear);
@@ -73,27 +139,24 @@ pub fn colors(
                 painted.push((i, maps.image(path)?));
                 ([1.0, 1.0, 1.0, alpha], None, false)
             }
-            Some(ColorMap::Image(path)) => ([1.0, 1.0, 1.0, alpha], Some(maps.image(path)?), false),
+            Some(ColorMap::Image(path)) => ([1.0, 1.0, 1.0, alpha], Some(recipe_image(path)?), false),
             None if own => {
                 let image = material.base_color_image.and_then(|image| model.images.get(image));
-                (material.base_color, image, true)
+                let meaning = if cuts || material.blends { plain } else { AlphaUse::Ignored };
+                let image = image.map(|image| used.index(image, meaning, || image.clone()));
+                ([r, g, b, alpha], image, true)
             }
             None => ([1.0; 4], None, false),
         };
-        let image = image.map(|image| {
-            let at = known.iter().position(|k| std::ptr::eq(*k, image)).unwrap_or(known.len());
-            if at == known.len() {
-                known.push(image);
-            }
-            at
-        });
         colors.materials.push(MaterialColor { factor, image });
-        keeps_vertex_colors.push(vertex);
+        kept_vertex_colors.push(vertex.then_some(cuts));
     }
-    colors.images = known.into_iter().cloned().collect();
-    for part in mesh.parts.iter().filter(|p| keeps_vertex_colors.get(p.material).copied().unwrap_or(false)) {
+    colors.images = used.images;
+    for part in &mesh.parts {
+        let Some(cuts) = kept_vertex_colors.get(part.material).copied().flatten() else { continue };
         for v in mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count].iter().flatten() {
-            colors.vertices[*v as usize] = mesh.colors[*v as usize];
+            let [r, g, b, alpha] = mesh.colors[*v as usize];
+            colors.vertices[*v as usize] = [r, g, b, if cuts { alpha } else { 255 }];
         }
     }
     for part in &mesh.parts {

@@ -26,6 +26,8 @@ pub struct MapImages {
     pub strands: BTreeMap<String, Guides>,
     /// Records of the files read, in reading order.
     pub inputs: Vec<InputRecord>,
+    /// Warnings.
+    pub warnings: Vec<String>,
 }
 
 impl MapImages {

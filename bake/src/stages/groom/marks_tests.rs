@@ -145,7 +145,7 @@ fn mark_colour_replaces_the_model_colour() {
 fn mark_colour_multiplies_the_texture() {
     let image = pelage_import::mesh::Image { width: 1, height: 1, rgba: vec![128; 4] };
     let change = |model: &mut Model| {
-        model.images.push(image);
+        model.images.push(std::sync::Arc::new(image));
         model.materials[0].base_color_image = Some(0);
     };
     let (model, colors) = colored(change, "{ name = \"a\", at = [0, 0, 1], color = \"#ff0000\", reach_m = 1 }");

@@ -4,6 +4,7 @@
 mod at_root;
 mod atlas;
 mod bare;
+mod bleed;
 mod body;
 pub(crate) mod canvas;
 mod charts;

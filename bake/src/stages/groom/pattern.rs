@@ -16,6 +16,7 @@ use glam::{Vec3, Vec4};
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
+use std::sync::Arc;
 
 /// Image projected through space.
 #[derive(Clone, Copy, Debug)]
@@ -112,7 +113,7 @@ pub(super) fn assign_textures(
 ) {
     let chosen: Vec<usize> = (0..colors.materials.len()).filter(|m| of_material.get(*m) == Some(&true)).collect();
     let mut images: Vec<_> = colors.materials.iter().map(|m| m.image).collect();
-    replace(&mut colors.images, &mut images, &chosen, color);
+    replace(&mut colors.images, &mut images, &chosen, Arc::new(color));
     colors.materials.iter_mut().zip(images).for_each(|(m, image)| m.image = image);
     if let Some(groom) = groom {
         replace(&mut grooms.images, &mut grooms.of_material, &chosen, groom);
@@ -145,7 +146,7 @@ pub(super) fn material_of_triangles(surface: &Surface) -> Vec<usize> {
 }
 
 /// Assigns the image `new` to `materials`, and removes images that are no longer used.
-fn replace(images: &mut Vec<Image>, of_material: &mut [Option<usize>], materials: &[usize], new: Image) {
+fn replace<T>(images: &mut Vec<T>, of_material: &mut [Option<usize>], materials: &[usize], new: T) {
     materials.iter().for_each(|m| of_material[*m] = None);
     let mut kept = Vec::new();
     for (i, image) in std::mem::take(images).into_iter().enumerate() {

@@ -39,6 +39,8 @@ impl<'a> RawLevel<'a> {
 pub struct TextureEncoder {
     format: TextureFormat,
     alpha: AlphaMode,
+    /// Whether texels of alpha 0 keep their colour. Otherwise it is black, except in opaque and premultiplied textures.
+    keeps_clear_colors: bool,
     quality: Quality,
     /// Encoded levels; one list per layer.
     layers: Vec<Vec<Surface>>,
@@ -60,7 +62,7 @@ impl TextureEncoder {
     /// Creates a texture of `format` without layers. Premultiplied colour is recorded in the data format descriptor of
     /// the file. For opaque textures, the block encoder tries fewer modes.
     pub fn new(format: TextureFormat, alpha: AlphaMode, quality: BcQuality) -> Self {
-        Self { format, alpha, quality: quality.into(), layers: Vec::new() }
+        Self { format, alpha, keeps_clear_colors: false, quality: quality.into(), layers: Vec::new() }
     }
 
     fn color_space(&self) -> ColorSpace {
@@ -87,10 +89,15 @@ impl TextureEncoder {
     /// Encodes one layer with its mip levels, largest first. The sizes must be the same for all layers.
     pub fn push_layer(&mut self, levels: &[RawLevel<'_>]) -> Result<(), BakeError> {
         let (raw, bytes) = self.raw_format();
+        let mut desc = self.describe(raw);
+        if self.keeps_clear_colors && desc.alpha == AlphaMode::Straight {
+            // `ctt` multiplies straight colours by alpha and divides them again. It leaves others as they are.
+            desc.alpha = AlphaMode::Premultiplied;
+        }
         let image = ImageRef {
             surfaces: vec![levels.iter().map(|level| level.surface(bytes)).collect()],
             kind: TextureKind::Texture2D,
-            desc: self.describe(raw),
+            desc,
         };
         let target = match self.format.block_size() {
             1 => TargetFormat::Uncompressed(self.format.ktx2()),
@@ -179,7 +186,8 @@ fn encode_image(
     alpha: AlphaMode,
     params: &PackParams,
 ) -> Result<Vec<u8>, BakeError> {
-    let mut encoder = TextureEncoder::new(format, alpha, params.bc_quality);
+    let mut encoder =
+        TextureEncoder { keeps_clear_colors: true, ..TextureEncoder::new(format, alpha, params.bc_quality) };
     let space = encoder.color_space();
     let mut levels = mip_chain(image.width, image.height, &image.rgba, space)?;
     levels.retain(|level| level.width.max(level.height) <= params.base_color_max);
@@ -202,18 +210,31 @@ fn encode_image(
     encoder.finish()
 }
 
-/// Makes the full mip chain of an RGBA8 image with straight alpha.
+/// Makes the full mip chain of an RGBA8 image with straight alpha. Colours are weighted by alpha, except where it is 0.
 fn mip_chain(width: u32, height: u32, rgba: &[u8], color_space: ColorSpace) -> Result<Vec<Surface>, BakeError> {
-    let surface = RawLevel { width, height, texels: rgba }.surface(4);
-    let format = if color_space == ColorSpace::Srgb { Format::R8G8B8A8_SRGB } else { Format::R8G8B8A8_UNORM };
-    let desc = FormatDesc { format, color_space, alpha: AlphaMode::Straight };
-    let image = ImageRef { surfaces: vec![vec![surface]], kind: TextureKind::Texture2D, desc };
-    let settings = ConvertSettings { container: Container::Raw, mipmap: true, ..Default::default() };
-    match ctt::convert(image, settings) {
-        Ok(PipelineOutput::Raw(image)) => image.surfaces.into_iter().next().ok_or_else(|| internal("no layer")),
-        Ok(PipelineOutput::Encoded(_)) => Err(internal("found an encoded image, expected texels")),
-        Err(error) => Err(internal(error)),
+    let chain = |alpha| {
+        let surface = RawLevel { width, height, texels: rgba }.surface(4);
+        let format = if color_space == ColorSpace::Srgb { Format::R8G8B8A8_SRGB } else { Format::R8G8B8A8_UNORM };
+        let desc = FormatDesc { format, color_space, alpha };
+        let image = ImageRef { surfaces: vec![vec![surface]], kind: TextureKind::Texture2D, desc };
+        let settings = ConvertSettings { container: Container::Raw, mipmap: true, ..Default::default() };
+        match ctt::convert(image, settings) {
+            Ok(PipelineOutput::Raw(image)) => image.surfaces.into_iter().next().ok_or_else(|| internal("no layer")),
+            Ok(PipelineOutput::Encoded(_)) => Err(internal("found an encoded image, expected texels")),
+            Err(error) => Err(internal(error)),
+        }
+    };
+    let mut levels = chain(AlphaMode::Straight)?;
+    if rgba.chunks_exact(4).any(|texel| texel[3] == 0) {
+        let unweighted = chain(AlphaMode::Opaque)?;
+        for (level, unweighted) in levels.iter_mut().zip(&unweighted) {
+            let texels = level.data.chunks_exact_mut(4).zip(unweighted.data.chunks_exact(4));
+            texels
+                .filter(|(texel, _)| texel[3] == 0)
+                .for_each(|(texel, color)| texel[..3].copy_from_slice(&color[..3]));
+        }
     }
+    Ok(levels)
 }
 
 #[cfg(test)]
@@ -253,6 +274,34 @@ mod tests {
                     }
                 }
             });
+        }
+    }
+
+    #[test]
+    fn clear_texels_keep_their_colour_in_every_level() {
+        let texels = |x: u32| if x < 20 { [230, 140, 60, 0] } else { [230, 140, 60, 255] };
+        // The second size is resampled, because blocks need sides that are multiples of four.
+        for (width, height) in [(32, 32), (30, 21)] {
+            let rgba = (0..height).flat_map(|_| (0..width).flat_map(texels)).collect();
+            let image = Image { width, height, rgba };
+            for base_color_format in [BaseColorFormat::Bc7, BaseColorFormat::Rgba8] {
+                let params = PackParams { base_color_format, ..PackParams::default() };
+                reread(encode_base_color(&image, &params).unwrap(), |view| {
+                    for level in 0..view.levels {
+                        let found = crate::stages::slice::decode_texture(&view, level, 0).unwrap();
+                        for texel in found.chunks(4) {
+                            let apart = texel.iter().zip([230u8, 140, 60]).map(|(a, b)| a.abs_diff(b)).max();
+                            assert!(
+                                apart <= Some(3),
+                                "{width} x {height}, {base_color_format:?}, level {level}: {texel:?}"
+                            );
+                        }
+                        if level == 0 {
+                            assert_eq!((found[3], found[4 * width as usize - 9]), (0, 255));
+                        }
+                    }
+                });
+            }
         }
     }
 

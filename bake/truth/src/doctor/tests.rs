@@ -18,7 +18,7 @@ fn model(texels: u32) -> Model {
     if texels > 0 {
         let texel = |i: u32| if i.is_multiple_of(3) { [255, 200, 150, 255] } else { [90, 120, 60, 255] };
         let rgba = (0..texels * texels).flat_map(texel).collect();
-        model.images.push(Image { width: texels, height: texels, rgba });
+        model.images.push(std::sync::Arc::new(Image { width: texels, height: texels, rgba }));
         model.materials[0].base_color_image = Some(0);
         model
             .mesh
