@@ -71,8 +71,8 @@ const MEMORY: (u64, u64) = (1 << 30, 1 << 27);
 /// Maximum memory for parts of an image file other than its texels, such as colour profiles; bytes.
 const MAX_METADATA: u64 = 1 << 26;
 
-/// Decodes a PNG, JPEG or WebP of at most `texels_left` texels, and subtracts its texels. Texels of an image that cannot be
-/// decoded are subtracted too. A large image is reduced, which the returned text reports.
+/// Decodes a PNG, JPEG or WebP of at most `texels_left` texels, and subtracts its texels. Texels of an image that
+/// cannot be decoded are subtracted too. A large image is reduced, which the returned text reports.
 ///
 /// Both texts lack a subject: the caller puts the image's name before them.
 pub fn decode_image(

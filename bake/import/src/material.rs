@@ -181,7 +181,8 @@ pub(super) fn emission_as_base_color(material: &str) -> String {
     format!("material \"{}\" is black and emits light; its emission is used as base colour", shorten(material))
 }
 
-/// Returns the alpha below which a material is cut away, `None` if its `alphaMode` is not MASK; and whether it is BLEND.
+/// Returns the alpha below which a material is cut away, `None` if its `alphaMode` is not MASK; and whether the mode is
+/// BLEND.
 fn alpha_mode(at: &JsonNode<'_>) -> Result<(Option<f32>, bool), BakeError> {
     let Some(mode) = at.get("alphaMode") else { return Ok((None, false)) };
     match mode.string()? {

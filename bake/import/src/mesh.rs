@@ -229,8 +229,8 @@ impl RestPose {
         Self::posed(mesh, &Self::pose(animation))
     }
 
-    /// Returns the skeleton's pose at rest. Nodes that are hidden at rest by a scale of zero have the largest scale that
-    /// they reach in any clip, so that hair fits them where they are visible.
+    /// Returns the skeleton's pose at rest. Nodes that are hidden at rest by a scale of zero have the largest scale
+    /// that they reach in any clip, so that hair fits them where they are visible.
     pub fn pose(animation: &Animation) -> Pose {
         hidden::measured_pose(animation)
     }

@@ -22,8 +22,8 @@ use std::sync::Arc;
 /// Output of the `surface` stage.
 #[derive(Clone, Debug)]
 pub struct Layout<'a> {
-    /// Model with the materials that `model.bare` splits along nodes and joints, and with coarse furred surface rounded;
-    /// `None` if neither changes the imported model.
+    /// Model with the materials that `model.bare` splits along nodes and joints, and with coarse furred surface
+    /// rounded; `None` if neither changes the imported model.
     changed: Option<Arc<Model>>,
     /// Mesh with hair-tile coordinates.
     pub surface: Surface,

@@ -54,8 +54,8 @@ pub fn handedness_of(m: Mat3) -> f32 {
 }
 
 /// Transforms a stored vertex by `matrix` ([`skin_matrix`]). The transformed tangent is neither unit length nor
-/// perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged, except that
-/// a vertex collapsed by a scale of zero has no hair.
+/// perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged, except
+/// that a vertex collapsed by a scale of zero has no hair.
 pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     let linear = Mat3::from_mat4(matrix);
     let [x, y, z, handedness] = vertex.tangent;

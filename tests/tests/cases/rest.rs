@@ -280,7 +280,7 @@ fn model_bare_takes_nodes_and_joints_and_lists_their_names() {
         furred.sort_unstable();
         assert_eq!(furred, bare, "{list}");
         let warns = |text: &&str| laid.warnings.iter().any(|w| w.contains(*text) && w.contains("\"Gizmo\""));
-        assert!(warned.iter().all(|text| warns(text)), "{:?}", laid.warnings);
+        assert!(warned.iter().all(warns), "{:?}", laid.warnings);
         assert_eq!(laid.warnings.iter().any(|w| w.contains("model.bare")), warned.is_some(), "{:?}", laid.warnings);
     }
 }
