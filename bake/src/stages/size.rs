@@ -232,7 +232,7 @@ mod tests {
                         model, in metres, or model.unit_m=0.1 if the model was made in another unit (now 1)";
         assert_eq!(check_of(2.7, "hair.length_m=200"), Err(expected.to_owned()));
         let tiny = check_of(0.005, "hair.length_m=0.1").expect_err("longer than the model");
-        assert!(tiny.contains("the model 0.0100 m") && tiny.contains("model.unit_m=100 if"), "{tiny}");
+        assert!(tiny.contains("the model 0.01000 m") && tiny.contains("model.unit_m=100 if"), "{tiny}");
         let animal = check_of(0.5, "hair.length_m=7").expect_err("longer than the model");
         assert!(animal.contains("in metres, or model.unit_m if"), "{animal}");
     }

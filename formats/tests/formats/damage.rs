@@ -389,7 +389,7 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.shading.specular_exponent = 10_001.0), "shading.specular_exponent is 10001");
     refused(with(|m| m.shading.back_light_range = 0.0), "shading.back_light_range is 0");
     refused(with(|m| m.shading.diffuse[2] = f32::INFINITY), "shading.diffuse is inf");
-    refused(with(|m| m.fur.color_texture = 8), "fur.color_texture is 8, expected less than the 8");
+    refused(with(|m| m.fur.color_texture = 8), "fur.color_texture is 8, expected less than 8, the number");
     refused(with(|m| m.fur.tile_size_m = 0.0), "fur has tile_size_m 0");
     refused(with(|m| m.fur.tile_texels = 0), "fur.tile_texels is 0");
     refused(with(|m| m.materials[0].base_color_texture = Some(9)), "materials[0].base_color_texture is 9");

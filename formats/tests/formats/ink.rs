@@ -115,7 +115,7 @@ fn ink_contents_are_checked() {
     }
     let srgb = |k| if k == 2 { ktx2_file(TextureFormat::Rgba8Srgb, 4, 4, 0, 1, 0) } else { texture(k) };
     let error = package(&ink(), srgb).unwrap_err().to_string();
-    assert!(error.contains("\"ink_paper\" is rgba8unorm-srgb"), "{error}");
+    assert!(error.contains("\"ink_paper\" has format rgba8unorm-srgb"), "{error}");
     let two = PackageWriter::new(Manifest::default()).ink(&InkData::default()).ink(&InkData::default()).finish();
     assert!(two.is_err());
 }
