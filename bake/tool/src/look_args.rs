@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(look.light.direction, [-1.0, 2.0, 3.5]);
         assert_eq!(look.light.fill, [FillLight { direction: [-2.0, 0.0, 0.0], strength: 0.25 }]);
         for (line, message) in [
-            ("--size 0x0", "each 1..=8192"),
+            ("--size 0x0", "each from 1 to 8192"),
             ("--light 0,0,0", "a direction that is not zero"),
             ("--light 0,1,0 --point-light 0,1,0", "cannot be used with"),
             ("--shadow-density 5", "found 5, expected a number 0..=4"),

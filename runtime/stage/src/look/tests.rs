@@ -70,9 +70,9 @@ fn flags_still_accept_their_values() {
     short("light").apply(&mut look, "0,3,4").unwrap();
     assert_eq!((look.light.position_m, look.light.direction), (None, [0.0, 3.0, 4.0]));
     for (flag, word, message) in [
-        ("size", "0x0", "each 1..=8192"),
+        ("size", "0x0", "each from 1 to 8192"),
         ("size", "834", "WIDTHxHEIGHT"),
-        ("size", "9000x10", "each 1..=8192"),
+        ("size", "9000x10", "each from 1 to 8192"),
         ("light", "0,0,0", "a direction that is not zero"),
         ("light", "NaN,0,1", "found [NaN, 0, 1]"),
         ("layers", "0", "found 0, expected \"all\" or an integer 1..=1024"),
