@@ -6,7 +6,7 @@ use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, import_strands, input_record};
-use crate::temp_files::TempFileGuard;
+use crate::temp_files::{TEMP_FILE_AFFIXES, TempFileGuard};
 use pelage_import::BakeError;
 use pelage_import::guides::read::GuideFormat;
 use pelage_import::image_file::{Channels, MAX_TEXELS, decode_image, fit_images};
@@ -356,9 +356,6 @@ pub fn write_all_atomic(files: &[(&Path, &[u8])]) -> Result<(), BakeError> {
     let whole = whole.collect::<Result<Vec<_>, _>>()?;
     whole.into_iter().flatten().try_for_each(PendingFile::commit)
 }
-
-/// Prefix and suffix of the names of temporary files.
-pub const TEMP_FILE_AFFIXES: (&str, &str) = (".pelage-", ".tmp");
 
 /// Complete temporary file that has not been renamed yet.
 struct PendingFile {

@@ -5,10 +5,12 @@
 //! signals calls [`remove_all`], as `pelage` does for INT and TERM. What a killed process leaves, [`remove_abandoned`]
 //! removes later.
 
-use crate::io::TEMP_FILE_AFFIXES;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+
+/// Prefix and suffix of the names of temporary files.
+pub const TEMP_FILE_AFFIXES: (&str, &str) = (".pelage-", ".tmp");
 
 /// Temporary files, removed in reverse order.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());

@@ -21,24 +21,32 @@ const FOLLOWED_COSINE: f32 = 0.707;
 /// Minimum length of an edge of a coarse triangle, as a share of the bounding sphere's radius. Facets of rough scans
 /// are shorter.
 const LEAST_EDGE: f32 = 0.02;
+/// Minimum share of the furred area that is coarse. Below it, the surface as a whole is fine, and rounding its few sharp
+/// bends would multiply the triangles of every layer.
+const COARSE_SHARE: f32 = 0.5;
 /// Maximum number of times that an edge is halved.
 const ROUNDS: usize = 4;
 
-/// Returns the model with its coarse furred surface rounded; `None` if no surface is coarse. Flat surface with hard
-/// edges stays as it is, because its normals do not turn along its edges.
+/// Returns the model with its coarse furred surface rounded; `None` if at most half of the furred area is coarse. Flat
+/// surface with hard edges stays as it is, because its normals do not turn along its edges.
 ///
 /// * `furred`: whether hair grows on each material
 /// * `rest`: rest pose of the model
 /// * `radius`: radius of its bounding sphere, metres
 pub fn rounded(model: &Model, furred: &[bool], rest: &RestPose, radius: f32) -> Option<Model> {
     let mut coarse = vec![false; model.mesh.triangles.len()];
+    let (mut furred_area, mut coarse_area) = (0.0, 0.0);
     for part in model.mesh.parts.iter().filter(|part| furred.get(part.material).copied().unwrap_or(false)) {
         let range = part.first_triangle..part.first_triangle + part.triangle_count;
         for (coarse, triangle) in coarse[range.clone()].iter_mut().zip(&model.mesh.triangles[range]) {
             *coarse = is_coarse(*triangle, rest, LEAST_EDGE * radius);
+            let [a, b, c] = triangle.map(|v| rest.positions[v as usize]);
+            let area = (b - a).cross(c - a).length();
+            furred_area += area;
+            coarse_area += if *coarse { area } else { 0.0 };
         }
     }
-    if !coarse.contains(&true) {
+    if coarse_area <= COARSE_SHARE * furred_area {
         return None;
     }
     let mut finer = FinerMesh { mesh: model.mesh.clone(), rows: model.morph_rows.clone(), coarse };

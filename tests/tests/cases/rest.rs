@@ -198,10 +198,11 @@ fn a_model_that_is_small_as_a_whole_at_rest_keeps_its_size() {
 fn vrm_0_models_are_turned_to_look_along_plus_z() {
     let Some(data) = data("vrm_0_models_are_turned_to_look_along_plus_z") else { return };
     let model = read(&data, "vrm0_faces_minus_z.gltf");
-    let is_dark = |color: &&[u8; 4]| color[1] < 100;
-    assert_eq!(model.mesh.colors.iter().filter(is_dark).count(), 1, "the nose");
-    let nose = model.mesh.colors.iter().position(|color| color[1] < 100).unwrap();
-    assert_eq!(model.mesh.positions[nose].z, 1.4);
+    let is_dark = |color: &[u8; 4]| color[1] < 100;
+    // Faces without normals are flat, so that each has a vertex of its own at the nose.
+    let noses = model.mesh.colors.iter().zip(&model.mesh.positions).filter(|(color, _)| is_dark(color));
+    let heights: Vec<f32> = noses.map(|(_, position)| position.z).collect();
+    assert!(!heights.is_empty() && heights.iter().all(|z| *z == 1.4), "{heights:?}");
     assert!(model.warnings.iter().any(|w| w.contains("VRM 0.x") && w.contains("turned")), "{:?}", model.warnings);
     // Models of other kinds are not turned.
     let nodes = json!([{"mesh": 0, "translation": [0.0, 0.0, -1.0]}]);
@@ -291,7 +292,7 @@ fn empty_pictures_are_reported_with_a_reason() {
     let (Some(data), Some(_)) = (data("empty_pictures_are_reported_with_a_reason"), gpu(name)) else { return };
     let sandbox = Sandbox::new();
     let model = data.join("cases/one_sided_plane_looks_down.gltf").display().to_string();
-    sandbox.fixture(&["bake", &model, "-o", "m.pelage", "--set=slice.layers=4", "--set=slice.tile_texels=16"]);
+    sandbox.fixture(&[&model[..], "-o", "m.pelage", "--set=slice.layers=4", "--set=slice.tile_texels=16"]);
     let size = ["--size", "64x64"];
     for (command, more, expected) in [
         ("render", &["--style", "bare"][..], "warning: the picture shows nothing: the camera sees only back faces"),

@@ -27,7 +27,7 @@ const RUNTIME: [&[&str]; 14] = [
 /// Layers of the baker, lowest first: basics; masks and sampling; pictures; the recipe; the stages; strands and files
 /// on disk; the order of the stages; users of the pipeline.
 const BAKE: [&[&str]; 8] = [
-    &["decision", "noise", "progress", "temp_files", "memo", "io_trace", "hexadecimal"],
+    &["decision", "noise", "progress", "temp_files", "memo", "io_trace", "io_guard", "hexadecimal"],
     &["mask", "sample"],
     &["picture", "y4m"],
     &["recipe"],

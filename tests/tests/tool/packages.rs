@@ -50,7 +50,7 @@ fn inspect_prints_package_contents() {
         "0.75 of the height",
         "1 layer in 2, 50 % of the fins",
         "the far layer alone",
-        "max_error binds",
+        "binding limit: max_error",
         "next cheaper",
     ] {
         assert!(text.stdout.contains(words), "{words}: {}", text.stdout);
@@ -303,7 +303,7 @@ fn unpack_replaces_only_its_own_folders() {
     assert_eq!(sandbox.run(&["unpack", "a.pelage", "folder", "--force"]).code, Some(0));
     assert_eq!(std::fs::read(sandbox.path().join("folder/notes.txt")).unwrap(), b"mine");
     let run = sandbox.run(&["pack", "folder", "b.pelage"]);
-    assert!(run.code == Some(0) && run.stderr.contains("notes.txt: not named"), "{run:?}");
+    assert!(run.code == Some(0) && run.stderr.contains("notes.txt: not packed"), "{run:?}");
     assert_eq!(sandbox.run(&["pack", "folder", "b.pelage", "--quiet"]).stderr, "");
     assert!(!sandbox.files().iter().any(|f| f.contains(".tmp")), "{:?}", sandbox.files());
 }

@@ -477,7 +477,7 @@ fn interrupted_sequence_resumes() {
             0,
             format!("pictures to draw again: {kept}, because scene, view, tool or adapter have changed"),
         ),
-        (&["--fps", "23"], 0, format!("{kept} pictures of another")),
+        (&["--fps", "23"], 0, format!("pictures to draw again: {kept}")),
         (&["--restart"], 0, String::new()),
         (&[], kept, format!("{kept} of 14 pictures exist")),
     ] {
