@@ -21,8 +21,8 @@ const FOLLOWED_COSINE: f32 = 0.707;
 /// Minimum length of an edge of a coarse triangle, as a share of the bounding sphere's radius. Facets of rough scans
 /// are shorter.
 const LEAST_EDGE: f32 = 0.02;
-/// Minimum share of the furred area that is coarse. Below it, the surface as a whole is fine, and rounding its few sharp
-/// bends would multiply the triangles of every layer.
+/// Minimum share of the furred area that is coarse. Below it, the surface as a whole is fine, and rounding its few
+/// sharp bends would multiply the triangles of every layer.
 const COARSE_SHARE: f32 = 0.5;
 /// Maximum number of times that an edge is halved.
 const ROUNDS: usize = 4;

@@ -47,7 +47,7 @@ fn inspect_prints_package_contents() {
     }
     // Only packages of version 3 have this data.
     for words in [
-        "0.75 of the height",
+        "0.75 of the fur height",
         "1 layer in 2, 50 % of the fins",
         "the far layer alone",
         "binding limit: max_error",

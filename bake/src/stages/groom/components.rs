@@ -2,8 +2,8 @@
 //! lashes, and small ones inside the head. Avatars have one material for all of these and the skin.
 
 use super::body::{WeldedMesh, are_joints_of_head};
-use super::features::triangle_range;
 use super::names::{NameMeaning, meaning_of_words, words};
+use super::pairs::triangle_range;
 use super::words::LASHES;
 use glam::Vec3;
 use obvhs::BvhBuildParams;

@@ -7,7 +7,7 @@
 use super::bare::{combined_meaning, is_named, part_area_shares, without_common_words};
 use super::components::bare_components;
 use super::names::{NameMeaning, are_names_of_eyes, are_names_of_snout, meaning_of_words, words};
-use super::pairs::{WeldedFaces, weld};
+use super::pairs::{WeldedFaces, triangle_range, weld};
 use super::patches::{FaceMesh, Patch};
 use glam::DVec3;
 use pelage_import::mesh::{Feature, Material, MeshPart, Model, RestPose};
@@ -325,11 +325,6 @@ fn materials_of(
         }
     }
     numbers
-}
-
-/// Returns the indices of the triangles of a part.
-pub(super) fn triangle_range(part: &MeshPart) -> std::ops::Range<usize> {
-    part.first_triangle..part.first_triangle + part.triangle_count
 }
 
 #[cfg(test)]

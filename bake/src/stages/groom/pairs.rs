@@ -1,7 +1,7 @@
 //! Detection of eyes by shape: small round connected components in pairs, high on the body.
 
 use glam::{DVec3, Vec3};
-use pelage_import::mesh::Mesh;
+use pelage_import::mesh::{Mesh, MeshPart};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Minimum roundness 36π V² / A³ of a connected component (volume V, area A). It is 1 for a sphere, and 0.76 for a
@@ -18,6 +18,11 @@ struct ComponentShape {
     center: DVec3,
     area: f64,
     roundness: f64,
+}
+
+/// Returns the indices of the triangles of a part.
+pub(super) fn triangle_range(part: &MeshPart) -> std::ops::Range<usize> {
+    part.first_triangle..part.first_triangle + part.triangle_count
 }
 
 /// Numbers the distinct positions, so that vertices at the same position have the same number.
