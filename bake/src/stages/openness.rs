@@ -3,11 +3,8 @@
 //!
 //! The occluder is the mesh surface raised by half the height of its hair, which is about how deep light enters fur.
 
-use super::triangle_tree::split_boxes;
+use super::triangle_tree::Occluders;
 use glam::Vec3;
-use obvhs::BvhBuildParams;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
-use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::meaning::{normalize_or, posed, skin_matrix, tile_frame, to_tile};
@@ -15,7 +12,6 @@ use pelage_formats::{Animation, MeshData};
 use pelage_import::mesh::RestPose;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::time::Duration;
 
 /// Limits of the number of rays: maximum per vertex, minimum per vertex, and maximum for all vertices together.
 const RAYS: (usize, usize, usize) = (128, 24, 4_000_000);
@@ -57,9 +53,7 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
     if facets.is_empty() {
         return vec![Openness::default(); at_rest.len()];
     }
-    let (boxes, facet_of) = split_boxes(&facets);
-    let tree = build_cwbvh(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
-    let facets: Vec<Triangle> = tree.primitive_indices.iter().map(|i| facets[facet_of[*i as usize] as usize]).collect();
+    let occluders = Occluders::new(&facets);
     // Vertices of several patches share a position: each position is evaluated once.
     let mut numbers: HashMap<[u32; 6], usize> = HashMap::new();
     let mut places = Vec::new();
@@ -81,7 +75,7 @@ pub fn openness(mesh: &MeshData, animation: Option<&Animation>, hides: impl Fn(u
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (place, _)| (low.min(*place), high.max(*place)));
     let away = AWAY * (0.5 * (high - low).length());
     let found: Vec<(f32, Vec3)> =
-        places.par_iter().map(|(place, normal)| open_share(&tree, &facets, *place, *normal, &ways, away)).collect();
+        places.par_iter().map(|(place, normal)| open_share(&occluders, *place, *normal, &ways, away)).collect();
     at_rest
         .iter()
         .zip(place_of)
@@ -107,7 +101,7 @@ struct AtRest {
 
 /// Returns the share of all directions that is open from a point, and the unit vector along the mean of the open
 /// directions.
-fn open_share(tree: &CwBvh, facets: &[Triangle], place: Vec3, normal: Vec3, ways: &[Vec3], away: f32) -> (f32, Vec3) {
+fn open_share(occluders: &Occluders, place: Vec3, normal: Vec3, ways: &[Vec3], away: f32) -> (f32, Vec3) {
     let (along, across) = normal.any_orthonormal_pair();
     // The ray begins slightly above the surface, so that the surface occludes the directions below it.
     let from = place + normal * away;
@@ -115,9 +109,7 @@ fn open_share(tree: &CwBvh, facets: &[Triangle], place: Vec3, normal: Vec3, ways
     let mut open = 0;
     for way in ways {
         let way = along * way.x + across * way.y + normal * way.z;
-        let ray = Ray::new(from.into(), way.into(), 0.0, f32::INFINITY);
-        // Both sides of a triangle occlude.
-        if tree.ray_traverse_miss(ray, |ray, id| facets[id].intersect(ray)) {
+        if occluders.is_open(from, way) {
             open += 1;
             middle += way;
         }

@@ -6,6 +6,8 @@
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::ray::Ray;
 use obvhs::splits::split_aabbs_precise;
 use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
@@ -22,7 +24,7 @@ const SPLIT_ROUNDS: u32 = 10;
 const SPLIT_POSITIONS: u32 = 8;
 
 /// Returns boxes that cover the triangles, and the triangle of each box.
-pub(crate) fn split_boxes(triangles: &[Triangle]) -> (Vec<Aabb>, Vec<u32>) {
+fn split_boxes(triangles: &[Triangle]) -> (Vec<Aabb>, Vec<u32>) {
     let mut boxes: Vec<Aabb> = triangles.iter().map(Boundable::aabb).collect();
     let mut triangle_of: Vec<u32> = (0..triangles.len() as u32).collect();
     let mean = |values: &mut dyn Iterator<Item = f32>| {
@@ -49,6 +51,28 @@ pub(crate) fn split_boxes(triangles: &[Triangle]) -> (Vec<Aabb>, Vec<u32>) {
         );
     }
     (boxes, triangle_of)
+}
+
+/// Triangles that block rays, on both sides.
+pub(crate) struct Occluders {
+    tree: CwBvh,
+    /// Triangle of each primitive of the tree.
+    facets: Vec<Triangle>,
+}
+
+impl Occluders {
+    pub(crate) fn new(triangles: &[Triangle]) -> Self {
+        let (boxes, triangle_of) = split_boxes(triangles);
+        let tree = build_cwbvh(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+        let facets = tree.primitive_indices.iter().map(|i| triangles[triangle_of[*i as usize] as usize]).collect();
+        Self { tree, facets }
+    }
+
+    /// Whether no triangle blocks the ray from a point in a direction.
+    pub(crate) fn is_open(&self, from: Vec3, way: Vec3) -> bool {
+        let ray = Ray::new(from.into(), way.into(), 0.0, f32::INFINITY);
+        self.tree.ray_traverse_miss(ray, |ray, id| self.facets[id].intersect(ray))
+    }
 }
 
 /// Triangles, searched by distance.

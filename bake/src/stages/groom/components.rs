@@ -5,15 +5,12 @@ use super::body::{WeldedMesh, are_joints_of_head};
 use super::names::{NameMeaning, meaning_of_words, words};
 use super::pairs::triangle_range;
 use super::words::LASHES;
+use crate::stages::triangle_tree::Occluders;
 use glam::Vec3;
-use obvhs::BvhBuildParams;
-use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use pelage_formats::Animation;
 use pelage_import::mesh::{Feature, Model, RestPose};
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 /// Maximum area of a component inside the head, as a share of the mesh's area.
 const INSIDE: f32 = 0.01;
@@ -50,15 +47,15 @@ pub(super) fn bare_components(model: &Model, rest: &RestPose) -> BTreeMap<usize,
     let components = components(model, &skin, &bare, &heads);
     let whole: f32 = components.iter().map(|c| c.area).sum();
     let head = components.iter().filter(|c| c.in_head > 0).max_by(|a, b| a.area.total_cmp(&b.area));
-    let head = head.map(|head| (head.faces.first(), Blocker::new(&skin, head)));
+    let head = head.map(|head| (head.faces.first(), occluders(&skin, head)));
     let mut feature_of: BTreeMap<usize, Feature> = BTreeMap::new();
     for component in &components {
         let (corners, share) = (3 * component.faces.len(), component.area / whole.max(f32::MIN_POSITIVE));
         let named = component.name.as_ref().filter(|_| component.named == corners && share <= component.most);
         let is_inside = || {
             let rooted = component.in_head == corners && share > 0.0 && share <= INSIDE;
-            let blocker = head.as_ref().filter(|(first, _)| *first != component.faces.first());
-            rooted && blocker.is_some_and(|(_, head)| head.enclosure(&skin, component) >= ENCLOSED)
+            let other = head.as_ref().filter(|(first, _)| *first != component.faces.first());
+            rooted && other.is_some_and(|(_, head)| enclosure(head, &skin, component) >= ENCLOSED)
         };
         let feature = named.map(|name| Feature::Joint(name.clone())).or_else(|| is_inside().then_some(Feature::InHead));
         if let Some(feature) = feature {
@@ -117,40 +114,28 @@ fn components(model: &Model, skin: &WeldedMesh, bare: &[Option<(&str, f32)>], he
     all
 }
 
-/// Surface of the head, which blocks rays.
-struct Blocker {
-    tree: obvhs::cwbvh::CwBvh,
-    facets: Vec<Triangle>,
+/// Returns the surface of the head, which blocks rays.
+fn occluders(skin: &WeldedMesh, head: &Component) -> Occluders {
+    let facet = |face: &usize| {
+        let [v0, v1, v2] = skin.faces[*face].map(|place| skin.positions[place as usize].into());
+        Triangle { v0, v1, v2 }
+    };
+    Occluders::new(&head.faces.iter().map(facet).collect::<Vec<_>>())
 }
 
-impl Blocker {
-    fn new(skin: &WeldedMesh, head: &Component) -> Self {
-        let facet = |face: &usize| {
-            let [v0, v1, v2] = skin.faces[*face].map(|place| skin.positions[place as usize].into());
-            Triangle { v0, v1, v2 }
-        };
-        let facets: Vec<Triangle> = head.faces.iter().map(facet).collect();
-        let tree = build_cwbvh(&facets, BvhBuildParams::fast_build(), &mut Duration::default());
-        let facets = tree.primitive_indices.iter().map(|i| facets[*i as usize]).collect();
-        Self { tree, facets }
-    }
-
-    /// Returns the share of rays from a component, in all directions, that hit the head.
-    fn enclosure(&self, skin: &WeldedMesh, component: &Component) -> f32 {
-        let sides = [-1.0, 0.0, 1.0];
-        let ways = || (0..27).filter(|i| *i != 13).map(|i| Vec3::new(sides[i / 9], sides[i / 3 % 3], sides[i % 3]));
-        let step = component.faces.len().div_ceil(STARTS).max(1);
-        let (mut blocked, mut all) = (0_u32, 0_u32);
-        for face in component.faces.iter().step_by(step) {
-            let from = skin.faces[*face].map(|place| skin.positions[place as usize]).into_iter().sum::<Vec3>() / 3.0;
-            for way in ways() {
-                let ray = Ray::new(from.into(), way.normalize().into(), 0.0, f32::INFINITY);
-                let missed = self.tree.ray_traverse_miss(ray, |ray, id| self.facets[id].intersect(ray));
-                (blocked, all) = (blocked + u32::from(!missed), all + 1);
-            }
+/// Returns the share of rays from a component, in all directions, that hit the head.
+fn enclosure(head: &Occluders, skin: &WeldedMesh, component: &Component) -> f32 {
+    let sides = [-1.0, 0.0, 1.0];
+    let ways = || (0..27).filter(|i| *i != 13).map(|i| Vec3::new(sides[i / 9], sides[i / 3 % 3], sides[i % 3]));
+    let step = component.faces.len().div_ceil(STARTS).max(1);
+    let (mut blocked, mut all) = (0_u32, 0_u32);
+    for face in component.faces.iter().step_by(step) {
+        let from = skin.faces[*face].map(|place| skin.positions[place as usize]).into_iter().sum::<Vec3>() / 3.0;
+        for way in ways() {
+            (blocked, all) = (blocked + u32::from(!head.is_open(from, way.normalize())), all + 1);
         }
-        blocked as f32 / all.max(1) as f32
     }
+    blocked as f32 / all.max(1) as f32
 }
 
 #[cfg(test)]
