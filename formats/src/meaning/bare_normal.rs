@@ -1,6 +1,6 @@
 //! Normals by which bare surface is lit, relative to the normals along which hair stands. They differ at hard edges.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 /// Scale from stored numbers to components −1..=1.
 const SCALE: f32 = 32_767.0;
@@ -10,10 +10,11 @@ const SCALE: f32 = 32_767.0;
 /// `normal_ts` has unit length and components along u and v of the tile and along the normal of the hair. A normal more
 /// than 90° from that of the hair is moved to 90°.
 pub fn encode_bare_normal(normal_ts: Vec3) -> [i16; 2] {
-    let aside = normal_ts.truncate();
+    // A unit vector of f32 may be longer than 1 by more than the rounding below removes.
+    let aside: DVec2 = normal_ts.truncate().as_dvec2();
     let aside = if normal_ts.z < 0.0 { aside.normalize_or_zero() } else { aside.clamp_length_max(1.0) };
     // Round towards 0, so that the stored vector is never longer than 1.
-    (aside * SCALE).to_array().map(|x| x as i16)
+    (aside * f64::from(SCALE)).to_array().map(|x| x as i16)
 }
 
 /// Decodes the normal of bare surface: components along u and v of the tile and along the normal of the hair. The
@@ -30,6 +31,12 @@ mod tests {
     #[test]
     fn bare_normals_survive_encoding_within_a_step() {
         assert_eq!(decode_bare_normal([0, 0]), Vec3::Z);
+        assert_eq!(encode_bare_normal(Vec3::X), [32_767, 0]);
+        // In f32 these are 1 along v, and yet longer than 1.
+        for i in 1..200 {
+            let [u, v] = encode_bare_normal(Vec3::new(-1e-6 * i as f32, 1.0, 0.0)).map(i32::from);
+            assert!(u * u + v * v <= 32_767 * 32_767, "{u} {v}");
+        }
         for i in 0..500 {
             let (z, turn) = ((i as f32 + 0.5) / 500.0, i as f32 * 2.399_963);
             let normal = (Vec2::from_angle(turn) * (1.0 - z * z).sqrt()).extend(z);

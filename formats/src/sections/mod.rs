@@ -15,6 +15,7 @@ pub(crate) mod manifest;
 pub(crate) mod mesh;
 pub(crate) mod morphs;
 pub(crate) mod openness;
+mod per_vertex;
 #[cfg(test)]
 mod probe;
 pub(crate) mod roots;

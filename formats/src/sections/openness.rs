@@ -26,13 +26,6 @@ pub(crate) const KIND: Kind = Kind {
     },
 };
 
-/// Size of a vertex, bytes.
-const VERTEX_BYTES: usize = 4;
-
-fn fault(at: usize, reason: String) -> FormatError {
-    FormatError::Content { tag: Tag::OPENNESS, offset: at as u64, reason }
-}
-
 /// Checks that these four bytes are a possible result of [`Openness::to_bytes`].
 fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {
     let [_, u, v, spare] = bytes;
@@ -52,40 +45,13 @@ impl<'a> Package<'a> {
     ///
     /// Fails if the section is damaged, or its vertex count is not that of the mesh.
     pub fn openness(&self) -> Result<Option<&'a [u8]>, FormatError> {
-        let Some((index, section)) = self.find(Tag::OPENNESS, 0) else { return Ok(None) };
-        let bytes = self.section_bytes(index)?;
-        self.cached(index, || {
-            let start = section.offset as usize;
-            let vertices = self.mesh()?.map_or(0, |mesh| mesh.vertex_count as usize);
-            if bytes.len() != VERTEX_BYTES * vertices {
-                let (found, expected) = (bytes.len(), VERTEX_BYTES * vertices);
-                return Err(fault(
-                    start,
-                    format!("{found} bytes, expected {expected}, 4 for each of {vertices} vertices"),
-                ));
-            }
-            for (number, vertex) in bytes.chunks_exact(VERTEX_BYTES).enumerate() {
-                check_vertex(number, bytemuck::pod_read_unaligned(vertex))
-                    .map_err(|reason| fault(start + VERTEX_BYTES * number, reason))?;
-            }
-            Ok(())
-        })?;
-        Ok(Some(bytes))
+        self.per_vertex(Tag::OPENNESS, check_vertex)
     }
 }
 
 impl PackageWriter<'_> {
     /// Adds the openness of the hair at each vertex of the mesh.
     pub fn openness(self, vertices: &[Openness]) -> Self {
-        let encode = || {
-            let mut out = Vec::with_capacity(VERTEX_BYTES * vertices.len());
-            for (number, vertex) in vertices.iter().enumerate() {
-                let bytes = vertex.to_bytes();
-                check_vertex(number, bytes).map_err(|reason| fault(VERTEX_BYTES * number, reason))?;
-                out.extend(bytes);
-            }
-            Ok(out)
-        };
-        self.encoded(Tag::OPENNESS, encode())
+        self.per_vertex(Tag::OPENNESS, vertices.iter().map(|vertex| vertex.to_bytes()), check_vertex)
     }
 }

@@ -30,7 +30,7 @@ fn bare_normal_contents_are_checked() {
     let mut bytes = vec![0; 4 * count];
     bytes[4..8].copy_from_slice(&[0xff, 0x7f, 0xff, 0x7f]);
     let found = reason(bytes);
-    assert!(found.contains("vertex 1 has [32767, 32767], expected a vector of length at most 32768"), "{found}");
+    assert!(found.contains("vertex 1 has [32767, 32767], expected a vector of length at most 32767"), "{found}");
     let written = sample_with(|writer| writer.bare_normals(&vec![[i16::MIN; 2]; count])).unwrap_err().to_string();
     assert!(written.contains("vertex 0 has [-32768, -32768]"), "{written}");
 }

@@ -433,7 +433,7 @@ fn manifest_contents_are_checked() {
     refused(with(|m| m.materials[1].alpha_cutoff = Some(f32::NAN)), "materials[1].alpha_cutoff is NaN");
     refused(with(|m| m.parts[0].material = 2), "parts[0].material is 2");
     refused(with(|m| m.parts[1].first_index = 6), "parts[1] has index_count 3 and first_index 6");
-    refused(with(|m| m.parts[1].index_count = 4), "parts[1] has 4 indices");
+    refused(with(|m| m.parts[1].index_count = 4), "parts[1] has index_count 4 and first_index 9");
     refused(with(|m| m.textures[0].name = "../x".into()), "textures[0].name is \"../x\"");
     refused(with(|m| m.textures[2].name = "Shell_Color".into()), "is taken");
     refused(with(|m| m.quality[0].value = f64::NAN), "\"angle_distortion\" is NaN");
