@@ -199,10 +199,10 @@ fn vrm_0_models_are_turned_to_look_along_plus_z() {
     let Some(data) = data("vrm_0_models_are_turned_to_look_along_plus_z") else { return };
     let model = read(&data, "vrm0_faces_minus_z.gltf");
     let is_dark = |color: &[u8; 4]| color[1] < 100;
-    // Faces without normals are flat, so that each has a vertex of its own at the nose.
+    // Faces without normals are flat, so that each of the four has a vertex of its own at the nose.
     let noses = model.mesh.colors.iter().zip(&model.mesh.positions).filter(|(color, _)| is_dark(color));
     let heights: Vec<f32> = noses.map(|(_, position)| position.z).collect();
-    assert!(!heights.is_empty() && heights.iter().all(|z| *z == 1.4), "{heights:?}");
+    assert_eq!(heights, [1.4; 4], "the nose");
     assert!(model.warnings.iter().any(|w| w.contains("VRM 0.x") && w.contains("turned")), "{:?}", model.warnings);
     // Models of other kinds are not turned.
     let nodes = json!([{"mesh": 0, "translation": [0.0, 0.0, -1.0]}]);

@@ -201,11 +201,19 @@ fn packing_a_manifest_that_contradicts_the_recipe_is_refused() {
 fn values_refused_by_a_stage_name_their_source() {
     let sandbox = Sandbox::new();
     sandbox.write("a.obj", SQUARE);
-    sandbox.write("r.toml", "[hair]\nlength_m = 0.0001\n[surface]\ntile_size_m = 0.2\n");
+    sandbox.write("r.toml", "[hair]\nlength_m = 0.0001220703125\n[surface]\ntile_size_m = 0.25\n");
     let run = bake(&sandbox, "a.obj", &["--recipe", "r.toml"]);
-    assert_refused(&sandbox, &run, &["r.toml: hair.length_m: the hair is 0.000"]);
-    let set = ["--set", "hair.length_m=0.0001", "--set", "surface.tile_size_m=0.2"];
-    assert_refused(&sandbox, &bake(&sandbox, "a.obj", &set), &["--set: hair.length_m: the hair is 0.000"]);
+    assert_refused(
+        &sandbox,
+        &run,
+        &["r.toml: hair.length_m: the hair is 0.00048828125 times as long as its tile is wide"],
+    );
+    let set = ["--set", "hair.length_m=0.0001220703125", "--set", "surface.tile_size_m=0.25"];
+    assert_refused(
+        &sandbox,
+        &bake(&sandbox, "a.obj", &set),
+        &["--set: hair.length_m: the hair is 0.00048828125 times"],
+    );
 }
 
 #[cfg(unix)]

@@ -477,7 +477,11 @@ fn interrupted_sequence_resumes() {
             0,
             format!("pictures to draw again: {kept}, because scene, view, tool or adapter have changed"),
         ),
-        (&["--fps", "23"], 0, format!("pictures to draw again: {kept}")),
+        (
+            &["--fps", "23"],
+            0,
+            format!("pictures to draw again: {kept}, because scene, view, tool or adapter have changed"),
+        ),
         (&["--restart"], 0, String::new()),
         (&[], kept, format!("{kept} of 14 pictures exist")),
     ] {
