@@ -329,9 +329,19 @@ fn uniform_structs_match_wgsl() {
     assert_eq!((&wgsl[..3], wgsl[3].1, size), (&fields[..3], fields[3].1, rust_size));
     assert_eq!(members(scattering::WGSL, "Fibre"), fields!(scattering::Fibre, optics, on, back));
     let (members, size) = members(&skin::SHADER.wgsl(), "Material");
-    let (fields, rust_size) =
-        fields!(MaterialUniform, base_color, alpha_cutoff, share_per_m, horizon, fibre, rim, asides, reserved);
-    assert_eq!((&members[..], size), (&fields[..7], rust_size));
+    let (fields, rust_size) = fields!(
+        MaterialUniform,
+        base_color,
+        alpha_cutoff,
+        share_per_m,
+        horizon,
+        fibre,
+        rim,
+        hair_tiles,
+        asides,
+        reserved
+    );
+    assert_eq!((&members[..], size), (&fields[..8], rust_size));
 }
 
 #[test]

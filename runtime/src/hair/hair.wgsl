@@ -87,6 +87,47 @@ fn groom_with(groom: vec2<f32>, texel: vec4<f32>) -> vec2<f32> {
     return vec2(groom.x * texel.x, min(groom.y + texel.y, 1.0));
 }
 
+// Maximum distance over which hair shadows hair where the key light grazes the surface, in lengths of the hair.
+const FARTHEST_SHADOW: f32 = 6.0;
+
+// Returns the share of the hair that grows at a point or where the key light passes on its way to it, whichever is
+// larger (formulas 4.9). Beside a bare place, the point itself has little hair, but the light has often passed through
+// full fur. `height`: relative height of the point; `share`: hair length relative to the tile's. Takes derivatives, so
+// control flow must be uniform.
+fn kept_towards(at: KeptAt, light_ts: vec3<f32>, height: f32, share: f32) -> f32 {
+    if !GROOM_TEXTURE || !BAKED_SHADOW {
+        return at.kept;
+    }
+    // Derivatives of the texture coordinates with respect to those of the tile.
+    let x = dpdx(at.tile_uv);
+    let y = dpdy(at.tile_uv);
+    let area = x.x * y.y - x.y * y.x;
+    let along_u = dpdx(at.uv) * y.y - dpdy(at.uv) * x.y;
+    let along_v = dpdy(at.uv) * x.x - dpdx(at.uv) * y.x;
+    // Path of the light through the hair above the point, in hair lengths, and its middle.
+    let slant = light_ts.xy / max(light_ts.z, 1e-3);
+    let path = min(length(slant) * (1.0 - height), FARTHEST_SHADOW);
+    let middle = slant * (0.5 * path / max(length(slant), 1e-6) * share * material.hair_tiles);
+    let aside = (along_u * middle.x + along_v * middle.y) / select(1e20, area, abs(area) > 1e-20);
+    // One texel of this mip level is as wide as the distance to the middle.
+    let texels = length(aside * vec2<f32>(textureDimensions(groom_texture)));
+    let texel = textureSampleLevel(groom_texture, base_color_sampler, at.uv + aside, log2(max(texels, 1.0)));
+    let there = groom_with(groom_of_vertex(at.groom), texel).x;
+    // Each two lengths of a path block light independently.
+    return max(at.kept, 1.0 - pow(1.0 - min(there, 1.0), max(0.5 * path, 1.0)));
+}
+
+// Place at which kept_towards looks up hair.
+struct KeptAt {
+    // Share of the hair that grows at the point.
+    kept: f32,
+    // Bareness and wetness of the vertices, interpolated.
+    groom: vec2<f32>,
+    // Texture coordinates of the base colour.
+    uv: vec2<f32>,
+    tile_uv: vec2<f32>,
+}
+
 // Index of the last element of Material.asides.
 const LAST_ASIDE: f32 = 7.0;
 

@@ -129,7 +129,8 @@ pub(crate) fn load(
             share_per_m: if manifest.fur.height_m > 0.0 { manifest.fur.height_m.recip() } else { 0.0 },
             horizon: package.visibility()?.map_or(1.0, |info| info.horizon),
             rim: rim_sine(manifest),
-            reserved: [0.0; 3],
+            hair_tiles: manifest.fur.height_m / manifest.fur.tile_size_m.max(f32::MIN_POSITIVE),
+            reserved: [0.0; 2],
             fibre: fibres.as_ref().and_then(|info| info.of_materials.get(i)).copied().unwrap_or(0).into(),
             asides: root_offsets(roots.as_ref(), i),
         };

@@ -23,7 +23,9 @@ pub(crate) struct MaterialUniform {
     pub(crate) fibre: u32,
     /// Sine of the angle behind the terminator up to which hair tips are lit.
     pub(crate) rim: f32,
-    pub(crate) reserved: [f32; 3],
+    /// Height of the tile's hair, in widths of the tile.
+    pub(crate) hair_tiles: f32,
+    pub(crate) reserved: [f32; 2],
     /// Per height: the values `mean` and `along` of `RootsInfo::asides`, in texture coordinates of the base colour,
     /// then 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],

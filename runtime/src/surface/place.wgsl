@@ -27,6 +27,8 @@ struct Material {
     // Sine of the angle behind the terminator up to which hair tips are lit. Near the outline, hair extends beyond the
     // surface that blocks the light.
     rim: f32,
+    // Height of the tile's hair, in widths of the tile.
+    hair_tiles: f32,
     // Sideways offsets of hair from its root, in texture coordinates of the base colour, in the form that root_aside
     // expects. They are sampled at evenly spaced heights from the mesh surface to the outermost layer.
     asides: array<vec4<f32>, 8>,

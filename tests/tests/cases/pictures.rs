@@ -263,6 +263,44 @@ fn opaque_texture_of_alpha_0_is_orange() {
     assert!(pictures[0] == pictures[1], "the pictures of case and control differ");
 }
 
+#[test]
+fn bare_place_of_an_image_has_no_bright_rim() {
+    if gpu("bare_place_of_an_image_has_no_bright_rim").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    sandbox
+        .write("square.gltf", square(json!({"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1]}})).gltf());
+    // A disc in the middle with a blurred edge.
+    let mask = image::GrayImage::from_fn(128, 128, |x, y| {
+        let from_edge = 16.0 - f32::hypot(x as f32 - 63.5, y as f32 - 63.5);
+        image::Luma([(255.0 * (0.5 + from_edge / 12.0).clamp(0.0, 1.0)) as u8])
+    });
+    sandbox.write("mask.png", encoded(mask));
+    let set = ["groom.bare=\"mask.png\"", "hair.length_m=0.06", "groom.by_body=0", "hair.density=200"];
+    let set = ["ink.enabled=false", "slice.tile_texels=64"].iter().chain(&set).flat_map(|set| ["--set", set]);
+    let bake: Vec<_> = ["bake", "square.gltf", "-o", "square.pelage"].into_iter().chain(set).collect();
+    assert_eq!(sandbox.run(&bake).code, Some(0));
+    let camera = ["--size", "128x128", "--camera", "0,0.5,2/0,0.5,0/28", "--hair", "shells", "--soft-shadow", "off"];
+    for light in ["1,0,0.02", "0,1,0.06", "-1,1,0.12"] {
+        let render = [&["render", "square.pelage", "-o", "picture.png", "--light", light][..], &camera].concat();
+        let run = sandbox.run(&render);
+        assert_eq!(run.code, Some(0), "{run:?}");
+        let picture = image::load_from_memory(&sandbox.read("picture.png")).unwrap().into_rgb8();
+        // Mean green of rings about the middle, four pixels wide.
+        let mut rings = [(0u32, 0u32); 13];
+        for (x, y, texel) in picture.enumerate_pixels() {
+            let ring = f32::hypot(x as f32 - 63.5, y as f32 - 63.5) as usize / 4;
+            if let Some((sum, count)) = rings.get_mut(ring) {
+                (*sum, *count) = (*sum + u32::from(texel[1]), *count + 1);
+            }
+        }
+        let rings = rings.map(|(sum, count)| sum / count);
+        let most = rings[0].max(rings[12]) * 103 / 100;
+        assert!(rings.iter().all(|mean| *mean <= most), "light {light}: rings from the middle {rings:?}");
+    }
+}
+
 /// Imports and grooms a model with the binary. Returns the peak memory, MiB, and what was printed.
 fn peak(sandbox: &Sandbox, model: &str) -> (u64, String) {
     let run = sandbox.run(&["groom", model, "--map", "bare", "-o", "map.png", "--record", "record.json"]);

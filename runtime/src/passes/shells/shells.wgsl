@@ -98,7 +98,9 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         let path = path_through(slanted_path(n_dot_l), in.length);
         arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
     }
-    var baked = baked_at(in.tile_uv, in.layer, groom.y, groom.x, in.length, in.slope);
+    let height = f32(in.layer) / f32(instance.baked_layers - 1u);
+    let kept = kept_towards(KeptAt(groom.x, in.groom, in.base_uv, in.tile_uv), arriving.light_ts, height, in.length);
+    var baked = baked_at(in.tile_uv, in.layer, groom.y, kept, in.length, in.slope);
     if DETAIL && BAKED_SHADOW {
         baked.within = light_within(hair.color.a, stands_for(in.layer));
     }

@@ -182,6 +182,8 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     point.wetness = groom.y;
     point.arriving = arriving_at(0.0, light, in.half_ts, through, past);
     point.baked = baked;
+    let here = KeptAt(groom.x, in.groom, in.base_uv, in.tile_uv);
+    point.baked.kept = in.grows_length_slope.x * kept_towards(here, light, 0.0, in.grows_length_slope.y);
     var bare_spot = spot;
     var n_dot_l = light.z;
     if BARE_NORMALS {
