@@ -154,10 +154,14 @@ fn instances<'a>(
     if tree.nodes.is_empty() {
         return all_meshes(source, gathered);
     }
+    // If no other node has a mesh, a missing mesh is an error.
+    let is_only_one = tree.shown().filter(|node| tree.nodes[*node].at.get("mesh").is_some()).take(2).count() == 1;
     for node in tree.shown() {
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
-        let (index, mesh_at) = source.root.follow("meshes", &reference)?;
+        let followed = source.root.follow("meshes", &reference);
+        let followed = if is_only_one { Some(followed?) } else { source.or_warn(followed, "left out") };
+        let Some((index, mesh_at)) = followed else { continue };
         let skin = at.get("skin").map(|s| joints.skin(source, &s)).transpose()?;
         let weights = at.get("weights");
         let combs = [at.name(), mesh_at.name()].into_iter().any(comb_lines::is_comb_name);

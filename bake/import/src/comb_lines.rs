@@ -61,7 +61,8 @@ pub(super) fn read_comb_lines<'a>(
             }
             continue;
         };
-        let (_, mesh) = source.root.follow("meshes", &reference)?;
+        // The import of meshes warns of references to no mesh.
+        let Ok((_, mesh)) = source.root.follow("meshes", &reference) else { continue };
         let Some(name) = [at.name(), mesh.name()].into_iter().find(|name| is_comb_name(name)) else { continue };
         let skin = at.get("skin").map(|reference| joints.skin(source, &reference)).transpose()?;
         for at in line_primitives(&mesh)? {

@@ -65,7 +65,8 @@ pub(super) fn strands<'a>(source: &mut Source<'a, '_>) -> Result<Guides, BakeErr
     for node in tree.shown() {
         let at = &tree.nodes[node].at;
         let Some(reference) = at.get("mesh") else { continue };
-        let (_, mesh) = source.root.follow("meshes", &reference)?;
+        let followed = source.root.follow("meshes", &reference);
+        let Some((_, mesh)) = source.or_warn(followed, "left out") else { continue };
         // A skin determines the positions of its vertices, whatever the node's transform (glTF 2.0, section 3.7.3.3).
         // At rest, a skin mostly leaves the vertices in place, so its joints are ignored.
         let placed = if at.get("skin").is_some() { root } else { world[node] };

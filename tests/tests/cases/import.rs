@@ -120,6 +120,17 @@ fn chain(nodes: usize, scene: &[usize]) -> Doc {
 }
 
 #[test]
+fn nodes_whose_mesh_is_missing_are_left_out() {
+    for (mesh, text) in [(json!(7), "is 7, expected less than 1, the number of meshes"), (json!("a"), "is \"a\"")] {
+        let mut doc = chain(1, &[0, 1]);
+        doc.push("nodes", json!({"mesh": mesh}));
+        let model = doc.model();
+        assert_eq!(model.mesh.triangles.len(), 1);
+        assert_warns(&model, &format!("/nodes/1/mesh: {text}"));
+    }
+}
+
+#[test]
 fn children_listed_by_a_scene_are_drawn_once_under_parents_of_the_scene_only() {
     for (scene, height) in [
         (&[0][..], 1.0),
