@@ -103,12 +103,19 @@ pub struct PelageShadows(pub ShadowParams);
 
 /// Environment light on fur, which replaces ambient light: the lights fitted to an environment map (written by `pelage
 /// sky`). For Bevy's own meshes use `EnvironmentMapLight`. Represent a sun in the map by a `DirectionalLight`.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug)]
 pub struct PelageEnvironment {
     /// Fitted lights; `None` for ambient light alone.
     pub lights: Option<Environment>,
-    /// Luminance of a radiance of 1, candela per square metre, like `EnvironmentMapLight::intensity`.
+    /// Luminance of a radiance of 1, candela per square metre, like `EnvironmentMapLight::intensity`. The default of 1000
+    /// is about full light at Bevy's default exposure.
     pub intensity: f32,
+}
+
+impl Default for PelageEnvironment {
+    fn default() -> Self {
+        Self { lights: None, intensity: 1000.0 }
+    }
 }
 
 /// Gravity and wind that move fur and guide hair (manes, tails), for all animals. The default is gravity in still air.

@@ -18,6 +18,7 @@ pub use components::{
 };
 pub use model::{PelageLoadError, PelageModel, PelageModelLoader};
 pub use pelage_runtime as runtime;
+pub use pelage_stage::sky::environment_from_toml;
 pub use renderers::PelageRenderers;
 
 use bevy_app::{App, Plugin, PostUpdate};

@@ -72,7 +72,9 @@ export class Pelage extends EventTarget {
     this.#loop = options.loop ?? true;
     this.#watch(opened);
     this.#drawn = this.#size();
+    const { clientWidth, clientHeight } = canvas;
     this.#viewer = guarded(() => new Viewer(opened, ...this.#drawn));
+    this.#pin(clientWidth, clientHeight);
     if (options.look) guarded(() => this.#viewer.read_look(options.look));
     if (options.autoSize ?? true) {
       this.#observer = new ResizeObserver(() => this.resize());
@@ -265,7 +267,9 @@ export class Pelage extends EventTarget {
   resize() {
     const size = this.#size();
     if (this.#disposed || size.every((length, i) => length === this.#drawn[i])) return;
+    const { clientWidth, clientHeight } = this.#canvas;
     this.#change((viewer) => viewer.resize(...size));
+    this.#pin(clientWidth, clientHeight);
     this.#drawn = size;
     // A resized canvas is empty, so it is drawn before the page shows it.
     if (this.#loop) this.#draw();
@@ -319,6 +323,14 @@ export class Pelage extends EventTarget {
     const most = this.#device.limits.maxTextureDimension2D;
     const pixels = (length) => Math.min(Math.max(Math.round(length * ratio), 1), most);
     return [pixels(canvas.clientWidth), pixels(canvas.clientHeight)];
+  }
+
+  /** Keeps the canvas's size on the page if its resolution determines it, because no CSS does. */
+  #pin(width, height) {
+    const canvas = this.#canvas;
+    if (!(this.#options.autoSize ?? true)) return;
+    if (canvas.clientWidth !== width) canvas.style.width = `${width}px`;
+    if (canvas.clientHeight !== height) canvas.style.height = `${height}px`;
   }
 
   #changed() {

@@ -74,6 +74,9 @@ export async function read(source, { name, signal }) {
   name ??= String(source);
   const response = await arrived(name, fetch(source, { signal }), signal);
   if (!response.ok) throw new PelageError("fetch", `${name}: ${response.status} ${response.statusText}`);
+  const type = response.headers.get("content-type") ?? "";
+  // Development servers answer unknown paths with their HTML page.
+  if (type.startsWith("text/html")) throw new PelageError("fetch", `${name}: found ${type}, expected a package`);
   return [name, new Uint8Array(await arrived(name, response.arrayBuffer(), signal))];
 }
 

@@ -102,6 +102,23 @@ inBrowser("html_in_place_of_the_module_is_reported", async () => {
   await close();
 });
 
+inBrowser("canvas_without_css_keeps_its_size_on_the_page", async () => {
+  const { page, faults, close } = await bare(opened, { size: [64, 48], ratio: 2, options: { autoSize: true } });
+  const lengths = () => {
+    const { clientWidth, clientHeight, width, height } = document.querySelector("canvas");
+    return [clientWidth, clientHeight, width, height];
+  };
+  // Observers of the size run before the next frame.
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  assert.deepEqual(await page.evaluate(lengths), [64, 48, 128, 96]);
+  // CSS of the page continues to apply, and the canvas keeps its aspect ratio.
+  await page.evaluate(() => (document.querySelector("canvas").style.width = "80px"));
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  assert.deepEqual(await page.evaluate(lengths), [80, 60, 160, 120]);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 inBrowser("a_canvas_has_one_visible_pelage", async () => {
   // Without the loop's frames, only `idle()` draws.
   const before = () => (window.requestAnimationFrame = () => 1);

@@ -54,8 +54,9 @@ export async function open() {
  * Opens a page of that browser in a new context. `faults` collects its exceptions, and the errors and warnings on its
  * console. The hare is the server's only animal.
  */
-export async function page({ browser, address }, { size = [480, 400], before, path = "/" } = {}) {
-  const context = await browser.newContext({ viewport: { width: size[0], height: size[1] }, acceptDownloads: false });
+export async function page({ browser, address }, { size = [480, 400], ratio = 1, before, path = "/" } = {}) {
+  const viewport = { width: size[0], height: size[1] };
+  const context = await browser.newContext({ viewport, deviceScaleFactor: ratio, acceptDownloads: false });
   const page = await context.newPage();
   const faults = [];
   page.on("pageerror", (error) => faults.push(error.message));
@@ -75,8 +76,8 @@ export async function page({ browser, address }, { size = [480, 400], before, pa
 }
 
 /** Opens a blank page with the hare on a canvas of that size, as `window.pelage`, without loop and controls. */
-export async function bare(opened, { size = [320, 240], before, options = {} } = {}) {
-  const shown = await page(opened, { before, path: "/blank" });
+export async function bare(opened, { size = [320, 240], ratio, before, options = {} } = {}) {
+  const shown = await page(opened, { before, ratio, path: "/blank" });
   await shown.page.evaluate(
     async ({ size, options }) => {
       const { Pelage } = await import("/pelage/index.js");
