@@ -7,7 +7,10 @@ use crate::tag::Tag;
 #[non_exhaustive]
 pub enum FormatError {
     /// The first eight bytes are not the package's magic.
-    #[error("not a pelage package: byte 0 starts with {found:02x?}, expected {expected:02x?} (\"\\x89PELAGE\\n\")")]
+    #[error(
+        "not a pelage package: byte 0 starts with {found:02x?}, expected {expected:02x?} (\"\\x89PELAGE\\n\"){}",
+        if found.starts_with(b"glTF") { "; this is a glTF model, which `pelage bake` turns into a package" } else { "" }
+    )]
     Magic {
         /// The first bytes of the input, at most eight.
         found: Vec<u8>,

@@ -60,6 +60,7 @@ fn bad_packages_are_refused() {
     sandbox.write("sections.pelage", with_u32(&good, 12, u32::MAX));
     // The length field of the second section is set to 4 GiB.
     sandbox.write("long.pelage", with_u32(&with_u32(&good, 32 + 32 + 16, 0), 32 + 32 + 20, 1));
+    sandbox.write("model.pelage", b"glTF\x02\0\0\0");
     sandbox.write("trailing.pelage", [&good[..], b"more"].concat());
     let mut flipped = good.clone();
     flipped[sections[1].offset as usize + 100] ^= 16;
@@ -71,6 +72,7 @@ fn bad_packages_are_refused() {
         ("folder.pelage", 2, 2, &["folder.pelage: cannot read", "folder"]),
         ("empty.pelage", 3, 3, &["empty.pelage: not a pelage package", "byte 0"]),
         ("other.pelage", 3, 3, &["other.pelage: not a pelage package", "byte 0"]),
+        ("model.pelage", 3, 3, &["model.pelage: not a pelage package", "a glTF model, which `pelage bake` turns into"]),
         ("short.pelage", 3, 3, &["short.pelage", "cut short", "byte 0"]),
         ("future.pelage", 3, 3, &["future.pelage", "version 4 at byte 8 is newer", "update pelage"]),
         ("header.pelage", 3, 7, &["header.pelage", "cut short", "at byte 0 needs 32 bytes, 20 are left"]),
