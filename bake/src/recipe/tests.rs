@@ -32,6 +32,28 @@ fn deprecated_guides_key_reads_as_comb_marks() {
     assert_eq!(set, new);
 }
 
+/// Returns the conditions of a set's knobs that name no knob, no possible value of it, and no condition in `known`.
+fn faulty_needs<S: pelage_params::Tables>(known: &[&str]) -> Vec<&'static str> {
+    let is_faulty = |need: &&'static str| {
+        let Some((name, word)) = need.split_once("!=").or_else(|| need.split_once('=')) else {
+            return !known.contains(need);
+        };
+        let Some(knob) = pelage_params::knobs::<S>().find(|knob| knob.name == name) else { return true };
+        let unset = word == "none" && knob.value(&S::default()).is_none_or(|value| value == "\"none\"");
+        !unset && pelage_params::set(&mut S::default(), &format!("{name}={word}")).is_err()
+    };
+    let all = |table: &'static pelage_params::TableInfo| {
+        table.needs.iter().chain(table.knobs.iter().flat_map(|knob| knob.needs)).copied()
+    };
+    S::TABLES.iter().flat_map(all).filter(is_faulty).collect()
+}
+
+#[test]
+fn conditions_of_knobs_name_knobs_and_their_values() {
+    assert_eq!(faulty_needs::<Recipe>(&[]), [""; 0]);
+    assert_eq!(faulty_needs::<pelage_stage::Look>(&pelage_stage::CONDITIONS.map(|(name, _)| name)), [""; 0]);
+}
+
 #[test]
 fn every_key_is_documented() {
     for key in keys() {
