@@ -14,7 +14,7 @@ pub struct Knob {
     /// Meaning, with unit and the effect of both ends of the range.
     pub doc: &'static str,
     /// Conditions without which the knob has no effect. `table.key=word` and `table.key!=word` refer to another knob of
-    /// the set; the word of an unset knob is `none`. Any other condition is a name that the application defines.
+    /// the set; the word of an unset knob is `none`. All other conditions are names that the application defines.
     pub needs: &'static [&'static str],
     /// Type and range, such as `a number 0..=1`.
     pub expected: fn() -> String,

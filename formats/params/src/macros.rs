@@ -80,8 +80,8 @@ macro_rules! words {
 /// * `or`: word for the type's own default, so that an `Option` can be unset again
 /// * `clears`: field that is reset when this one is set, because both describe the same thing and the later one counts
 /// * `was`: deprecated key that is still read; written `table.key` if it was in a different table
-/// * `needs`: condition without which the knob has no effect ([`Knob::needs`](crate::Knob::needs)); may be repeated, and
-///   also follow the name of the table, for all of its knobs
+/// * `needs`: condition without which the knob has no effect ([`Knob::needs`](crate::Knob::needs)); may be repeated,
+///   and also follow the name of the table, for all of its knobs
 #[macro_export]
 macro_rules! params {
     (

@@ -226,6 +226,15 @@ mod tests {
     }
 
     #[test]
+    fn sets_are_equal_if_all_values_are() {
+        let look = Look::default();
+        let mut other = Knobs::boxed(&look);
+        assert!(look.equals(&*other));
+        other.set("ink.tone=0.5").unwrap();
+        assert!(!look.equals(&*other));
+    }
+
+    #[test]
     fn words_are_shown_without_quotes() {
         assert_eq!(["\"fur\"", "0.5", "[1, 2]", "\"a\\\"b\""].map(shown), ["fur", "0.5", "[1, 2]", "\"a\\\"b\""]);
     }

@@ -248,6 +248,49 @@ fn color(toml: &str) -> Option<[u8; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pelage_params::Tables as _;
+    use pelage_stage::Look;
+
+    /// Returns the idle knobs of a look among some, with their reasons. The package has layers that are drawn, but no
+    /// strands, fins or fibres.
+    fn idle(look: &Look, names: &[&str]) -> Vec<String> {
+        let holds = |condition: &str| matches!(condition, "fur" | "moving hair" | "drawn layers");
+        let knobs = Look::TABLES.iter().flat_map(|table| table.knobs.iter().map(move |knob| (table, knob)));
+        let named = knobs.filter(|(_, knob)| names.contains(&knob.name));
+        let reason = |(table, knob): (&TableInfo, &Knob)| {
+            let need = table.unmet(knob, |name| look.value_of(name), holds)?;
+            Some(format!("{}: {}", knob.name, idle_reason(need, look)))
+        };
+        named.filter_map(reason).collect()
+    }
+
+    #[test]
+    fn knobs_without_effect_say_why() {
+        let mut look = Look::default();
+        let names = ["shadow.shrink", "fur.detail", "fur.fins", "fur.strand_edges", "motion.gust", "ink.width"];
+        let of_ink = "No effect while picture.style is";
+        assert_eq!(
+            idle(&look, &names),
+            [
+                "fur.fins: No effect: the package has no fins.".to_owned(),
+                "fur.strand_edges: No effect: the picture shows no single strands, because layers replace them.".into(),
+                "motion.gust: No effect while motion.wind is [0.0, 0.0, 0.0].".into(),
+                format!("ink.width: {of_ink} fur: needs ink."),
+            ]
+        );
+        for set in ["picture.style=ink", "motion.wind=[1, 0, 0]"] {
+            assert!(Look::set(&mut look, set).is_ok(), "{set}");
+        }
+        assert_eq!(
+            idle(&look, &names),
+            [
+                "shadow.shrink: No effect while picture.style is ink.".to_owned(),
+                format!("fur.detail: {of_ink} ink: needs fur."),
+                format!("fur.fins: {of_ink} ink: needs fur."),
+                format!("fur.strand_edges: {of_ink} ink: needs fur."),
+            ]
+        );
+    }
 
     #[test]
     fn knob_values_are_parsed_and_formatted_consistently() {
