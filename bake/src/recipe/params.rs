@@ -263,8 +263,13 @@ params! {
         /// the border, its length falls to zero, so that long hair does not cover an eye. Evaluated at the model's
         /// vertices. If left out, it is just wide enough that hair hides no bare part. With 0, hair is not shortened.
         bare_margin_m: Option<f32> = None, in 0.0..=1e3;
-        /// Colour of the hair on furred materials, instead of the model's base colour; multiplies root and tip colour.
+        /// Colour of hair and skin on furred materials, instead of the model's base colour; for hair, it multiplies
+        /// root and tip colour. `groom.hair_color` colours the hair alone.
         color: Option<ColorMap> = None;
+        /// Colour of the hair alone on furred materials, sRGB, instead of the model's base colour; multiplies root and
+        /// tip colour. Where the skin shows, at bare places and in the style `bare`, it keeps the colour of the model
+        /// or of `groom.color`. A pattern and the colours of comb marks then apply to the skin alone.
+        hair_color: Option<SrgbColor> = None;
         /// Groom of single materials: `[[groom.material]]` with a `name`, in which `*` matches any characters and `?`
         /// one, and any of the keys above. Later tables take precedence.
         material: Vec<MaterialGroom> = Vec::new();

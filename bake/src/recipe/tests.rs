@@ -308,7 +308,9 @@ fn grooms() -> impl Strategy<Value = GroomParams> {
         |(name, length, density, lean, wetness, bare)| JointGroom { name, length, density, lean, wetness, bare },
     );
     let bare = (share(), of(0f32..=1e3));
-    let whole = (share(), scalar(0.25..=4.0), share(), of(vector()), share(), bare, of(color()), 0f32..=1.0);
+    let hair_color = of([0f32..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(SrgbColor));
+    let whole =
+        (share(), scalar(0.25..=4.0), share(), of(vector()), share(), bare, of(color()), 0f32..=1.0, hair_color);
     let tables = (prop::collection::vec(material, 0..3), prop::collection::vec(joint, 0..3));
     let coordinates = prop::sample::select(GroomCoordinates::ALL);
     (coordinates, whole, tables).prop_map(|(coordinates, w, (material, joint))| GroomParams {
@@ -321,6 +323,7 @@ fn grooms() -> impl Strategy<Value = GroomParams> {
         bare: w.5.0,
         bare_margin_m: w.5.1,
         color: w.6,
+        hair_color: w.8,
         material,
         joint,
         by_body: w.7,

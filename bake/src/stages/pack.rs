@@ -189,6 +189,8 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
         morphs::mesh_morphs(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
     let roots = pieces.roots.map(|info| Content::Roots(info.clone()));
+    let of_hair = &pieces.colors.hair;
+    let of_hair = of_hair.iter().any(Option::is_some).then(|| Content::HairColors(of_hair.clone()));
     ModelPart {
         manifest,
         sections: [Content::Mesh(mesh)]
@@ -197,6 +199,7 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
             .chain(animation)
             .chain(morphs)
             .chain(roots)
+            .chain(of_hair)
             .chain([Content::Openness(opened)])
             .chain(bare_normals(surface).map(|normals| Content::BareNormals(normals.into())))
             .collect(),

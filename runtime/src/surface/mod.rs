@@ -23,7 +23,8 @@ pub(crate) struct MaterialUniform {
     pub(crate) fibre: u32,
     /// Sine of the angle behind the terminator up to which hair tips are lit.
     pub(crate) rim: f32,
-    pub(crate) reserved: [f32; 3],
+    /// Linear RGB of hair in place of `base_color`; unused if hair has the base colour.
+    pub(crate) hair_color: [f32; 3],
     /// Per height: the values `mean` and `along` of `RootsInfo::asides`, in texture coordinates of the base colour,
     /// then 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
