@@ -338,10 +338,11 @@ fn uniform_structs_match_wgsl() {
         fibre,
         rim,
         hair_tiles,
+        hair_color,
         asides,
         reserved
     );
-    assert_eq!((&members[..], size), (&fields[..8], rust_size));
+    assert_eq!((&members[..], size), (&fields[..9], rust_size));
 }
 
 #[test]

@@ -43,68 +43,68 @@ params! {
         /// Whether the package supports the ink style.
         enabled: bool = true;
         /// Random seed of stroke, wash, paper and fur strokes.
-        seed: u64 = 1, in 0..=i64::MAX as u64;
+        seed: u64 = 1, in 0..=i64::MAX as u64, needs "ink.enabled=true";
         /// Point at which the wash is darkest, CP in Fang 2006, §3, metres on the model at rest. If left out, it is
         /// chosen such that the wash varies most over the mesh surface, dark above and pale below.
-        center: Option<[f32; 3]> = None, in PLACE;
+        center: Option<[f32; 3]> = None, in PLACE, needs "ink.enabled=true";
         /// Rate at which the wash fades with distance from the centre, a in Fang 2006, §3. It is independent of the
         /// model's size.
-        speed: f32 = InkShading::default().wash_speed, in 0.0..=100.0;
+        speed: f32 = InkShading::default().wash_speed, in 0.0..=100.0, needs "ink.enabled=true";
         /// Grey at the centre, b in Fang 2006, §3: 0 black to 1 white. Below 0, the surroundings are black too.
-        range: f32 = InkShading::default().wash_range, in -4.0..=4.0;
+        range: f32 = InkShading::default().wash_range, in -4.0..=4.0, needs "ink.enabled=true";
         /// Whether the wash depends only on the angle between the surface normal and the direction from the centre, as
         /// the abstract of Fang 2006 says. Otherwise, it depends on the product in §3, which also contains the
         /// distance.
-        normalised: bool = InkShading::default().normalised;
+        normalised: bool = InkShading::default().normalised, needs "ink.enabled=true";
         /// Weight of the wash texture in the wash: 0 is smooth, 1 as blotchy as the texture.
-        grain: f32 = InkShading::default().grain, in SHARE;
+        grain: f32 = InkShading::default().grain, in SHARE, needs "ink.enabled=true";
         /// Period of the wash texture on the mesh surface, metres. If left out, it is chosen from the model's size.
-        grain_size_m: Option<f32> = None, in 1e-6..=1e3;
+        grain_size_m: Option<f32> = None, in 1e-6..=1e3, needs "ink.enabled=true";
         /// Share of the base colour's darkness that the wash adopts: with 0 it ignores the base colour; with 1 a black
         /// cat is black.
-        tone: f32 = InkShading::default().tone, in SHARE;
+        tone: f32 = InkShading::default().tone, in SHARE, needs "ink.enabled=true";
         /// Strength of the fur strokes. If left out, it is 1 if the model has a skeleton or the recipe sets
         /// `model.bare` or any key of `[hair]`, `[groom]`, `[color]` or `[fins]`. Otherwise it is 0, because a scan of
         /// a stone has no hair.
-        fur: Option<f32> = None, in SHARE;
+        fur: Option<f32> = None, in SHARE, needs "ink.enabled=true";
         /// Factor on the line width.
-        line: f32 = InkShading::default().line, in InkShading::LINE;
+        line: f32 = InkShading::default().line, in InkShading::LINE, needs "ink.enabled=true";
         /// Strength of the wash: 0 leaves the paper blank.
-        wash: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
+        wash: ScalarMap = ScalarMap::Constant(1.0), in SHARE, needs "ink.enabled=true";
         /// Strength of full dark ink.
-        solid: ScalarMap = ScalarMap::Constant(0.0), in SHARE;
+        solid: ScalarMap = ScalarMap::Constant(0.0), in SHARE, needs "ink.enabled=true";
         /// Relative line width: 0 no lines, 1 full width.
-        lines: ScalarMap = ScalarMap::Constant(1.0), in SHARE;
+        lines: ScalarMap = ScalarMap::Constant(1.0), in SHARE, needs "ink.enabled=true";
         /// Ink settings of single materials: `[[ink.material]]` with a `name`, in which `*` matches any characters and
         /// `?` one, and any of `fill`, `center`, `amount` and `line`. Later tables take precedence.
-        material: Vec<MaterialInk> = Vec::new();
+        material: Vec<MaterialInk> = Vec::new(), needs "ink.enabled=true";
         /// Image of a scanned stroke that replaces the generated one, from left to right with its outer edge at the
         /// top. The path is relative to the recipe's folder.
-        stroke_image: Option<FilePath> = None;
+        stroke_image: Option<FilePath> = None, needs "ink.enabled=true";
         /// Width of the outline stroke, as a share of the radius of the outlined body.
-        stroke_width: f32 = 0.09, in 0.01..=0.9;
+        stroke_width: f32 = 0.09, in 0.01..=0.9, needs "ink.enabled=true";
         /// Variation of the stroke's width and roughness of its edge: 0 none, 1 full.
-        stroke_variation: f32 = 0.5, in SHARE;
+        stroke_variation: f32 = 0.5, in SHARE, needs "ink.enabled=true";
         /// Dryness of the brush in the dry variant of the stroke: 0 wet, 1 mostly bristles.
-        stroke_dryness: f32 = 0.4, in SHARE;
+        stroke_dryness: f32 = 0.4, in SHARE, needs "ink.enabled=true";
         /// Width and height of the stroke texture, texels.
-        stroke_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
+        stroke_texels: u32 = 256, in 32..=2048, as PowerOfTwo, needs "ink.enabled=true";
         /// Painting, or part of one, that supplies the grain and blotches of the wash. The path is relative to the
         /// recipe's folder.
-        wash_image: Option<FilePath> = None;
+        wash_image: Option<FilePath> = None, needs "ink.enabled=true";
         /// Strength of the dark edges where a wash dries: 0 gives soft blotches, 1 dark rims around them.
-        wash_edges: f32 = 0.5, in SHARE;
+        wash_edges: f32 = 0.5, in SHARE, needs "ink.enabled=true";
         /// Width and height of the wash texture, texels.
-        wash_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
+        wash_texels: u32 = 256, in 32..=2048, as PowerOfTwo, needs "ink.enabled=true";
         /// Amount of visible paper fibres: 0 none, 1 coarse mulberry paper.
-        paper_fibres: f32 = 0.5, in SHARE;
+        paper_fibres: f32 = 0.5, in SHARE, needs "ink.enabled=true";
         /// Unevenness of the paper's absorbency: 0 sized paper, 1 raw paper.
-        paper_absorbency: f32 = 0.5, in SHARE;
+        paper_absorbency: f32 = 0.5, in SHARE, needs "ink.enabled=true";
         /// Darkness of flecks and coloured fibres in the paper.
-        paper_tone: f32 = 0.4, in SHARE;
+        paper_tone: f32 = 0.4, in SHARE, needs "ink.enabled=true";
         /// Width and height of the paper texture, texels.
-        paper_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
+        paper_texels: u32 = 256, in 32..=2048, as PowerOfTwo, needs "ink.enabled=true";
         /// Width and height of the fur strokes of a hair tile, texels.
-        fur_texels: u32 = 256, in 32..=2048, as PowerOfTwo;
+        fur_texels: u32 = 256, in 32..=2048, as PowerOfTwo, needs "ink.enabled=true";
     }
 }

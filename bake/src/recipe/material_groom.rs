@@ -2,7 +2,7 @@
 
 use super::maps::{ColorMap, ScalarMap, VectorMap};
 use super::named_table::named_table;
-use pelage_params::Range;
+use pelage_params::{Range, SrgbColor};
 
 /// Range of maps that are fractions, such as length.
 pub(super) const SHARE: Range<f32> = 0.0..=1.0;
@@ -26,5 +26,7 @@ named_table! {
         bare: ScalarMap, in SHARE;
         /// Overrides `groom.color`.
         color: ColorMap, in ();
+        /// Overrides `groom.hair_color`.
+        hair_color: SrgbColor, in ();
     }
 }

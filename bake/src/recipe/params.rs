@@ -75,7 +75,7 @@ params! {
         tile_size_m: Option<f32> = None, in 1e-6..=1e3;
         /// Width of the tile if `surface.tile_size_m` is left out, as a share of the radius of the bounding sphere of
         /// the model at rest.
-        tile_size_per_radius: f32 = 0.15, in 1e-3..=10.0;
+        tile_size_per_radius: f32 = 0.15, in 1e-3..=10.0, needs "surface.tile_size_m=none";
         /// Source of the comb direction: `direction` (`surface.comb_direction`), `gravity`, `tangents` (downwards on
         /// the model's own texture), `marks` (`surface.comb_marks`, and lines drawn in the model), or `none`. `none`
         /// lays out patches with the least distortion and suits upright hair. `auto` selects `marks` if a mark of the
@@ -93,14 +93,14 @@ params! {
         /// keeps all detail, a large one gives broad strokes.
         comb_smoothing: f32 = 1.0, in 0.01..=100.0;
         /// Weight of the comb direction in patches: 1 follows it, 0 rotates every triangle for the least distortion.
-        comb_weight: f32 = 0.5, in 0.0..=1.0;
+        comb_weight: f32 = 0.5, in 0.0..=1.0, needs "surface.source=patches";
         /// Maximum distance between a patch's seed and its border, tiles. Large patches have fewer seams and more
         /// distortion.
-        patch_size: f32 = 4.0, in 0.05..=1000.0;
+        patch_size: f32 = 4.0, in 0.05..=1000.0, needs "surface.source=patches";
         /// Largest angle between a patch's hair and the comb direction, degrees.
-        patch_turn_deg: f32 = 25.0, in 1.0..=60.0;
+        patch_turn_deg: f32 = 25.0, in 1.0..=60.0, needs "surface.source=patches";
         /// Largest stretch of a triangle in any direction; the smallest is its reciprocal.
-        patch_stretch: f32 = 1.5, in 1.01..=4.0;
+        patch_stretch: f32 = 1.5, in 1.01..=4.0, needs "surface.source=patches";
     }
 }
 
@@ -119,7 +119,7 @@ params! {
         /// Random seed. Another seed gives different hair of the same kind.
         seed: u64 = 1, in 0..=i64::MAX as u64;
         /// Number of strands in the tile.
-        density: u32 = 600, in 1..=1_000_000;
+        density: u32 = 600, in 1..=1_000_000, needs "hair.density_mm2=none";
         /// Hairs per square millimetre where `groom.density` is 1, instead of `hair.density`. A dog's back has about 3
         /// guard hairs and 40 hairs of underfur. If `surface.tile_size_m` is left out, the tile is made narrow enough
         /// to hold at most 20 000 strands.
@@ -128,14 +128,14 @@ params! {
         length_m: Option<f32> = None, in 1e-6..=1e3;
         /// Length of the longest strand if `hair.length_m` is left out, as a share of the radius of the bounding sphere
         /// of the model at rest. Examples: 0.02 for a short-haired animal, 0.15 for a long-haired one.
-        length_per_radius: f32 = 0.05, in 1e-4..=10.0;
+        length_per_radius: f32 = 0.05, in 1e-4..=10.0, needs "hair.length_m=none";
         /// Variation in length: with 0, all strands are equally long; with 1, they may be arbitrarily short. Long
         /// strands are rarer, so the fur thins towards its outside.
         length_variation: f32 = 0.5, in 0.0..=1.0;
         /// Radius at the root, fractions of the tile's width. Hair thinner than a texel fades instead of breaking up.
-        root_radius: f32 = 0.0065, in 1e-5..=0.25;
+        root_radius: f32 = 0.0065, in 1e-5..=0.25, needs "hair.root_radius_m=none";
         /// Radius at the tip, fractions of the tile's width.
-        tip_radius: f32 = 0.0013, in 0.0..=0.25;
+        tip_radius: f32 = 0.0013, in 0.0..=0.25, needs "hair.tip_radius_m=none";
         /// Radius at the root, metres, instead of `hair.root_radius`. Examples: 0.00003 for a dog's guard hair, 0.001
         /// for a hedgehog's spine. If `surface.tile_size_m` is left out, the tile is made narrow enough that a hair is
         /// as wide as a texel (`slice.tile_texels`).
@@ -263,8 +263,13 @@ params! {
         /// the border, its length falls to zero, so that long hair does not cover an eye. Evaluated at the model's
         /// vertices. If left out, it is just wide enough that hair hides no bare part. With 0, hair is not shortened.
         bare_margin_m: Option<f32> = None, in 0.0..=1e3;
-        /// Colour of the hair on furred materials, instead of the model's base colour; multiplies root and tip colour.
+        /// Colour of hair and skin on furred materials, instead of the model's base colour; for hair, it multiplies
+        /// root and tip colour. `groom.hair_color` colours the hair alone.
         color: Option<ColorMap> = None;
+        /// Colour of the hair alone on furred materials, sRGB, instead of the model's base colour; multiplies root and
+        /// tip colour. Where the skin shows, at bare places and in the style `bare`, it keeps the colour of the model
+        /// or of `groom.color`. A pattern and the colours of comb marks then apply to the skin alone.
+        hair_color: Option<SrgbColor> = None;
         /// Groom of single materials: `[[groom.material]]` with a `name`, in which `*` matches any characters and `?`
         /// one, and any of the keys above. Later tables take precedence.
         material: Vec<MaterialGroom> = Vec::new();
@@ -297,9 +302,9 @@ params! {
         /// animals. If left out, hairs have no band.
         band: Option<SrgbColor> = None;
         /// Position of the middle of the band: 0 at the root, 1 at the tip.
-        band_at: f32 = 0.7, in 0.0..=1.0;
+        band_at: f32 = 0.7, in 0.0..=1.0, needs "color.band!=none";
         /// Width of the band, as a share of the hair's length. On either side, the band fades over half its width.
-        band_width: f32 = 0.25, in 0.01..=1.0;
+        band_width: f32 = 0.25, in 0.01..=1.0, needs "color.band!=none";
         /// Variation in brightness between strands: with 0, all strands are equally bright; with 1, they range from
         /// black to twice the brightness.
         variation: f32 = 0.35, in 0.0..=1.0;
@@ -314,12 +319,12 @@ params! {
         pattern: Option<FilePath> = None;
         /// Projection of the pattern: `x`, `y` and `z` project along that axis; `box` projects along all three, softly
         /// blended by the normal.
-        pattern_projection: PatternProjection = PatternProjection::Box;
+        pattern_projection: PatternProjection = PatternProjection::Box, needs "color.pattern!=none";
         /// Width of the pattern image on the model, metres. If left out, the image spans the model once.
-        pattern_size_m: Option<f32> = None, in 1e-6..=1e6;
+        pattern_size_m: Option<f32> = None, in 1e-6..=1e6, needs "color.pattern!=none";
         /// Continuation of the pattern image beyond its border: `repeat` repeats it, `clamp` extends the outermost
         /// texels.
-        pattern_wrap: PatternWrap = PatternWrap::Repeat;
+        pattern_wrap: PatternWrap = PatternWrap::Repeat, needs "color.pattern!=none";
         /// Width and height of the texture that the pattern is painted into, texels; at most `pack.base_color_max`.
         pattern_texels: u32 = 1024, in 64..=8192, as PowerOfTwo;
     }
@@ -468,7 +473,7 @@ params! {
         enabled: bool = true;
         /// Number of ray directions per point of a strand. More directions reduce noise and increase the bake time in
         /// proportion.
-        directions: u32 = 12, in 8..=1024;
+        directions: u32 = 12, in 8..=1024, needs "visibility.enabled=true";
     }
 }
 
@@ -480,7 +485,7 @@ params! {
         enabled: bool = true;
         /// Number of points of each strand, preferably one more than a power of two. Strands that are small on screen
         /// are drawn with a half, a quarter and so on of the segments.
-        points: u32 = 9, in 2..=33;
+        points: u32 = 9, in 2..=33, needs "strands.enabled=true";
         /// Guided hair: `[[strands.group]]` with a `name`, for manes, tails, a head of hair. Independent of
         /// `enabled`.
         group: Vec<HairGroupParams> = Vec::new();
@@ -504,7 +509,7 @@ params! {
         /// Depth of the hair that each fin shows, measured across the fin, widths of the tile. If left out, it is
         /// chosen such that layers and fins together cover the outline like much finer layers. Higher values are denser
         /// and crisper.
-        depth: Option<f32> = None, in 1e-3..=8.0;
+        depth: Option<f32> = None, in 1e-3..=8.0, needs "fins.enabled=true";
     }
 }
 
@@ -516,20 +521,20 @@ params! {
         /// fur as seen from afar.
         enabled: bool = true;
         /// Whether the package also has simplified index lists, for models whose triangles are smaller than pixels.
-        simplified: bool = true;
+        simplified: bool = true, needs "detail.enabled=true";
         /// Distance between two layers seen from the side, pixels. The number of layers is the height of the fur
         /// divided by this distance. Smaller is finer and more expensive. If it is too large, a gap below the outermost
         /// layer shows as a line around the body.
-        gap_px: f32 = 1.15, in 0.05..=64.0;
+        gap_px: f32 = 1.15, in 0.05..=64.0, needs "detail.enabled=true";
         /// Size at which a level has been fully replaced by the next, divided by the size at which its replacement
         /// begins. 1 switches at once, smaller values blend longer. Between both sizes, layers are replaced one by one.
-        fade: f32 = 0.5, in 0.1..=1.0;
+        fade: f32 = 0.5, in 0.1..=1.0, needs "detail.enabled=true";
         /// Height of the fur down to which fins are drawn with the layers. Without fins, the outline shows fewer,
         /// blurred layers.
-        fins_px: f32 = 0.0, in 0.0..=1e4;
+        fins_px: f32 = 0.0, in 0.0..=1e4, needs "detail.enabled=true";
         /// Height of the fur down to which layers are drawn; below it, the far fur layer replaces them. 0 draws layers
         /// at any size.
-        coat_px: f32 = 1.2, in 0.0..=1e4;
+        coat_px: f32 = 1.2, in 0.0..=1e4, needs "detail.enabled=true";
     }
 }
 

@@ -32,6 +32,28 @@ fn deprecated_guides_key_reads_as_comb_marks() {
     assert_eq!(set, new);
 }
 
+/// Returns the conditions of a set's knobs that name no knob, no possible value of it, and no condition in `known`.
+fn faulty_needs<S: pelage_params::Tables>(known: &[&str]) -> Vec<&'static str> {
+    let is_faulty = |need: &&'static str| {
+        let Some((name, word)) = need.split_once("!=").or_else(|| need.split_once('=')) else {
+            return !known.contains(need);
+        };
+        let Some(knob) = pelage_params::knobs::<S>().find(|knob| knob.name == name) else { return true };
+        let unset = word == "none" && knob.value(&S::default()).is_none_or(|value| value == "\"none\"");
+        !unset && pelage_params::set(&mut S::default(), &format!("{name}={word}")).is_err()
+    };
+    let all = |table: &'static pelage_params::TableInfo| {
+        table.needs.iter().chain(table.knobs.iter().flat_map(|knob| knob.needs)).copied()
+    };
+    S::TABLES.iter().flat_map(all).filter(is_faulty).collect()
+}
+
+#[test]
+fn conditions_of_knobs_name_knobs_and_their_values() {
+    assert_eq!(faulty_needs::<Recipe>(&[]), [""; 0]);
+    assert_eq!(faulty_needs::<pelage_stage::Look>(&pelage_stage::CONDITIONS.map(|(name, _)| name)), [""; 0]);
+}
+
 #[test]
 fn every_key_is_documented() {
     for key in keys() {
@@ -286,7 +308,9 @@ fn grooms() -> impl Strategy<Value = GroomParams> {
         |(name, length, density, lean, wetness, bare)| JointGroom { name, length, density, lean, wetness, bare },
     );
     let bare = (share(), of(0f32..=1e3));
-    let whole = (share(), scalar(0.25..=4.0), share(), of(vector()), share(), bare, of(color()), 0f32..=1.0);
+    let hair_color = of([0f32..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(SrgbColor));
+    let whole =
+        (share(), scalar(0.25..=4.0), share(), of(vector()), share(), bare, of(color()), 0f32..=1.0, hair_color);
     let tables = (prop::collection::vec(material, 0..3), prop::collection::vec(joint, 0..3));
     let coordinates = prop::sample::select(GroomCoordinates::ALL);
     (coordinates, whole, tables).prop_map(|(coordinates, w, (material, joint))| GroomParams {
@@ -299,6 +323,7 @@ fn grooms() -> impl Strategy<Value = GroomParams> {
         bare: w.5.0,
         bare_margin_m: w.5.1,
         color: w.6,
+        hair_color: w.8,
         material,
         joint,
         by_body: w.7,

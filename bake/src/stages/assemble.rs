@@ -42,6 +42,8 @@ pub enum Content<'a> {
     BareNormals(Arc<[[i16; 2]]>),
     /// Lateral displacement of hair from its root.
     Roots(RootsInfo),
+    /// Colour of the hair on each material, if it differs from that of the skin.
+    HairColors(Vec<Option<[f32; 3]>>),
     /// Complete .ktx2 file. The k-th texture section belongs to the k-th texture of the manifest.
     Texture(Cow<'a, [u8]>),
     /// Section with this tag, copied unchanged from another package or a file.
@@ -85,6 +87,7 @@ pub fn assemble<'a>(
         Content::Openness(vertices) => writer.openness(&vertices),
         Content::BareNormals(vertices) => writer.bare_normals(&vertices),
         Content::Roots(info) => writer.roots(&info),
+        Content::HairColors(colors) => writer.hair_colors(&colors),
         Content::Texture(file) => writer.texture(file),
         Content::Bytes(tag, bytes) => writer.section(tag, bytes),
     };

@@ -1,10 +1,13 @@
 //! Levels of detail: selects the levels of a package and their sizes on screen. The far fur layer is the only texture
 //! that is used only by levels of detail.
 
+use crate::decision::metres_in_words;
 use crate::recipe::{DetailParams, Recipe};
 use crate::stages::slice::FarFurStats;
-use pelage_formats::DetailLevel;
+use glam::Vec3;
 use pelage_formats::meaning::represented_layers;
+use pelage_formats::{Bounds, DetailLevel};
+use pelage_stage::{Framing, Look};
 
 /// Minimum number of layers of a level, not counting the layer on the mesh surface. Drawn with four such layers, a
 /// hundred distant hares take two thirds of the time that they take with six or more.
@@ -57,6 +60,47 @@ pub fn levels(params: &DetailParams, layers: u32, coat: Option<&FarFurStats>) ->
     chain
 }
 
+/// First words of the warning that [`gap_warning`] returns.
+pub const GAP_WARNING: &str = "the layers of fur are far apart";
+
+/// Returns a warning if layers show as slices in a picture of the default size that shows the whole model. There, they
+/// are more than twice [`DetailParams::gap_px`] apart, which levels of detail never allow. As for levels of detail, the
+/// size on screen is that at the nearest point of the model.
+///
+/// * `height_m`: height of the outermost layer, metres
+/// * `bounds`: the model at rest
+pub fn gap_warning(recipe: &Recipe, height_m: f32, bounds: &Bounds) -> Option<String> {
+    let (gap_px, layers) = (recipe.detail.gap_px, recipe.slice.layers);
+    let look = Look::default();
+    let [min, max] = [bounds.min, bounds.max].map(Vec3::from);
+    let corners = std::array::from_fn::<_, 8, _>(|i| {
+        Vec3::from_array(std::array::from_fn(|axis| if i >> axis & 1 == 0 { min[axis] } else { max[axis] }))
+    });
+    let view = Framing::default().view(&corners, height_m, look.aspect());
+    let distance_m = view.eye.distance(view.eye.max(min).min(max));
+    let size = look.picture.size;
+    let fur_px = height_m * size.height as f32 / (2.0 * libm::tanf(0.5 * view.fov_deg.to_radians()) * distance_m);
+    let apart_px = fur_px / layers.saturating_sub(1).max(1) as f32;
+    if !(fur_px.is_finite() && apart_px > 2.0 * gap_px) {
+        return None;
+    }
+    let wanted = (fur_px / gap_px).ceil() as u32 + 1;
+    let remedy = if wanted <= MOST_TEXTURE_LAYERS {
+        format!("set slice.layers={wanted} or shorten the hair (hair.length_m)")
+    } else {
+        "shorten the hair (hair.length_m)".to_owned()
+    };
+    Some(format!(
+        "{GAP_WARNING}: they reach {} from the skin, up to {fur_px:.0} pixels in a picture of {} x {} that shows the \
+         whole model. There, {layers} layers are {apart_px:.1} pixels apart, expected at most {:.1}, and show as \
+         slices where no single strands are drawn; {remedy}",
+        metres_in_words(height_m),
+        size.width,
+        size.height,
+        2.0 * gap_px,
+    ))
+}
+
 fn share_of_fins(params: &DetailParams, full_px: f32) -> f32 {
     if full_px > params.fins_px { 1.0 } else { 0.0 }
 }
@@ -81,6 +125,7 @@ fn density(opacities: &[f32], step: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recipe::Coat;
     use pelage_formats::{FarLayerInfo, FurInfo, Manifest, PackageWriter, TextureEntry};
 
     /// Returns statistics with opacities that increase towards the mesh surface, as is typical of hair of many lengths.
@@ -104,6 +149,28 @@ mod tests {
             assert!(step == 1 || total(&stood_for) / all < 0.97, "step {step}");
         }
         assert_eq!(density(&[0.0; 15], 4), 1.0);
+    }
+
+    #[test]
+    fn layers_that_show_as_slices_are_reported_with_a_number_that_suffices() {
+        // A fox of 8 m.
+        let bounds =
+            Bounds { min: [-0.63, 0.0, -4.4], max: [0.63, 3.95, 3.34], center: [0.0, 1.975, -0.53], radius: 4.39 };
+        let mut recipe = Recipe::of_coat(Coat::Plush).expect("the coat reads");
+        let warning = gap_warning(&recipe, 0.6, &bounds).expect("16 layers on 0.6 m");
+        assert!(warning.starts_with(GAP_WARNING) && warning.contains("they reach 600 mm from the skin"), "{warning}");
+        let wanted = warning.split("slice.layers=").nth(1).and_then(|rest| rest.split(' ').next()).expect("a remedy");
+        recipe.slice.layers = wanted.parse().expect("a number");
+        assert!((40..=50).contains(&recipe.slice.layers), "{warning}");
+        assert_eq!(gap_warning(&recipe, 0.6, &bounds), None);
+        recipe.detail.gap_px = 0.1;
+        let dense = gap_warning(&recipe, 0.6, &bounds).expect("hundreds of layers");
+        assert!(dense.ends_with("drawn; shorten the hair (hair.length_m)"), "{dense}");
+        // No coat has this fault, even if all of its hair stood upright.
+        for coat in Coat::ALL {
+            let recipe = Recipe::of_coat(*coat).expect("the coat reads");
+            assert_eq!(gap_warning(&recipe, recipe.hair.length_per_radius * bounds.radius, &bounds), None, "{coat:?}");
+        }
     }
 
     #[test]

@@ -189,6 +189,8 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
         morphs::mesh_morphs(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
     let roots = pieces.roots.map(|info| Content::Roots(info.clone()));
+    let of_hair = &pieces.colors.hair;
+    let of_hair = of_hair.iter().any(Option::is_some).then(|| Content::HairColors(of_hair.clone()));
     ModelPart {
         manifest,
         sections: [Content::Mesh(mesh)]
@@ -197,6 +199,7 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
             .chain(animation)
             .chain(morphs)
             .chain(roots)
+            .chain(of_hair)
             .chain([Content::Openness(opened)])
             .chain(bare_normals(surface).map(|normals| Content::BareNormals(normals.into())))
             .collect(),
@@ -301,6 +304,11 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
         }
     }
     let mut warnings = skin.manifest.warnings.clone();
+    // A package that is sliced again may have the warning of its previous layers.
+    warnings.retain(|text| !text.starts_with(detail::GAP_WARNING));
+    if skin.manifest.materials.iter().any(|material| material.furred) {
+        warnings.extend(detail::gap_warning(recipe, skin.manifest.fur.height_m, &skin.manifest.bounds));
+    }
     warnings.extend(pieces.hair.warnings.iter().cloned());
     // If the package is sliced again, it already contains these warnings.
     let of_fibres = pieces.fibres.iter().flat_map(|made| &made.warnings).filter(|text| !warnings.contains(text));

@@ -208,7 +208,7 @@ impl Planter<'_> {
         weights: DVec3,
         (curves, report): &mut (Curves, GroomReport),
     ) {
-        let base = self.skin.base_color(triangle, weights);
+        let base = self.skin.hair_base(triangle, self.skin.base_color(triangle, weights));
         if self.skin.is_cut(triangle, base.w) {
             report.dropped_cut += 1;
             return;

@@ -60,6 +60,8 @@ pub struct PosedMaterial {
     pub name: String,
     /// Base colour, linear RGBA.
     pub base_color: Vec4,
+    /// Colour of hair in place of the base colour, linear RGB.
+    pub hair_color: Option<Vec3>,
     /// Image of the base colour, in the texture coordinates of the model.
     pub texture: Option<Image>,
     /// Image of the groom. Red: share of the hair that grows; green: wetness.
@@ -135,6 +137,7 @@ impl PosedMesh {
             out.material_of.extend(std::iter::repeat_n(part.material, part.index_count as usize / 3));
         }
         let fibres = package.fibres().map_err(fault)?;
+        let hair_colors = package.hair_colors().map_err(fault)?;
         for (index, material) in package.manifest().materials.iter().enumerate() {
             let read = |view: Option<pelage_formats::TextureView<'_>>| {
                 view.map(|view| {
@@ -146,6 +149,7 @@ impl PosedMesh {
             out.materials.push(PosedMaterial {
                 name: material.name.clone(),
                 base_color: material.base_color.into(),
+                hair_color: hair_colors.get(index).copied().flatten().map(Vec3::from),
                 texture: read(package.base_color_texture(index).map_err(fault)?)?,
                 groom: read(package.groom_texture(index).map_err(fault)?)?,
                 alpha_cutoff: material.alpha_cutoff,
@@ -197,6 +201,11 @@ impl PosedMesh {
             }
             None => tint,
         }
+    }
+
+    /// Returns the factor on the colour of hair on a triangle where the surface has the base colour `base`.
+    pub fn hair_base(&self, triangle: usize, base: Vec4) -> Vec4 {
+        self.material(triangle).hair_color.map_or(base, |color| color.extend(base.w))
     }
 
     /// Returns whether the mesh surface is cut away where the base colour has the opacity `alpha`.

@@ -189,7 +189,8 @@ impl Sample<'_> {
         shadow_rays: &mut u64,
     ) -> DVec3 {
         let skin = &self.tracer.skin;
-        let base = skin.base_color(triangle, weights).truncate().as_dvec3();
+        let base = skin.base_color(triangle, weights);
+        let [base, hair_base] = [base, skin.hair_base(triangle, base)].map(|c| c.truncate().as_dvec3());
         let [normal, tangent, bitangent] = frame(skin, triangle, weights);
         let side = if front { 1.0 } else { -1.0 };
         let start = RayOrigin { strand: None, triangle: Some(triangle) };
@@ -203,7 +204,7 @@ impl Sample<'_> {
         let roots = &self.material.roots[usize::from(wet)];
         let root = roots[((self.random(3) * roots.len() as f64) as usize).min(roots.len() - 1)];
         let undercoat = HairSample {
-            color: base * self.material.root_colors[usize::from(wet)],
+            color: hair_base * self.material.root_colors[usize::from(wet)],
             tangent: tangent * root.x + bitangent * root.y + normal * root.z,
             height: 0.0,
             normal: normal * side,

@@ -152,14 +152,16 @@ impl Sample<'_> {
             }
             Hit::Skin { triangle, weights, front } => {
                 let skin = &self.tracer.skin;
-                let base = skin.base_color(triangle, weights).truncate().as_dvec3();
+                let base = skin.base_color(triangle, weights);
+                let [base, hair_base] = [base, skin.hair_base(triangle, base)].map(|c| c.truncate().as_dvec3());
                 // The undercoat is the surface below hair: a matte layer of the roots' colour.
                 let (coat, wetness) = self.undercoat(triangle, weights);
                 let hair_normal = frame(skin, triangle, weights)[0];
                 let normal = bare_normal(skin, triangle, weights).lerp(hair_normal, coat).normalize_or(hair_normal);
                 let normal = normal * if front { 1.0 } else { -1.0 };
                 let [dry, wet] = self.material.root_colors;
-                let albedo = base * DVec3::ONE.lerp(dry.lerp(wet, wetness), coat);
+                let roots = dry.lerp(wet, wetness);
+                let albedo = base * DVec3::ONE.lerp(roots, coat) + (hair_base - base) * roots * coat;
                 Scatterer::Skin { albedo: albedo.clamp(DVec3::ZERO, DVec3::splat(MAX_SURFACE_ALBEDO)), normal }
             }
         }

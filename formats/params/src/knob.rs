@@ -13,6 +13,9 @@ pub struct Knob {
     pub was: &'static [&'static str],
     /// Meaning, with unit and the effect of both ends of the range.
     pub doc: &'static str,
+    /// Conditions without which the knob has no effect. `table.key=word` and `table.key!=word` refer to another knob of
+    /// the set; the word of an unset knob is `none`. All other conditions are names that the application defines.
+    pub needs: &'static [&'static str],
     /// Type and range, such as `a number 0..=1`.
     pub expected: fn() -> String,
     /// Control that shows the knob in a window.
@@ -74,8 +77,31 @@ pub struct TableInfo {
     pub name: &'static str,
     /// Description.
     pub doc: &'static str,
+    /// Conditions without which none of the knobs has an effect; see [`Knob::needs`].
+    pub needs: &'static [&'static str],
     /// Knobs, in the order of declaration.
     pub knobs: &'static [Knob],
+}
+
+impl TableInfo {
+    /// Returns the first condition of a knob of this table that is not met; `None` if the knob has an effect.
+    ///
+    /// * `value`: value of a knob as TOML, by its full name
+    /// * `holds`: whether a condition holds that the application defines
+    pub fn unmet(
+        &self,
+        knob: &Knob,
+        value: impl Fn(&str) -> Option<String>,
+        holds: impl Fn(&str) -> bool,
+    ) -> Option<&'static str> {
+        let is_word = |name: &str, word: &str| value(name).as_deref().unwrap_or("none").trim_matches('"') == word;
+        let is_met = |need: &str| match (need.split_once("!="), need.split_once('=')) {
+            (Some((name, word)), _) => !is_word(name, word),
+            (None, Some((name, word))) => is_word(name, word),
+            (None, None) => holds(need),
+        };
+        self.needs.iter().chain(knob.needs).copied().find(|need| !is_met(need))
+    }
 }
 
 /// Set of tables in one file. Implemented by [`tables!`](crate::tables).

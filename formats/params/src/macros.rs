@@ -73,23 +73,25 @@ macro_rules! words {
 /// Declares a table of knobs: the struct, its defaults, its checks and its keys.
 ///
 /// A field has the form `/// meaning`, `name: Type = default, in range, as Checked, or "word", clears other, was
-/// "name";`, where everything after the default is optional.
+/// "name", needs "condition";`, where everything after the default is optional.
 ///
 /// * `in`: range; without one, all values of the type are allowed
 /// * `as`: wrapper type whose [`Field`](crate::Field) does the checking, if the type alone is not specific enough
 /// * `or`: word for the type's own default, so that an `Option` can be unset again
 /// * `clears`: field that is reset when this one is set, because both describe the same thing and the later one counts
 /// * `was`: deprecated key that is still read; written `table.key` if it was in a different table
+/// * `needs`: condition without which the knob has no effect ([`Knob::needs`](crate::Knob::needs)); may be repeated,
+///   and also follow the name of the table, for all of its knobs
 #[macro_export]
 macro_rules! params {
     (
         $(#[doc = $table_doc:literal])+
-        $name:ident in $table:ident {
+        $name:ident in $table:ident $(, needs $table_need:literal)* {
             $(
                 $(#[doc = $doc:literal])+
                 $field:ident: $ty:ty = $default:expr
                     $(, in $range:expr $(, as $wrap:ident)?)? $(, or $unset:literal)?
-                    $(, clears $other:ident)? $(, was $old:literal)?;
+                    $(, clears $other:ident)? $(, was $old:literal)? $(, needs $need:literal)*;
             )+
         }
     ) => {
@@ -116,10 +118,12 @@ macro_rules! params {
             pub const TABLE: $crate::TableInfo = $crate::TableInfo {
                 name: stringify!($table),
                 doc: concat!($($table_doc, "\n"),+),
+                needs: &[$($table_need),*],
                 knobs: &[$($crate::Knob {
                     name: concat!(stringify!($table), ".", stringify!($field)),
                     was: &[$($old)?],
                     doc: concat!($($doc, "\n"),+),
+                    needs: &[$($need),*],
                     expected: || {
                         let range = $crate::params!(@range $($range)?);
                         let expected = $crate::params!(@field expected, $ty $($(, $wrap)?)?)(&range);

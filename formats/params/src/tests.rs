@@ -23,7 +23,7 @@ params! {
         /// Width of the picture, texels.
         width: u32 = 64, in 16..=2048, as PowerOfTwo;
         /// Layers to draw: many are smooth.
-        layers: Option<u32> = None, in 2..=256, or "all";
+        layers: Option<u32> = None, in 2..=256, or "all", needs "picture.drawn!=sparse", needs "fur";
         /// Whether the picture is visible.
         enabled: bool = true, was "visible";
     }
@@ -32,13 +32,13 @@ params! {
 params! {
     /// `[light]`: the light.
     /// There is one.
-    Light in light {
+    Light in light, needs "picture.enabled=true" {
         /// Direction towards the light.
         direction: [f32; 3] = [0.0, 1.0, 0.0], in -1e6..=1e6, clears position_m;
         /// Position of the light, metres.
         position_m: Option<[f32; 3]> = None, in -1e6..=1e6;
         /// Strength of the light.
-        strength: f32 = 1.0, in 0.001..=10.0, was "picture.exposure";
+        strength: f32 = 1.0, in 0.001..=10.0, was "picture.exposure", needs "light.position_m!=none";
         /// Colour of the light.
         color: SrgbColor = SrgbColor::hex(0xff_00_00);
         /// Names of objects that receive the light.
@@ -64,6 +64,25 @@ fn after(words: &[&str]) -> Look {
     let mut look = Look::default();
     words.iter().for_each(|word| set(&mut look, word).unwrap());
     look
+}
+
+#[test]
+fn knobs_without_effect_name_the_unmet_condition() {
+    let unmet = |words: &[&str], name: &str, holds: bool| {
+        let look = after(words);
+        let all = || Look::TABLES.iter().flat_map(|table| table.knobs.iter().map(move |knob| (table, knob)));
+        let value = |other: &str| all().find(|(_, knob)| knob.name == other)?.1.value(&look);
+        let (table, knob) = all().find(|(_, knob)| knob.name == name).unwrap();
+        table.unmet(knob, value, |condition| holds && condition == "fur")
+    };
+    assert_eq!(unmet(&[], "picture.width", false), None);
+    assert_eq!(unmet(&[], "picture.layers", false), Some("fur"));
+    assert_eq!(unmet(&[], "picture.layers", true), None);
+    assert_eq!(unmet(&["picture.drawn=sparse"], "picture.layers", true), Some("picture.drawn!=sparse"));
+    assert_eq!(unmet(&[], "light.direction", false), None);
+    assert_eq!(unmet(&["picture.enabled=false"], "light.strength", false), Some("picture.enabled=true"));
+    assert_eq!(unmet(&[], "light.strength", false), Some("light.position_m!=none"));
+    assert_eq!(unmet(&["light.position_m=[0, 1, 0]"], "light.strength", false), None);
 }
 
 #[test]

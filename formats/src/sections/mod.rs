@@ -8,6 +8,7 @@ pub(crate) mod bare_normals;
 pub(crate) mod fibres;
 pub(crate) mod fins;
 pub(crate) mod hair;
+pub(crate) mod hair_colors;
 pub(crate) mod hair_motion;
 pub(crate) mod ink;
 pub(crate) mod kind;
@@ -37,6 +38,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &ink::KIND,
     &visibility::KIND,
     &roots::KIND,
+    &hair_colors::KIND,
     &openness::KIND,
     &bare_normals::KIND,
     &simplified::KIND,

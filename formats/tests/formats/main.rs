@@ -12,6 +12,7 @@ mod damage;
 mod fibres;
 mod golden;
 mod hair;
+mod hair_colors;
 mod hair_motion;
 mod ink;
 mod ktx2_files;

@@ -154,7 +154,11 @@ impl Variant {
 
 /// Returns the constants of shaders that read a part's material.
 pub(crate) fn material_constants(part: &Part) -> Constants {
-    vec![flag("BASE_COLOR_TEXTURE", part.has_texture), flag("CUTOUT", part.cutout)]
+    vec![
+        flag("BASE_COLOR_TEXTURE", part.has_texture),
+        flag("CUTOUT", part.cutout),
+        flag("HAIR_COLOR", part.has_hair_color),
+    ]
 }
 
 /// Returns the constants of shaders that read a part's colour only for its cutout.

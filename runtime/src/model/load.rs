@@ -110,6 +110,8 @@ pub(crate) fn load(
     let mut uploaded = vec![None; manifest.textures.len()];
     let mut materials = Vec::new();
     let roots = package.roots()?;
+    let hair_colors = package.hair_colors()?;
+    let hair_color = |material: usize| hair_colors.get(material).copied().flatten();
     for (i, material) in manifest.materials.iter().enumerate() {
         let mut view = |index: Option<u32>, texture: Option<TextureView<'_>>| {
             let (Some(index), Some(texture)) = (index, texture) else { return Ok(surfaces.white.clone()) };
@@ -131,6 +133,7 @@ pub(crate) fn load(
             rim: rim_sine(manifest),
             hair_tiles: manifest.fur.height_m / manifest.fur.tile_size_m.max(f32::MIN_POSITIVE),
             reserved: [0.0; 2],
+            hair_color: hair_color(i).map_or([0.0; 4], |[r, g, b]| [r, g, b, 0.0]),
             fibre: fibres.as_ref().and_then(|info| info.of_materials.get(i)).copied().unwrap_or(0).into(),
             asides: root_offsets(roots.as_ref(), i),
         };
@@ -164,6 +167,7 @@ pub(crate) fn load(
                     material: materials[part.material as usize].clone(),
                     has_texture: material.base_color_texture.is_some(),
                     at_root: uv_per_tile(roots.as_ref(), part.material as usize) > 0.0,
+                    has_hair_color: hair_color(part.material as usize).is_some(),
                     has_groom_texture: material.groom_texture.is_some(),
                     cutout: material.alpha_cutoff.is_some(),
                     furred: material.furred && fur.is_some(),

@@ -101,6 +101,8 @@ pub(crate) struct Part {
     pub(crate) has_texture: bool,
     /// Whether hair uses the base colour of the surface at its root.
     pub(crate) at_root: bool,
+    /// Whether hair has a colour of its own in place of the base colour.
+    pub(crate) has_hair_color: bool,
     pub(crate) has_groom_texture: bool,
     pub(crate) cutout: bool,
     pub(crate) furred: bool,

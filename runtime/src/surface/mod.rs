@@ -26,6 +26,8 @@ pub(crate) struct MaterialUniform {
     /// Height of the tile's hair, in widths of the tile.
     pub(crate) hair_tiles: f32,
     pub(crate) reserved: [f32; 2],
+    /// Linear RGB of hair in place of `base_color`, then 0; unused if hair has the base colour.
+    pub(crate) hair_color: [f32; 4],
     /// Per height: the values `mean` and `along` of `RootsInfo::asides`, in texture coordinates of the base colour,
     /// then 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],

@@ -29,6 +29,8 @@ struct Material {
     rim: f32,
     // Height of the tile's hair, in widths of the tile.
     hair_tiles: f32,
+    // Colour of hair in place of the base colour, if HAIR_COLOR.
+    hair_color: vec3<f32>,
     // Sideways offsets of hair from its root, in texture coordinates of the base colour, in the form that root_aside
     // expects. They are sampled at evenly spaced heights from the mesh surface to the outermost layer.
     asides: array<vec4<f32>, 8>,
@@ -47,6 +49,8 @@ struct Material {
 override BASE_COLOR_TEXTURE: bool = false;
 // Whether the material discards fragments whose opacity is below its alpha_cutoff.
 override CUTOUT: bool = false;
+// Whether hair of the material has a colour of its own in place of the base colour.
+override HAIR_COLOR: bool = false;
 // Whether at least one vertex leans more than the tile's strands.
 override LEAN: bool = false;
 // Whether at least one vertex has hair of another length than the tile's.
@@ -96,6 +100,15 @@ fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
         return tint * textureSample(base_color_texture, base_color_sampler, uv);
     }
     return tint;
+}
+
+// Returns the factor on the colour of hair where the surface has the base colour `base`. Opacity is that of the
+// surface.
+fn hair_base(base: vec4<f32>) -> vec4<f32> {
+    if HAIR_COLOR {
+        return vec4(material.hair_color, base.a);
+    }
+    return base;
 }
 
 // Returns whether a texel with this opacity is discarded.

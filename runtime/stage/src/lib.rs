@@ -49,10 +49,10 @@ pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
 pub use look::{
-    Background, FillLight, Interval, KeyLight, LightsRead, Look, LookDetail, LookEnvironment, LookFur, LookFurShow,
-    LookHair, LookInk, LookLight, LookMotion, LookPicture, LookScattering, LookSelfShadow, LookShadow, LookShow,
-    LookStrandEdges, LookStyle, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyKind,
-    SkySource,
+    Background, CONDITIONS, FillLight, Interval, KeyLight, LightsRead, Look, LookDetail, LookEnvironment, LookFur,
+    LookFurShow, LookHair, LookInk, LookLight, LookMotion, LookPicture, LookScattering, LookSelfShadow, LookShadow,
+    LookShow, LookStrandEdges, LookStyle, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
+    SkyKind, SkySource,
 };
 #[cfg(feature = "study")]
 pub use look::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};

@@ -14,6 +14,17 @@ pub trait Knobs: Send {
     /// Returns the effective value of a knob while it is unset.
     fn default_value(&self, knob: &Knob) -> Option<String>;
 
+    /// Returns the value of the knob with a full name as TOML, or `None` if it is unset.
+    fn value_of(&self, name: &str) -> Option<String> {
+        let knob = self.tables().iter().flat_map(|table| table.knobs).find(|knob| knob.name == name)?;
+        self.value(knob)
+    }
+
+    /// Returns whether all values are equal to those of another set of the same kind.
+    fn equals(&self, other: &dyn Knobs) -> bool {
+        self.tables().iter().flat_map(|table| table.knobs).all(|knob| self.value(knob) == other.value(knob))
+    }
+
     /// Sets a knob: `fur.layers=8`.
     ///
     /// # Errors
@@ -212,6 +223,15 @@ mod tests {
         }
         assert!(set > 20);
         assert!(other.set("fur.layers=0").unwrap_err().contains("1..=1024"));
+    }
+
+    #[test]
+    fn sets_are_equal_if_all_values_are() {
+        let look = Look::default();
+        let mut other = Knobs::boxed(&look);
+        assert!(look.equals(&*other));
+        other.set("ink.tone=0.5").unwrap();
+        assert!(!look.equals(&*other));
     }
 
     #[test]

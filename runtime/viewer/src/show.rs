@@ -1,10 +1,10 @@
 //! Content of the window: a subject on a stage, with camera and time.
 
-use crate::subject::{ClipInfo, Subject};
+use crate::subject::{ClipInfo, Features, Subject};
 use image::RgbaImage;
 use pelage_runtime::{FrameReport, wgpu};
 use pelage_stage::{
-    CameraTrack, Framing, Gpu, Look, Navigator, Orbit, Size, Stage, StageError, Viewpoint, frame_actors,
+    CameraTrack, Framing, Gpu, Look, LookHair, Navigator, Orbit, Size, Stage, StageError, Viewpoint, frame_actors,
 };
 use std::cell::Cell;
 use std::time::{Duration, Instant};
@@ -17,6 +17,7 @@ pub struct Show {
     gpu: Gpu,
     stage: Option<Stage>,
     subject: Option<Subject>,
+    features: Features,
     clips: Vec<ClipInfo>,
     /// Index into `clips`; `None` for the rest pose.
     clip: Option<usize>,
@@ -40,7 +41,7 @@ pub struct Show {
 /// Everything on which a picture depends.
 #[derive(Clone, Debug, PartialEq)]
 struct DrawnState {
-    size: (u32, u32),
+    /// Look, with the size of the picture.
     look: Look,
     view: Viewpoint,
     time_s: f32,
@@ -64,6 +65,7 @@ impl Show {
             gpu,
             stage: None,
             subject: None,
+            features: Features::default(),
             clips: Vec::new(),
             clip: None,
             look: Look::of_picture(),
@@ -102,6 +104,13 @@ impl Show {
         self.last.as_ref()
     }
 
+    /// Returns whether a condition of the look's knobs ([`pelage_stage::CONDITIONS`]) holds.
+    pub fn holds(&self, condition: &str) -> bool {
+        let instances = self.last.as_ref().map_or(&[][..], |last| &last.report.instances);
+        let drawn = [instances.iter().any(|drawn| drawn.layers > 0), instances.iter().any(|drawn| drawn.strands > 0.0)];
+        self.features.holds(condition, drawn)
+    }
+
     /// Returns the time, seconds.
     pub fn time_s(&self) -> f32 {
         self.time_s
@@ -135,6 +144,7 @@ impl Show {
             Subject::Package(_) => None,
             Subject::Scene(scene) => scene.camera.clone(),
         };
+        self.features = subject.features();
         self.subject = Some(subject);
         if !is_same {
             self.navigator = None;
@@ -284,21 +294,27 @@ impl Show {
         self.navigator = None;
     }
 
-    /// Draws to the canvas if anything changed. Returns whether it has drawn.
+    /// Draws to the canvas if anything changed. Returns whether it has drawn. A draft shows fur as layers, for pictures
+    /// during movement.
     ///
     /// # Errors
     ///
     /// [`StageError::Params`] for a look that the device or the package does not support. [`StageError::Device`] if the
     /// device is lost.
-    pub fn draw(&mut self, size: (u32, u32)) -> Result<bool, StageError> {
-        let wanted = DrawnState { size, look: self.look.clone(), view: self.view(size)?, time_s: self.time_s };
+    pub fn draw(&mut self, size: (u32, u32), draft: bool) -> Result<bool, StageError> {
+        let mut look = self.sized(size);
+        if draft {
+            // Strands cost the same at any size, but layers a quarter at half the size.
+            look.fur.hair = LookHair::Shells;
+        }
+        let wanted = DrawnState { look, view: self.view(size)?, time_s: self.time_s };
         if self.drawn.as_ref() == Some(&wanted) && !self.hair_moves() {
             return Ok(false);
         }
-        let (look, time_s) = (self.sized(size), self.time_s);
+        let (look, time_s) = (&wanted.look, self.time_s);
         let Some(stage) = &mut self.stage else { return Ok(false) };
         let began = Instant::now();
-        let looks_otherwise = self.drawn.as_ref().is_none_or(|d| (d.size, &d.look) != (size, &wanted.look));
+        let looks_otherwise = self.drawn.as_ref().is_none_or(|drawn| drawn.look != *look);
         if looks_otherwise {
             stage.set_look(&look.picture(), look.frame_params(), time_s)?;
         }
@@ -322,7 +338,7 @@ impl Show {
     ///
     /// Same as [`Self::draw`].
     pub fn picture(&mut self, size: (u32, u32)) -> Result<Option<RgbaImage>, StageError> {
-        self.draw(size)?;
+        self.draw(size, false)?;
         let Some(stage) = &self.stage else { return Ok(None) };
         let pixels = stage.canvas.read(&stage.gpu)?;
         Ok(RgbaImage::from_raw(size.0, size.1, pixels))

@@ -105,7 +105,7 @@ fn stem(path: &Path) -> Option<String> {
 #[test]
 fn every_file_of_tests_is_part_of_its_binary() {
     let mut roots = 0;
-    for crates_tests in ["formats/tests", "runtime/bevy/tests", "tests/tests"] {
+    for crates_tests in ["bake/tests", "formats/tests", "runtime/bevy/tests", "tests/tests"] {
         let folder = workspace().join(crates_tests);
         let mut files = Vec::new();
         walk(&folder, &mut files);

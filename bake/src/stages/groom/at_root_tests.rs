@@ -65,6 +65,7 @@ fn colors(surface: &Surface, of_material: &[Vec4]) -> Colors {
         images: Vec::new(),
         materials: of_material.iter().map(|c| MaterialColor { factor: c.to_array(), image: None }).collect(),
         vertices: vec![[255; 4]; surface.mesh.positions.len()],
+        hair: Vec::new(),
     }
 }
 

@@ -20,16 +20,23 @@ pub struct Colors {
     pub materials: Vec<MaterialColor>,
     /// Colour of each vertex, linear RGBA.
     pub vertices: Vec<[u8; 4]>,
+    /// Colour of the hair on each material if it differs from that of the skin, linear RGB; may exceed 1.
+    pub hair: Vec<Option<[f32; 3]>>,
 }
 
 impl Colors {
-    /// Multiplies the colours of furred materials by `gain`. The result may exceed 1. The gain compensates for hairs
-    /// shadowing each other.
+    /// Multiplies the colours of the hair on furred materials by `gain`. The result may exceed 1. The gain compensates
+    /// for hairs shadowing each other.
     ///
     /// * `furred`: whether each material is furred
     pub fn lighten(&mut self, furred: &[bool], gain: f32) {
-        let of_hair = self.materials.iter_mut().zip(furred).filter(|(_, furred)| **furred);
-        of_hair.for_each(|(material, _)| material.factor[..3].iter_mut().for_each(|c| *c *= gain));
+        for (i, material) in self.materials.iter_mut().enumerate().filter(|(i, _)| furred.get(*i) == Some(&true)) {
+            let color = match self.hair.get_mut(i) {
+                Some(Some(hair)) => hair,
+                _ => &mut material.factor[..3],
+            };
+            color.iter_mut().for_each(|c| *c *= gain);
+        }
     }
 }
 
@@ -100,7 +107,8 @@ impl<'a> UsedImages<'a> {
 ///
 /// * `at`: vertices of the package
 /// * `furred`: whether each material is furred
-/// * `base_color`: whether furred materials show the model's own colours if `groom.color` is not set
+/// * `base_color`: whether furred materials show the model's own colours if neither `groom.color` nor
+///   `groom.hair_color` is set
 ///
 /// Alpha is 1 on all materials that are not cut away where it is low (glTF `MASK`).
 ///
@@ -120,7 +128,8 @@ pub fn colors(
     let mut kept_vertex_colors = Vec::new();
     let mut painted = Vec::new();
     for (i, material) in model.materials.iter().enumerate() {
-        let own = base_color || !furred.get(i).copied().unwrap_or(false);
+        let hair = maps.hair_color(i).map(|color| color.0.map(srgb_value_to_linear));
+        let own = base_color || hair.is_some() || !furred.get(i).copied().unwrap_or(false);
         let cuts = material.alpha_cutoff.is_some();
         let [r, g, b, alpha] = material.base_color;
         let alpha = if cuts { alpha } else { 1.0 };
@@ -149,6 +158,7 @@ pub fn colors(
             None => ([1.0; 4], None, false),
         };
         colors.materials.push(MaterialColor { factor, image });
+        colors.hair.push(hair);
         kept_vertex_colors.push(vertex.then_some(cuts));
     }
     colors.images = used.images;
@@ -209,13 +219,15 @@ fn paint_marks(colors: &mut Colors, at: &Vertices<'_>, maps: &Maps<'_>, furred: 
     }
 }
 
-/// Whether hair has a colour source besides its root and tip colour: a pattern, `groom.color`, or the model's factors,
-/// textures and vertex colours. White does not count. Marks do not count either, because they are local.
+/// Whether hair has a colour source besides its root and tip colour: a pattern, `groom.color`, `groom.hair_color`, or
+/// the model's factors, textures and vertex colours. White does not count. Marks do not count either, because they are
+/// local.
 pub fn is_colored(model: &Model, maps: &Maps<'_>, furred: &[bool], params: &ColorParams) -> bool {
     let is_furred = |material: usize| furred.get(material).copied().unwrap_or(false);
     let by_material = |(i, material): (usize, &Material)| {
         let own = || material.base_color_image.is_some() || material.base_color[..3].iter().any(|c| *c < 1.0);
-        is_furred(i) && (maps.color(i).is_some() || params.base_color && own())
+        let of_recipe = maps.color(i).is_some() || maps.hair_color(i).is_some();
+        is_furred(i) && (of_recipe || params.base_color && own())
     };
     let by_vertices = |part: &MeshPart| {
         let triangles = &model.mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count];
@@ -231,7 +243,7 @@ mod tests {
     use super::*;
     use crate::recipe::Recipe;
     use crate::stages::groom::MapImages;
-    use pelage_import::mesh::Mesh;
+    use pelage_import::mesh::{Mesh, RestPose};
 
     /// Returns whether the hair of a triangle is coloured, for a modified model and a recipe.
     fn colored(change: impl FnOnce(&mut Model), recipe: &str) -> bool {
@@ -265,6 +277,25 @@ mod tests {
         let mut colors = Colors { materials: vec![color(0.8), color(0.8)], ..Colors::default() };
         colors.lighten(&[true, false], 1.5);
         assert_eq!(colors.materials, [color(0.8 * 1.5), color(0.8)]);
+    }
+
+    #[test]
+    fn skin_keeps_the_models_colour_below_hair_of_another() {
+        let mesh = Mesh { colors: vec![[255; 4]], ..Mesh::default() };
+        let brown = Material { base_color: [0.4, 0.2, 0.1, 1.0], ..Material::default() };
+        let materials =
+            ["Coat", "Mane", "Hoof"].map(|name| Material { name: name.to_owned(), ..brown.clone() }).to_vec();
+        let model = Model { mesh, materials, ..Model::default() };
+        let text = "[groom]\nhair_color = \"#ff0000\"\n\n[[groom.material]]\nname = \"Mane\"\nhair_color = [1, 1, 1]\n";
+        let recipe = Recipe::parse("r", text).expect("the recipe reads");
+        let (furred, images) = ([true, true, false], MapImages::default());
+        let maps = Maps::new(&model.mesh, &model.materials, &furred, &recipe.groom, &images, &mut Vec::new());
+        let rest = RestPose::default();
+        let at = Vertices { mesh: &model.mesh, rest: &rest, input_vertex: None };
+        let mut colors = colors(&model, &at, &maps, &furred, false).expect("no image is missing");
+        colors.lighten(&furred, 1.5);
+        assert_eq!(colors.materials, [MaterialColor { factor: brown.base_color, image: None }; 3]);
+        assert_eq!(colors.hair, [Some([1.5, 0.0, 0.0]), Some([1.5; 3]), None]);
     }
 
     #[test]

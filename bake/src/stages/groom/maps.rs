@@ -135,6 +135,7 @@ struct MaterialMaps<'a> {
     wetness: &'a ScalarMap,
     bare: &'a ScalarMap,
     color: Option<&'a ColorMap>,
+    hair_color: Option<SrgbColor>,
 }
 
 /// Keys that neither `[groom]` nor a table for the material sets.
@@ -178,6 +179,7 @@ impl<'a> Maps<'a> {
             wetness: last(&groom.material, &m.name, |t| t.wetness.as_ref()).unwrap_or(&groom.wetness),
             bare: last(&groom.material, &m.name, |t| t.bare.as_ref()).unwrap_or(&groom.bare),
             color: last(&groom.material, &m.name, |t| t.color.as_ref()).or(groom.color.as_ref()),
+            hair_color: last(&groom.material, &m.name, |t| t.hair_color.as_ref()).copied().or(groom.hair_color),
         };
         let maps = Self {
             images,
@@ -341,6 +343,11 @@ impl<'a> Maps<'a> {
     pub(super) fn color(&self, material: usize) -> Option<&ColorMap> {
         let furred = self.materials.get(material).filter(|m| m.furred)?;
         furred.color.or(self.plain.as_ref())
+    }
+
+    /// Returns the colour of the hair alone on a furred material, if the recipe sets one.
+    pub(super) fn hair_color(&self, material: usize) -> Option<SrgbColor> {
+        self.materials.get(material).filter(|m| m.furred)?.hair_color
     }
 
     /// Returns the decoded image with that path.

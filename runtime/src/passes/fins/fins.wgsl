@@ -85,7 +85,7 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
         root -= root_aside(aside_at(in.slab_uv.y), hair.direction);
     }
     let groom = groom_at_root(in.groom, in.base_uv, root);
-    let base = base_color_at_root(in.tint, in.base_uv, root);
+    let base = hair_base(base_color_at_root(in.tint, in.base_uv, root));
     // Keep the hair that grows outside wet locks; fins have no wet locks.
     let texel = hair.color * (in.opacity * groom.x * select(1.0, 1.0 - groom.y, WET));
     if texel.a < LEAST_ALPHA || is_cut(base.a) {

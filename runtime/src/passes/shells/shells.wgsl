@@ -17,6 +17,7 @@ fn shell_of(v: Vertex, index: u32) -> Shell {
     let tile = tile_frame_of(v, normal_ws(v));
     let position = hair_position(v, tile, height);
     var at = hair_vertex(v, tile, position);
+    at.tint = hair_base(at.tint);
     var hair_height = height;
     if DETAIL {
         hair_height = visible_height(height, stands_for(layer), instance.drawn_layers);
@@ -69,7 +70,11 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         root -= root_aside(vec3(0.0, 0.0, in.along), hair.direction);
         groom = groom_at_root(in.groom, in.base_uv, root);
     }
-    let base = base_color_at_root(vec4(1.0, 1.0, 1.0, in.base_alpha), in.base_uv, root);
+    var base = base_color_at_root(vec4(1.0, 1.0, 1.0, in.base_alpha), in.base_uv, root);
+    if HAIR_COLOR {
+        // The vertex shader has applied the colour of hair.
+        base = vec4(1.0, 1.0, 1.0, base.a);
+    }
     if texel.a * groom.x < LEAST_ALPHA || is_cut(base.a) {
         discard;
     }

@@ -175,10 +175,11 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     var point: HairPoint;
     point.spot = spot;
     point.direction = grown(hair.direction, in.grows_length_slope.y, 0.0);
-    point.color = color.rgb * base.rgb;
+    let hair_color = hair_base(base);
+    point.color = color.rgb * hair_color.rgb;
     point.opacity = color.a;
     point.tint = vec3(1.0);
-    point.deeper = color.rgb * base.rgb;
+    point.deeper = color.rgb * hair_color.rgb;
     point.wetness = groom.y;
     point.arriving = arriving_at(0.0, light, in.half_ts, through, past);
     point.baked = baked;
@@ -203,10 +204,10 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
         far_fur.hair = far;
         far_fur.baked = baked_at(in.tile_uv, instance.baked_layers, groom.y, kept, length, slope);
         far_fur.undercoat = skin;
-        far_fur.base_color = base.rgb;
+        far_fur.base_color = hair_color.rgb;
         if AT_ROOT {
             let root = in.base_uv - root_aside(aside_at(instance.coat_ambient_height), far.direction);
-            far_fur.base_color = base_color_at_root(in.tint, in.base_uv, root).rgb;
+            far_fur.base_color = hair_base(base_color_at_root(in.tint, in.base_uv, root)).rgb;
         }
         far_fur.spot = spot;
         far_fur.light_ts = light;

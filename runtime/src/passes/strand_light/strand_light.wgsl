@@ -19,7 +19,7 @@ const FARTHEST_TURNED: f32 = -0.5;
 // Size of the frustum, relative to the picture, against which a strand's first, middle and last points are tested.
 const MARGIN: f32 = 1.1;
 
-// Returns the factor on the colour of a strand: vertex colour times base colour, or 1 for guided hair.
+// Returns the factor on the colour of a strand: that of the surface at its root, or 1 for guided hair.
 fn strand_tint(strand: Strand) -> vec4<f32> {
     // Guided hair has its own colour.
     if HANGS {
@@ -27,9 +27,9 @@ fn strand_tint(strand: Strand) -> vec4<f32> {
     }
     let tint = unpack4x8unorm(strand.color) * material.base_color;
     if BASE_COLOR_TEXTURE {
-        return tint * textureSampleLevel(base_color_texture, base_color_sampler, strand.base_uv, 0.0);
+        return hair_base(tint * textureSampleLevel(base_color_texture, base_color_sampler, strand.base_uv, 0.0));
     }
-    return tint;
+    return hair_base(tint);
 }
 
 // Returns whether a strand is drawn: it grows, is selected, may be in the picture, and is not hidden by the surface at

@@ -39,8 +39,8 @@ pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 #[cfg(feature = "study")]
 pub use study::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};
 pub use tables::{
-    KeyLight, LightsRead, Look, LookEnvironment, LookFur, LookInk, LookLight, LookMotion, LookPicture, LookShadow,
-    ReadLights,
+    CONDITIONS, KeyLight, LightsRead, Look, LookEnvironment, LookFur, LookInk, LookLight, LookMotion, LookPicture,
+    LookShadow, ReadLights,
 };
 
 #[cfg(test)]

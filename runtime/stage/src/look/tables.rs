@@ -15,6 +15,18 @@ use pelage_params::{ParamError, params, tables};
 use std::path::Path;
 use std::sync::Arc;
 
+/// Conditions of knobs ([`needs`](pelage_params::Knob::needs)) that depend on the packages or on the last picture. The
+/// second text is the reason why a knob has no effect without the condition.
+pub const CONDITIONS: [(&str, &str); 7] = [
+    ("fur", "the package has no hair"),
+    ("strands", "the package has no single strands of fur"),
+    ("fins", "the package has no fins"),
+    ("fibres", "the package has no fibre data"),
+    ("moving hair", "no hair of the package moves"),
+    ("drawn layers", "the picture shows no layers, because single strands replace them"),
+    ("drawn strands", "the picture shows no single strands, because layers replace them"),
+];
+
 params! {
     /// `[picture]`: size, style and background of the picture.
     LookPicture in picture {
@@ -54,11 +66,11 @@ params! {
         /// the map about the vertical axis.
         sky: Option<SkySource> = None, or "none";
         /// Factor on the map's brightness.
-        strength: f32 = 1.0, in 0.0..=1000.0;
+        strength: f32 = 1.0, in 0.0..=1000.0, needs "environment.sky!=none";
         /// Colour of a level ground, sRGB. The ground reflects the light from above and replaces all light from below.
-        ground: Option<Rgb> = None, or "none";
+        ground: Option<Rgb> = None, or "none", needs "environment.sky!=none";
         /// Number of lobes to fit to a panorama, in addition to its sun and uniform light.
-        lobes: u32 = 16, in 1..=32;
+        lobes: u32 = 16, in 1..=32, needs "environment.sky!=none";
     }
 }
 
@@ -84,43 +96,44 @@ impl LookEnvironment {
 
 params! {
     /// `[shadow]`: the shadows of the key light.
-    LookShadow in shadow {
+    LookShadow in shadow, needs "picture.style!=ink", needs "light.strength!=0.0" {
         /// Method for the self-shadow of hair.
-        self_shadow: LookSelfShadow = LookSelfShadow::Auto;
+        self_shadow: LookSelfShadow = LookSelfShadow::Auto, needs "picture.style=fur", needs "fur";
         /// Whether shadows of objects are soft, by means of a shadow-width map.
         soft_shadow: bool = true;
         /// Penumbra width divided by the distance between caster and receiver; 0 gives hard shadows.
-        penumbra: f32 = 0.15, in 0.0..=2.0;
+        penumbra: f32 = 0.15, in 0.0..=2.0, needs "shadow.soft_shadow=true";
         /// Factor by which the shadow-width map is downscaled before it is upscaled again. Larger factors allow wider
         /// penumbras, but lose thin objects.
-        shrink: u32 = 4, in 2..=32;
+        shrink: u32 = 4, in 2..=32, needs "shadow.soft_shadow=true";
         /// Width and height of the shadow maps, texels.
         map_texels: u32 = 512, in 16..=8192;
         /// Number of layers with a shadow map, skin included. By default it is the number of layers drawn.
-        map_layers: Option<u32> = None, in 2..=256, or "drawn";
+        map_layers: Option<u32> = None, in 2..=256, or "drawn", needs "picture.style=fur",
+            needs "shadow.self_shadow!=off";
         /// Factor on the layers' optical depth as seen by the key light.
-        density: f32 = 1.0, in 0.0..=4.0;
+        density: f32 = 1.0, in 0.0..=4.0, needs "picture.style=fur", needs "shadow.self_shadow!=off";
     }
 }
 
 params! {
     /// `[fur]`: the rendering of fur.
-    LookFur in fur {
+    LookFur in fur, needs "picture.style=fur", needs "fur" {
         /// Number of shell layers, by default that of the package. Fewer take less time, but show as steps at the
         /// outline.
         layers: Option<u32> = None, in 1..=1024, or "all";
         /// Level of detail: `full`, `auto`, or a level number. `auto` uses the package's levels by the fur's height on
         /// the screen. The fractional part of a number is the cross-fade to the next level. `layers` overrides this
         /// key.
-        detail: LookDetail = LookDetail::Auto;
+        detail: LookDetail = LookDetail::Auto, needs "fur.layers=all";
         /// Whether fins along the silhouette are drawn, if the package has them.
-        fins: bool = true;
+        fins: bool = true, needs "fins", needs "drawn layers";
         /// Geometry by which hair is drawn.
-        hair: LookHair = LookHair::Auto;
+        hair: LookHair = LookHair::Auto, needs "strands";
         /// Rendering of the edges of strands.
-        strand_edges: LookStrandEdges = LookStrandEdges::Samples;
+        strand_edges: LookStrandEdges = LookStrandEdges::Samples, needs "drawn strands";
         /// Scattering model of hair, for packages with fibre data. Other hair is always lit as with `off`.
-        scattering: LookScattering = LookScattering::Multiple;
+        scattering: LookScattering = LookScattering::Multiple, needs "fibres";
         /// Output: the picture, or false colours for its geometry or overdraw.
         show: LookFurShow = LookFurShow::Picture;
     }
@@ -128,29 +141,29 @@ params! {
 
 params! {
     /// `[motion]`: motion of fur and guide hair over time, if the package enables it.
-    LookMotion in motion {
+    LookMotion in motion, needs "moving hair" {
         /// Whether hair moves in sequences and wherever else time passes.
         hair: bool = true;
         /// Strength of the fur's lean in wind and motion; 0 disables it.
-        fur: f32 = 1.0, in 0.0..=4.0;
+        fur: f32 = 1.0, in 0.0..=4.0, needs "motion.hair=true";
         /// Wind velocity, x,y,z in metres per second.
-        wind: [f32; 3] = [0.0; 3], in -100.0..=100.0;
+        wind: [f32; 3] = [0.0; 3], in -100.0..=100.0, needs "motion.hair=true";
         /// Strength of gusts, relative to the wind.
-        gust: f32 = 0.4, in 0.0..=10.0;
+        gust: f32 = 0.4, in 0.0..=10.0, needs "motion.hair=true", needs "motion.wind!=[0.0, 0.0, 0.0]";
         /// Time between gusts, seconds.
-        gust_s: f32 = 3.0, in 0.01..=1000.0;
+        gust_s: f32 = 3.0, in 0.01..=1000.0, needs "motion.hair=true", needs "motion.wind!=[0.0, 0.0, 0.0]";
         /// Relative variation of the wind with position.
-        turbulence: f32 = 0.3, in 0.0..=10.0;
+        turbulence: f32 = 0.3, in 0.0..=10.0, needs "motion.hair=true", needs "motion.wind!=[0.0, 0.0, 0.0]";
         /// Size of eddies, metres.
-        eddy_m: f32 = 0.5, in 0.001..=1000.0;
+        eddy_m: f32 = 0.5, in 0.001..=1000.0, needs "motion.hair=true", needs "motion.wind!=[0.0, 0.0, 0.0]";
         /// Factor on the earth's gravity.
-        gravity: f32 = 1.0, in 0.0..=100.0;
+        gravity: f32 = 1.0, in 0.0..=100.0, needs "motion.hair=true";
     }
 }
 
 params! {
     /// `[ink]`: the style `ink`, after Fang 2006.
-    LookInk in ink {
+    LookInk in ink, needs "picture.style=ink" {
         /// Threshold T1 of Fang 2006, §2: a line is drawn where the dot product of neighbouring normals is below it.
         /// The default is the cosine of 50°.
         threshold: f32 = 0.64, in 0.15..=1.0;

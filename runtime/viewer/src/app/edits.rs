@@ -4,6 +4,15 @@ use super::state::App;
 use crate::knobs::{Edits, Knobs};
 use pelage_stage::{Look, LookStyle};
 
+/// Returns the message for an undo without a change to undo.
+fn nothing_to_undo(changed_outside: bool) -> &'static str {
+    if changed_outside {
+        "nothing to undo here: the recipe's file was changed outside this window; undo that where it was changed"
+    } else {
+        "nothing to undo: no key was changed since the files were opened or saved"
+    }
+}
+
 impl App {
     /// Returns the look with all edits.
     pub fn look_now(&self) -> Look {
@@ -20,6 +29,7 @@ impl App {
     /// Applies the look after a change.
     pub fn look_changed(&mut self) {
         self.recipe_last = false;
+        self.changed_outside = false;
         let look = self.look_now();
         let refused = self.refused_look_edits();
         if let Err(error) = self.show.set_look(look, self.area) {
@@ -59,27 +69,38 @@ impl App {
     /// Rebakes the model after a change of the recipe.
     pub fn recipe_changed(&mut self) {
         self.recipe_last = true;
+        self.changed_outside = false;
         self.workers.make(self.recipe_edits.assignments());
     }
 
-    /// Undoes the last change.
+    /// Undoes the last change; says why if there is none.
     pub fn undo(&mut self) {
-        self.step(Edits::undo);
+        if !self.step(Edits::undo) {
+            self.say(nothing_to_undo(self.changed_outside).into());
+        }
     }
 
-    /// Redoes the last undone change.
+    /// Redoes the last undone change; says so if there is none.
     pub fn redo(&mut self) {
-        self.step(Edits::redo);
+        if !self.step(Edits::redo) {
+            self.say("nothing to redo".into());
+        }
     }
 
-    fn step(&mut self, step: fn(&mut Edits) -> bool) {
+    fn step(&mut self, step: fn(&mut Edits) -> bool) -> bool {
         let recipe_first = self.recipe_last;
         for of_recipe in [recipe_first, !recipe_first] {
             let edits = if of_recipe { &mut self.recipe_edits } else { &mut self.look_edits };
             if step(edits) {
-                return if of_recipe { self.recipe_changed() } else { self.look_changed() };
+                if of_recipe {
+                    self.recipe_changed();
+                } else {
+                    self.look_changed();
+                }
+                return true;
             }
         }
+        false
     }
 
     /// Changes the rendering style.

@@ -45,7 +45,7 @@ impl App {
         let (width, height) = self.area;
         let size = if small { (width.div_ceil(2), height.div_ceil(2)) } else { (width, height) };
         let first = self.show.last().is_none();
-        let drew = match self.show.draw(size) {
+        let drew = match self.show.draw(size, small) {
             Ok(drew) => drew,
             Err(error @ StageError::Device(_)) => return Err(error),
             Err(error) => {

@@ -19,7 +19,10 @@ impl App {
             }
             WorkerMessage::Saved(saved) => {
                 // The file now contains the edits and is watched.
-                let saved = saved.inspect(|_| self.recipe_edits.forget());
+                let saved = saved.inspect(|_| {
+                    self.recipe_edits.forget();
+                    self.wrote_recipe = true;
+                });
                 self.tell_saved("recipe", saved);
             }
             WorkerMessage::Tracing(progress) => self.truth.progressed(progress),
@@ -50,6 +53,12 @@ impl App {
             return self.fail(error.to_string());
         }
         self.clear_failure();
+        if let (Some(before), Some(after)) = (&self.recipe_base, &recipe)
+            && !before.equals(&**after)
+        {
+            let own = std::mem::take(&mut self.wrote_recipe);
+            self.changed_outside = is_same && !own;
+        }
         (self.recipe_base, self.notes, self.stages) = (recipe, notes, stages);
         // A software device draws the first picture at reduced size, so that it appears sooner.
         self.moved();

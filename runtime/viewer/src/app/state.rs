@@ -37,6 +37,10 @@ pub struct App {
     pub recipe_search: Search,
     /// Whether the last change was in the recipe rather than the look. Undo applies to the one changed last.
     pub(super) recipe_last: bool,
+    /// Whether the recipe's file was changed outside the window after the last change in the window.
+    pub(super) changed_outside: bool,
+    /// Whether the window has written the recipe's file, so that its next change is not one from outside.
+    pub(super) wrote_recipe: bool,
     /// Progress of the content that is being made.
     pub working: Option<Progress>,
     /// Current error, shown until it is fixed.
@@ -95,6 +99,8 @@ impl App {
             recipe_edits: Edits::default(),
             recipe_search: Search::default(),
             recipe_last: false,
+            changed_outside: false,
+            wrote_recipe: false,
             working: None,
             failure: None,
             notes: Vec::new(),

@@ -58,7 +58,7 @@ fn clip(ui: &mut Ui, app: &mut App) {
         ui.weak("no animation");
         return;
     };
-    if ui.button(if app.playing { "⏸" } else { "▶" }).on_hover_text("Space").clicked() {
+    if ui.button(if app.playing { "Stop" } else { "Play" }).on_hover_text("Space").clicked() {
         app.toggle_playing();
     }
     let mut time_s = app.moment_s();

@@ -2,7 +2,8 @@
 
 use crate::knobs::{Edits, Knobs, shown};
 use egui::{Color32, ComboBox, DragValue, Response, RichText, Slider, TextEdit, Ui};
-use pelage_params::{Control, Knob, hex};
+use pelage_params::{Control, Knob, TableInfo, hex};
+use pelage_stage::CONDITIONS;
 
 /// Largest range for which a slider is shown. For larger ranges the number itself is dragged.
 const WIDEST_SLIDER: f64 = 1e5;
@@ -17,23 +18,41 @@ enum KnobInput {
     Sets(String),
 }
 
-/// Draws the row of a knob and stores changes in `edits`. Returns whether anything changed.
+/// Draws the row of a knob of `table` and stores changes in `edits`. Returns whether anything changed. A knob without
+/// effect is greyed.
 ///
 /// * `now`: the set of knobs with all edits
-pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits) -> bool {
+/// * `holds`: whether a condition of the application holds ([`Knob::needs`])
+pub fn row(
+    ui: &mut Ui,
+    (table, knob): (&TableInfo, &'static Knob),
+    now: &dyn Knobs,
+    edits: &mut Edits,
+    holds: &dyn Fn(&str) -> bool,
+) -> bool {
     let value = now.value(knob);
     let differs = value != now.default_value(knob);
+    let idle = table.unmet(knob, |name| now.value_of(name), holds).map(|need| idle_reason(need, now));
     let mut reset = false;
     ui.horizontal(|ui| {
         let name = RichText::new(knob.key().replace('_', " "));
-        let name = if differs { name.color(CHANGED) } else { name };
-        ui.label(name).on_hover_ui(|ui| explain(ui, knob, now));
+        let name = match (&idle, differs) {
+            (Some(_), _) => name.weak(),
+            (None, true) => name.color(CHANGED),
+            (None, false) => name,
+        };
+        ui.label(name).on_hover_ui(|ui| explain(ui, knob, now, idle.as_deref()));
         if edits.has(knob.name) {
-            let undo = ui.small_button("⟲").on_hover_text("reset to the value in the file");
+            let undo = ui.small_button("reset").on_hover_text("to the value in the file");
             reset = undo.clicked();
         }
     });
-    let hand = ui.push_id(knob.name, |ui| control(ui, knob, value.as_deref())).inner;
+    let drawn = |ui: &mut Ui| ui.push_id(knob.name, |ui| control(ui, knob, value.as_deref())).inner;
+    let drawn = ui.add_enabled_ui(idle.is_none(), drawn);
+    if let Some(reason) = &idle {
+        drawn.response.on_hover_text(reason);
+    }
+    let hand = drawn.inner;
     ui.end_row();
     match hand {
         _ if reset => edits.reset(knob.name),
@@ -47,10 +66,26 @@ pub fn row(ui: &mut Ui, knob: &'static Knob, now: &dyn Knobs, edits: &mut Edits)
     true
 }
 
-/// Shows the meaning, range and default of a knob.
-fn explain(ui: &mut Ui, knob: &Knob, now: &dyn Knobs) {
+/// Returns the reason why a knob has no effect, for its first condition that is not met.
+pub fn idle_reason(need: &str, now: &dyn Knobs) -> String {
+    let value = |name: &str| now.value_of(name).map_or("none".into(), |value| shown(&value));
+    match (need.split_once("!="), need.split_once('=')) {
+        (Some((name, word)), _) => format!("No effect while {name} is {word}."),
+        (None, Some((name, word))) => format!("No effect while {name} is {}: needs {word}.", value(name)),
+        (None, None) => {
+            let reason = CONDITIONS.iter().find(|(name, _)| *name == need).map_or(need, |(_, reason)| *reason);
+            format!("No effect: {reason}.")
+        }
+    }
+}
+
+/// Shows the meaning, range and default of a knob, and the reason if it has no effect.
+fn explain(ui: &mut Ui, knob: &Knob, now: &dyn Knobs, idle: Option<&str>) {
     ui.set_max_width(380.0);
     ui.label(RichText::new(knob.name).monospace().strong());
+    if let Some(reason) = idle {
+        ui.label(RichText::new(reason).color(CHANGED));
+    }
     ui.label(knob.doc.trim());
     ui.label(RichText::new(format!("Takes {}.", (knob.expected)())).weak());
     let default = now.default_value(knob).map_or("left out, chosen automatically".into(), |text| shown(&text));
@@ -100,6 +135,8 @@ fn control(ui: &mut Ui, knob: &Knob, value: Option<&str>) -> KnobInput {
                     }))
                 }
             };
+            let rounds = answer.dragged() && !whole;
+            let number = if rounds { rounded(number).clamp(least, most) } else { number };
             dragged(&answer, || number_text(number, whole))
         }
         (Control::Number { least, most, whole, .. }, value) => {
@@ -173,14 +210,15 @@ fn dragged(answer: &Response, text: impl FnOnce() -> String) -> KnobInput {
     }
 }
 
-/// Formats a number as TOML. If the knob's type is not `whole`, the text has a point or an exponent. Six digits are
-/// enough for manual input.
+/// Rounds a number to the digits that dragging can set: four.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
+}
+
+/// Formats a number as TOML: the shortest text that gives the same `f32`. If the knob's type is not `whole`, the text
+/// has a point or an exponent.
 fn number_text(number: f64, whole: bool) -> String {
-    if whole {
-        return format!("{:.0}", number.round());
-    }
-    let rounded: f64 = format!("{number:.6e}").parse().unwrap_or(number);
-    format!("{rounded:?}")
+    if whole { format!("{:.0}", number.round()) } else { format!("{:?}", number as f32) }
 }
 
 fn vector_text(numbers: &[f64]) -> String {
@@ -210,6 +248,49 @@ fn color(toml: &str) -> Option<[u8; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use pelage_params::Tables as _;
+    use pelage_stage::Look;
+
+    /// Returns the idle knobs of a look among some, with their reasons. The package has layers that are drawn, but no
+    /// strands, fins or fibres.
+    fn idle(look: &Look, names: &[&str]) -> Vec<String> {
+        let holds = |condition: &str| matches!(condition, "fur" | "moving hair" | "drawn layers");
+        let knobs = Look::TABLES.iter().flat_map(|table| table.knobs.iter().map(move |knob| (table, knob)));
+        let named = knobs.filter(|(_, knob)| names.contains(&knob.name));
+        let reason = |(table, knob): (&TableInfo, &Knob)| {
+            let need = table.unmet(knob, |name| look.value_of(name), holds)?;
+            Some(format!("{}: {}", knob.name, idle_reason(need, look)))
+        };
+        named.filter_map(reason).collect()
+    }
+
+    #[test]
+    fn knobs_without_effect_say_why() {
+        let mut look = Look::default();
+        let names = ["shadow.shrink", "fur.detail", "fur.fins", "fur.strand_edges", "motion.gust", "ink.width"];
+        let of_ink = "No effect while picture.style is";
+        assert_eq!(
+            idle(&look, &names),
+            [
+                "fur.fins: No effect: the package has no fins.".to_owned(),
+                "fur.strand_edges: No effect: the picture shows no single strands, because layers replace them.".into(),
+                "motion.gust: No effect while motion.wind is [0.0, 0.0, 0.0].".into(),
+                format!("ink.width: {of_ink} fur: needs ink."),
+            ]
+        );
+        for set in ["picture.style=ink", "motion.wind=[1, 0, 0]"] {
+            assert!(Look::set(&mut look, set).is_ok(), "{set}");
+        }
+        assert_eq!(
+            idle(&look, &names),
+            [
+                "shadow.shrink: No effect while picture.style is ink.".to_owned(),
+                format!("fur.detail: {of_ink} ink: needs fur."),
+                format!("fur.fins: {of_ink} ink: needs fur."),
+                format!("fur.strand_edges: {of_ink} ink: needs fur."),
+            ]
+        );
+    }
 
     #[test]
     fn knob_values_are_parsed_and_formatted_consistently() {
@@ -221,6 +302,12 @@ mod tests {
             ["0.1", "2.0", "1e-6"].map(|n| number_text(n.parse().unwrap_or(0.0), false)),
             ["0.1", "2.0", "1e-6"]
         );
+        // Ends of ranges and numbers with more digits than an f32 can hold.
+        assert_eq!(
+            [f64::from(0.1_f32), 16_777_217.0, 1.0 / 3.0].map(|n| number_text(n, false)),
+            ["0.1", "16777216.0", "0.33333334"]
+        );
+        assert_eq!([0.437_291_5, 1234.56, 2.0e-6].map(rounded), [0.4373, 1235.0, 2e-6]);
         assert_eq!(number_text(7.6, true), "8");
         assert!((middle(1e-6, 1e3) - 0.0316).abs() < 1e-4);
         assert_eq!(middle(0.0, 1.0), 0.5);

@@ -28,7 +28,10 @@ pub fn look(ui: &mut Ui, app: &mut App) {
     });
     let now = app.look_now();
     let mut edits = std::mem::take(&mut app.look_edits);
-    let changed = tables(ui, &now, &mut edits, &mut app.look_search, &["picture", "light"]);
+    let holds = |condition: &str| app.show.holds(condition);
+    let mut search = std::mem::take(&mut app.look_search);
+    let changed = tables(ui, &now, &mut edits, &mut search, &["picture", "light"], &holds);
+    app.look_search = search;
     app.look_edits = edits;
     if changed {
         app.look_changed();
@@ -56,7 +59,7 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
     });
     let Some(now) = app.recipe_now() else { return };
     let mut edits = std::mem::take(&mut app.recipe_edits);
-    let changed = tables(ui, &*now, &mut edits, &mut app.recipe_search, &["hair"]);
+    let changed = tables(ui, &*now, &mut edits, &mut app.recipe_search, &["hair"], &|_| true);
     app.recipe_edits = edits;
     if changed {
         app.recipe_changed();
@@ -67,7 +70,15 @@ pub fn recipe(ui: &mut Ui, app: &mut App) {
 ///
 /// * `search`: filters the knobs
 /// * `open`: names of the tables that are expanded initially
-fn tables(ui: &mut Ui, now: &dyn Knobs, edits: &mut Edits, search: &mut Search, open: &[&str]) -> bool {
+/// * `holds`: whether a condition of the application holds
+fn tables(
+    ui: &mut Ui,
+    now: &dyn Knobs,
+    edits: &mut Edits,
+    search: &mut Search,
+    open: &[&str],
+    holds: &dyn Fn(&str) -> bool,
+) -> bool {
     ui.horizontal(|ui| {
         ui.add(TextEdit::singleline(&mut search.text).hint_text("find a key").desired_width(150.0));
         ui.checkbox(&mut search.only_changed, "only changed keys")
@@ -95,7 +106,7 @@ fn tables(ui: &mut Ui, now: &dyn Knobs, edits: &mut Edits, search: &mut Search, 
             let answer = header.show(ui, |ui| {
                 Grid::new(table.name).num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
                     for knob in knobs {
-                        changed |= knob::row(ui, knob, now, edits);
+                        changed |= knob::row(ui, (table, knob), now, edits, holds);
                     }
                 });
             });

@@ -1,0 +1,55 @@
+//! The `HCOL` section: colours of hair that differ from those of the skin below it. Layout in `FORMAT.md`, "HCOL".
+
+use super::kind::{Count, Kind, Row, USES_NOTHING};
+use crate::encoding::{decode_section, encode_section};
+use crate::error::FormatError;
+use crate::package::Package;
+use crate::tag::Tag;
+use crate::writer::PackageWriter;
+
+impl Tag {
+    /// Colours of hair, since version 3. At most one.
+    pub const HAIR_COLORS: Self = Self(*b"HCOL");
+}
+
+pub(crate) const KIND: Kind = Kind {
+    tag: Tag::HAIR_COLORS,
+    since: 3,
+    count: Count::AtMostOne,
+    check: |package, _| package.hair_colors().map(drop),
+    check_use: USES_NOTHING,
+    row: Row { what: "[colours of hair](#hcol-colours-of-hair)", how_many: "at most one", place: "any" },
+};
+
+impl Package<'_> {
+    /// Returns for each material the linear RGB by which its hair is multiplied in place of the base colour; `None` for
+    /// hair with the base colour. The list is empty if the package does not have the section.
+    ///
+    /// Fails if the section is damaged, or is inconsistent with the manifest.
+    pub fn hair_colors(&self) -> Result<Vec<Option<[f32; 3]>>, FormatError> {
+        let Some((index, section)) = self.find(Tag::HAIR_COLORS, 0) else { return Ok(Vec::new()) };
+        self.cached(index, || {
+            let colors: Vec<Option<[f32; 3]>> =
+                decode_section(Tag::HAIR_COLORS, section.offset, self.section_bytes(index)?)?;
+            let fail = |reason| FormatError::Content { tag: Tag::HAIR_COLORS, offset: section.offset, reason };
+            let (found, expected) = (colors.len(), self.manifest().materials.len());
+            if found != expected {
+                return Err(fail(format!("{found} colours, expected one for each of {expected} materials")));
+            }
+            for (i, color) in colors.iter().enumerate() {
+                let wrong = color.iter().flatten().find(|c| !(c.is_finite() && **c >= 0.0));
+                if let Some(wrong) = wrong {
+                    return Err(fail(format!("colour {i} has {wrong}, expected finite numbers of at least 0")));
+                }
+            }
+            Ok(colors)
+        })
+    }
+}
+
+impl PackageWriter<'_> {
+    /// Adds the colours of hair, one for each material.
+    pub fn hair_colors(self, colors: &[Option<[f32; 3]>]) -> Self {
+        self.encoded(Tag::HAIR_COLORS, encode_section(Tag::HAIR_COLORS, &colors))
+    }
+}
