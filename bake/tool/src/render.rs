@@ -13,7 +13,7 @@ use super::scene::{Scene, is_scene};
 use super::sequence::{DrawnPictures, Sink};
 use super::stages::{self, FurDetail, crowd};
 use super::view::PictureView;
-use super::view_args::{Frames, ViewArgs};
+use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS, Frames, SEQUENCES, ViewArgs};
 use pelage_bake::io_trace;
 use pelage_bake::strands::PosedMesh;
 use pelage_formats::{MAGIC, Package};
@@ -37,30 +37,34 @@ use std::sync::Arc;
 /// pelage render fox.pelage --clip Walk --frames 96 -o - | ffmpeg -i - -vf
 /// setparams=colorspace=bt709:color_primaries=bt709 walk.mp4
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = ALL_OPTIONS, after_long_help = COMMON_OPTIONS)]
 pub struct RenderArgs {
     /// Package, or a scene file that ends in .toml
     #[arg(value_name = "PKG|SCENE")]
     input: PathBuf,
-    /// Picture to write. With --frames, %04d is replaced by the picture's number, from 0. If the name ends in .y4m, a
-    /// video is written; with -, it goes to stdout. Transparent pixels are white in a video
-    #[arg(long, short, value_name = "PNG|Y4M|-", value_parser = OutputFile::or_stdout())]
+    /// Picture or video to write; - is a video on stdout
+    ///
+    /// With --frames, %04d is replaced by the picture's number, from 0. If the name ends in .y4m, a video is written;
+    /// with -, it goes to stdout. Transparent pixels are white in a video.
+    #[arg(long, short, value_name = "PNG|Y4M|-", value_parser = OutputFile::or_stdout(), display_order = 1)]
     output: OutputFile,
     /// Pictures per second of the clip, with --frames [default: 24]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000),
+        help_heading = SEQUENCES, hide_short_help = true)]
     fps: Option<u32>,
     #[command(flatten)]
     samples: SamplesArgs,
     /// Turn the light once around the vertical axis over the sequence, with --frames
-    #[arg(long)]
+    #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     turn_light: bool,
     /// Turn the camera once around the vertical axis through its target over the sequence, with --frames
     ///
     /// Unless a camera is given, it is far enough away that the model stays in the picture from all sides. With
     /// --turn-light the light turns along, as if the model were on a turntable.
-    #[arg(long)]
+    #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     auto_rotate: bool,
     /// Draw all numbered pictures again, including those left by an interrupted run
-    #[arg(long)]
+    #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     restart: bool,
     #[command(flatten)]
     view: ViewArgs,

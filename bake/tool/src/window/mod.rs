@@ -12,6 +12,7 @@ use super::exit::{Exit, Failure};
 use super::guard::OutputFile;
 use super::look_args::{LookArgs, SamplesArgs};
 use super::output::{Output, require_parent};
+use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS};
 use pelage_import::BakeError;
 use pelage_stage::{Look, Size};
 use pelage_viewer::{ViewError, ViewOptions};
@@ -30,6 +31,7 @@ use workshop::Studio;
 /// Camera, time, clip and copies are chosen in the window, so there are no options for them; pictures and sequences are
 /// saved from there.
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = ALL_OPTIONS, after_long_help = COMMON_OPTIONS)]
 pub struct WindowArgs {
     /// Package, model (.glb, .gltf, .obj) or scene (.toml); by default the window waits for a file to be dropped
     #[arg(value_name = "PKG|MODEL|SCENE")]
