@@ -318,7 +318,7 @@ mod tests {
             headings,
             ["Options:", "Picture:", "Light:", "Environment:", "Fur:", "Shadows:", "Motion:", "Ink style:"]
         );
-        let brief = Line::command().term_width(100).render_help().to_string();
+        let brief = Line::command().term_width(500).render_help().to_string();
         let flags: Vec<&str> = brief.split("--").skip(1).filter_map(|rest| rest.split(' ').next()).take(6).collect();
         assert_eq!(flags, ["size", "style", "light", "environment", "background", "help"], "{brief}");
         assert!(brief.contains("Rendering style [default: fur] [possible values: fur, ink, bare]"), "{brief}");

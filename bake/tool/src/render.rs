@@ -18,8 +18,9 @@ use pelage_bake::io_trace;
 use pelage_bake::strands::PosedMesh;
 use pelage_formats::{MAGIC, Package};
 use pelage_import::BakeError;
-use pelage_stage::{Actor, Cast, Gpu, Look, NamedPackage, StageError};
+use pelage_stage::{Actor, Cast, Gpu, Look, LookStyle, NamedPackage, StageError};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -226,6 +227,9 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let first = args.view.frames.map_or(0, |range| range.first as usize);
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let cast = subject.cast(&view)?;
+    if view.look.picture.style == LookStyle::Ink {
+        note_undrawn_hair(output, &cast.packages)?;
+    }
     let stage = stages::stage(&cast, &view, Gpu::open)?;
     io_trace::record_machine(ADAPTER, &stage.gpu.description());
     let (light, shot) = (stage.params.light, cast.camera);
@@ -248,6 +252,19 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 /// Package of a cast, with its file.
 type OpenedPackage<'a> = (&'a NamedPackage<'a>, Arc<Package<'a>>);
+
+/// Notes that the style ink does not draw the guided hair of packages that have it.
+fn note_undrawn_hair(output: &Output, packages: &[OpenedPackage<'_>]) -> Result<(), Failure> {
+    let mut names = BTreeSet::new();
+    for (file, package) in packages {
+        names.extend(package.hair_groups().map_err(|error| file.fault(error))?.iter().map(|group| group.name.clone()));
+    }
+    if !names.is_empty() {
+        let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+        output.note(&format!("note: the style ink does not draw guided hair: {}", names.join(", ")));
+    }
+    Ok(())
+}
 
 /// Warns of pictures without a covered pixel, with the reason for the first of them.
 fn warn_of_empty_pictures(
