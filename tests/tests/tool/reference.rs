@@ -63,6 +63,26 @@ fn time_limit_ends_with_equally_many_samples_of_each_pixel() {
 }
 
 #[test]
+fn store_page_command_of_the_guide_draws_on_paper() {
+    let command = |page: &str| {
+        let text = std::fs::read_to_string(workspace().join("bake/docs").join(page)).unwrap();
+        text.lines().find(|line| line.contains(" -o store.png ")).unwrap().trim().to_owned()
+    };
+    assert_eq!(command("artists.md"), command("artists.zh-CN.md"));
+    let line = command("artists.md").replace("hare.pelage", "torus.pelage").replace("1200x1200", "48x48");
+    let line = line.replace("--seconds 600", "--samples 2");
+    let sandbox = torus(&["hair.density=60"]);
+    let words: Vec<&str> = line.strip_prefix("pelage ").unwrap().split(' ').collect();
+    let run = sandbox.run(&words);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let picture = image::open(sandbox.path().join("store.png")).unwrap().to_rgba8();
+    let paper = image::Rgba([238, 234, 228, 255]);
+    assert_eq!((picture.dimensions(), *picture.get_pixel(0, 0)), ((48, 48), paper));
+    let covered = picture.pixels().filter(|pixel| **pixel != paper).count();
+    assert!((300..2000).contains(&covered) && picture.pixels().all(|pixel| pixel.0[3] == 255), "{covered}");
+}
+
+#[test]
 fn light_options_change_the_reference_picture() {
     let sandbox = torus(&[]);
     let mean = |more: &[&str]| {
