@@ -51,8 +51,8 @@ pub struct WindowArgs {
     /// Start without panels; the key N shows them
     #[arg(long)]
     no_panels: bool,
-    /// Write events to this file, one line of JSON each, for scripts: adapter, made, first picture, picture, failure,
-    /// mended, saved, measured, truth
+    /// Write events to this file, one line of JSON each, for scripts: adapter, made, first picture, picture, empty
+    /// picture, failure, mended, saved, measured, truth
     #[arg(long, value_name = "FILE")]
     events: Option<OutputFile>,
 }
