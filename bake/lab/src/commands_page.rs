@@ -104,12 +104,16 @@ fn listed(command: &Command) -> impl Iterator<Item = &Arg> {
     command.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_global_set() && is_ours(arg))
 }
 
-/// Formats arguments as a list; those under a heading come last.
+/// Formats arguments as a list; those under a heading come last, each heading once.
 fn entries(arguments: &[&Arg]) -> String {
-    let (grouped, plain): (Vec<&Arg>, Vec<&Arg>) = arguments.iter().partition(|arg| arg.get_help_heading().is_some());
+    let mut headings: Vec<Option<&str>> = vec![None];
+    headings.extend(arguments.iter().map(|arg| arg.get_help_heading()));
+    let place = |arg: &&Arg| headings.iter().position(|heading| *heading == arg.get_help_heading());
+    let mut arguments = arguments.to_vec();
+    arguments.sort_by_key(place);
     let mut text = String::new();
     let mut heading = None;
-    for arg in plain.into_iter().chain(grouped) {
+    for arg in arguments {
         if arg.get_help_heading() != heading {
             heading = arg.get_help_heading();
             text += &format!("\n### {}\n\n", heading.unwrap_or_default());

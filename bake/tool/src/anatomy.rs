@@ -1,10 +1,12 @@
 //! Size, materials, joints and clips of a model, read from its package. `bake` and `inspect` show them.
 
-use glam::Vec3;
+use super::material_color::{ColoredTriangle, MaterialColor, material_colors};
+use glam::{Vec2, Vec3};
+use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::size;
-use pelage_bake::stages::slice::decode_texture;
-use pelage_formats::meaning::{linear_to_srgb, posed_vertices, srgb_to_linear};
+use pelage_formats::meaning::posed_vertices;
 use pelage_formats::{FormatError, Package, Pose};
+use pelage_params::glob;
 use serde::Serialize;
 
 /// Size, materials, joints and clips of a model.
@@ -27,8 +29,12 @@ pub struct Anatomy {
 pub struct MaterialSummary {
     name: String,
     furred: bool,
+    /// Pattern of `model.bare` that makes the material bare; null for a furred material.
+    bare_by: Option<String>,
+    /// Whether the material has a texture of its own.
     textured: bool,
-    /// Mean base colour, encoded as sRGB `#rrggbb`.
+    /// Mean base colour over the material's surface, encoded as sRGB `#rrggbb`: factor, texture and vertex colours,
+    /// without `color.gain`.
     color: String,
     triangles: u64,
     /// Share of the model's surface, 0 to 1.
@@ -73,23 +79,35 @@ impl Anatomy {
         let positions: Vec<Vec3> =
             mesh.iter().flat_map(|m| posed_vertices(m, None, &pose)).map(|v| v.position.into()).collect();
         let indices: Vec<u32> = mesh.iter().flat_map(pelage_formats::MeshView::indices).collect();
+        let attributes: Vec<_> = mesh.iter().flat_map(pelage_formats::MeshView::attributes).collect();
         let mut found: Vec<MaterialBounds> = manifest.materials.iter().map(|_| MaterialBounds::default()).collect();
+        let mut triangles: Vec<Vec<ColoredTriangle>> = manifest.materials.iter().map(|_| Vec::new()).collect();
         for part in &manifest.parts {
             let corners = indices.get(part.first_index as usize..(part.first_index + part.index_count) as usize);
             let found = &mut found[part.material as usize];
-            corners.unwrap_or_default().as_chunks::<3>().0.iter().for_each(|triangle| {
-                found.add(triangle.map(|v| positions[v as usize]));
-            });
+            for triangle in corners.unwrap_or_default().as_chunks::<3>().0 {
+                let corners = triangle.map(|v| attributes[v as usize]);
+                triangles[part.material as usize].push(ColoredTriangle {
+                    area: found.add(triangle.map(|v| positions[v as usize])),
+                    uvs: corners.map(|corner| Vec2::from(corner.base_uv)),
+                    colors: corners.map(|corner| Vec3::from([0, 1, 2].map(|i| f32::from(corner.color[i]) / 255.0))),
+                });
+            }
         }
         let area: f64 = found.iter().map(|found| found.area).sum();
+        // The recipe of a package from another version may be unreadable.
+        let recipe = Recipe::parse_recorded("recipe", &manifest.recipe).unwrap_or_default();
+        let colors = material_colors(package, &recipe, &triangles)?;
         let mut materials = Vec::new();
-        for (index, (material, found)) in manifest.materials.iter().zip(&found).enumerate() {
+        for ((material, found), MaterialColor { hex, textured }) in manifest.materials.iter().zip(&found).zip(colors) {
             let placed = found.triangles > 0;
+            let bare = recipe.model.bare.iter().flatten().find(|pattern| glob(pattern, &material.name));
             materials.push(MaterialSummary {
                 name: material.name.clone(),
                 furred: material.furred,
-                textured: material.base_color_texture.is_some(),
-                color: color(package, index)?,
+                bare_by: bare.filter(|_| !material.furred).cloned(),
+                textured,
+                color: hex,
                 triangles: found.triangles,
                 share: if area > 0.0 { found.area / area } else { 0.0 },
                 from_m: placed.then_some(found.from.to_array()),
@@ -113,7 +131,11 @@ impl Anatomy {
     pub fn rows(&self, row: &mut dyn FnMut(&str, String)) {
         row("size", format!("{} (x, y, z), at rest", size::format_sides(self.size_m)));
         for m in &self.materials {
-            let furred = if m.furred { "furred" } else { "bare" };
+            let furred = match &m.bare_by {
+                _ if m.furred => "furred".to_owned(),
+                Some(pattern) => format!("bare (model.bare has {pattern:?})"),
+                None => "bare".to_owned(),
+            };
             let textured = if m.textured { ", textured" } else { "" };
             let place = |corner: [f32; 3]| size::format_lengths(corner.map(f64::from)).join(" ");
             let where_ = match m.from_m.zip(m.to_m) {
@@ -156,23 +178,12 @@ impl Default for MaterialBounds {
 }
 
 impl MaterialBounds {
-    fn add(&mut self, [a, b, c]: [Vec3; 3]) {
+    /// Adds a triangle and returns its area.
+    fn add(&mut self, [a, b, c]: [Vec3; 3]) -> f64 {
+        let area = (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 2.0;
         self.triangles += 1;
-        self.area += (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 2.0;
+        self.area += area;
         (self.from, self.to) = (self.from.min(a).min(b).min(c), self.to.max(a).max(b).max(c));
+        area
     }
-}
-
-/// Returns the mean base colour, `#rrggbb` in sRGB.
-fn color(package: &Package<'_>, material: usize) -> Result<String, FormatError> {
-    let [r, g, b, _] = package.manifest().materials[material].base_color;
-    let mut mean = Vec3::new(r, g, b);
-    if let Some(view) = package.base_color_texture(material)? {
-        // The last mipmap level is the mean of all texels. If the texture cannot be decoded, the base colour factor is
-        // used alone.
-        let texels = decode_texture(&view, view.levels - 1, 0).unwrap_or_else(|_| vec![255; 4]);
-        mean *= Vec3::new(srgb_to_linear(texels[0]), srgb_to_linear(texels[1]), srgb_to_linear(texels[2]));
-    }
-    let [r, g, b] = mean.to_array().map(linear_to_srgb);
-    Ok(format!("#{r:02x}{g:02x}{b:02x}"))
 }

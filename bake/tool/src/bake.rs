@@ -7,6 +7,7 @@ use super::job::Job;
 use super::limits::{TrialFigures, choose};
 use super::output::{Output, human_bytes, require_parent};
 use super::picture_args::{PictureArgs, positive};
+use super::progress::span;
 use super::shell_judge::Source;
 use super::threads;
 use super::write_recipe::{self, RecipeChoices};
@@ -27,10 +28,11 @@ use pelage_bake::stages::slice::shell_bytes;
 use pelage_bake::stages::surface::Measures;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
 use pelage_import::BakeError;
-use pelage_import::mesh::RestPose;
+use pelage_import::mesh::{Mesh, RestPose};
 use pelage_import::{ImportOptions, input_record};
 use pelage_truth::decide::Limits;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -300,6 +302,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
     }
     let mut model =
         io::read_model(&args.model, &ImportOptions { unit_m: recipe.model.unit_m }, args.recipe.file_access())?;
+    large_model(&model.mesh).iter().for_each(|note| watch.output.note(note));
     let inputs = model.inputs.clone();
     model.inputs.extend(recipe_input);
     let file = args.model.display().to_string();
@@ -358,6 +361,32 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
         return Err(BakeError::Internal(text).into());
     }
     Ok(FinishedBake { baked, stages: watch.finish(), choice, told_size: large.is_some(), recipe: written })
+}
+
+/// Number of triangles above which a model is reported as large.
+const LARGE_MODEL: usize = 1_000_000;
+/// Time of the surface stage per triangle of a large model, seconds (`runtime/docs/performance.md`, "Baking").
+const SURFACE_S: f64 = 26e-6;
+
+/// Returns a note to print before the surface stage of a large model: its triangles, copies among them, and the
+/// expected time of the stage.
+fn large_model(mesh: &Mesh) -> Option<String> {
+    let triangles = mesh.triangles.len();
+    if triangles <= LARGE_MODEL {
+        return None;
+    }
+    let mut sources: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for part in &mesh.parts {
+        let (copies, of_copies) = sources.entry(&part.source).or_default();
+        (*copies, *of_copies) = (*copies + 1, *of_copies + part.triangle_count);
+    }
+    let copied =
+        sources.into_iter().filter(|(_, (copies, _))| *copies > 1).max_by_key(|(_, (_, of_copies))| *of_copies);
+    let copied = copied.map_or_else(String::new, |(source, (copies, of_copies))| {
+        format!(", {of_copies} of them in {copies} copies of {source}, each of which grows hair of its own")
+    });
+    let expected = span(triangles as f64 * SURFACE_S);
+    Some(format!("note: the model has {triangles} triangles{copied}; the surface stage will take about {expected}"))
 }
 
 /// Size above which a package is reported as large, bytes. A large package loads slowly, especially on web pages.
@@ -479,4 +508,30 @@ fn report(output: &mut Output, args: &BakeArgs, done: &FinishedBake, seconds: f6
         text += &format!("\n{why}");
     }
     output.result(&text, &result)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pelage_import::mesh::MeshPart;
+
+    #[test]
+    fn large_models_are_announced_with_copies_and_time() {
+        let mesh = |sources: &[&str], each: usize| {
+            let part =
+                |source: &&str| MeshPart { source: (*source).into(), triangle_count: each, ..MeshPart::default() };
+            let triangles = vec![[0; 3]; each * sources.len()];
+            Mesh { triangles, parts: sources.iter().map(part).collect(), ..Mesh::default() }
+        };
+        assert_eq!(large_model(&mesh(&["mesh 0"; 4], 250_000)), None);
+        let (ground, pot) = ("mesh 0, primitive 0", "mesh 1 \"Pot\", primitive 0");
+        assert_eq!(
+            large_model(&mesh(&[ground, pot, pot, pot], 1_000_000)).as_deref(),
+            Some(
+                "note: the model has 4000000 triangles, 3000000 of them in 3 copies of mesh 1 \"Pot\", primitive 0, \
+                 each of which grows hair of its own; the surface stage will take about 104 s"
+            )
+        );
+        assert!(large_model(&mesh(&[ground], 1_000_001)).is_some_and(|note| note.ends_with("about 26 s")));
+    }
 }

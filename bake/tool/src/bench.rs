@@ -6,7 +6,7 @@ use super::output::{Output, human_bytes};
 use super::package_file;
 use super::stages::{FurDetail, detail, stage_of};
 use super::view::PictureView;
-use super::view_args::{Frames, ViewArgs};
+use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS, Frames, ViewArgs};
 use pelage_runtime::{Frame, PassId};
 use pelage_stage::{Clock, FrameTimes, Gpu, Look, Meter, Spread, Stage};
 use serde::Serialize;
@@ -18,6 +18,7 @@ use std::path::PathBuf;
 /// Draws one sample per pixel unless --samples is given. The sequence options (--fps, --auto-rotate, --turn-light)
 /// apply to `render` only: here every frame is the next one of the clip.
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = ALL_OPTIONS, after_long_help = COMMON_OPTIONS)]
 pub struct BenchArgs {
     /// Package to time
     #[arg(value_name = "PKG")]

@@ -18,20 +18,23 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Help heading of the options for build systems.
+const FARMS: &str = "Builds and farms";
+
 /// Build-system options that every subcommand has.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct JobArgs {
     /// Write a Make rule that lists every file that the command has read, including those named by a model or a scene;
     /// Ninja, Make and CMake read it
-    #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
+    #[arg(long, value_name = "FILE", global = true, help_heading = FARMS, hide_short_help = true)]
     depfile: Option<OutputFile>,
     /// Write the outcome of the command as JSON, also if it fails: command line, exit code, seconds, peak memory, and
     /// result or error
-    #[arg(long, value_name = "FILE", global = true, help_heading = "Builds and farms")]
+    #[arg(long, value_name = "FILE", global = true, help_heading = FARMS, hide_short_help = true)]
     record: Option<OutputFile>,
     /// Reuse and store results in this cache folder, which may be shared. A result is reused for the same files, tool
     /// and arguments. Applies to bake, render, reference, merge, compare and sky; measurements are never cached
-    #[arg(long, value_name = "DIR", global = true, help_heading = "Builds and farms")]
+    #[arg(long, value_name = "DIR", global = true, help_heading = FARMS, hide_short_help = true)]
     cache: Option<PathBuf>,
 }
 

@@ -35,6 +35,7 @@ mod look_args;
 pub mod machine;
 #[cfg(feature = "manual")]
 mod manual;
+mod material_color;
 mod merge;
 #[doc(hidden)]
 pub mod mesh_glb;
@@ -128,10 +129,10 @@ pub struct Invocation<'a> {
 #[derive(Clone, Debug, Default, Args)]
 struct Global {
     /// Print only errors, and the object of --json
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = 900)]
     quiet: bool,
     /// Print exactly one JSON object on stdout instead of text (schemas: bake/docs/schemas.json)
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 900)]
     json: bool,
     #[command(flatten)]
     job: job::JobArgs,

@@ -61,6 +61,8 @@ pub struct SamplesArgs {
         value_name = SAMPLES.value_name,
         allow_hyphen_values = true,
         help = "Samples per pixel: 4 smooths edges and thin hair, 1 costs less than half [default: 4, bench: 1]",
+        help_heading = PICTURE,
+        hide_short_help = true,
         value_parser = parser(&SAMPLES)
     )]
     samples: Option<String>,
@@ -101,6 +103,26 @@ fn is_assignment(word: &str) -> bool {
 /// Help heading of the flags that only the laboratory's build has.
 pub const LABORATORY: &str = "Laboratory";
 
+/// Flags that the short help lists, with their places among its options.
+const COMMON: [(&str, usize); 5] = [("size", 2), ("style", 3), ("light", 6), ("environment", 7), ("background", 8)];
+
+/// Help heading of the flags for the picture as a whole.
+const PICTURE: &str = "Picture";
+
+/// Returns the help heading of the flags for a look key, which depends on its table.
+fn heading(key: &str) -> &'static str {
+    match key.split_once('.').map_or(key, |(table, _)| table) {
+        "light" => "Light",
+        "environment" => "Environment",
+        "fur" => "Fur",
+        "shadow" => "Shadows",
+        "motion" => "Motion",
+        "ink" => "Ink style",
+        "study" => LABORATORY,
+        _ => PICTURE,
+    }
+}
+
 /// Creates the argument of a short form, with meaning, range and default of its knob.
 fn argument(short: &'static ShortForm) -> Arg {
     let arg = Arg::new(short.flag)
@@ -108,21 +130,25 @@ fn argument(short: &'static ShortForm) -> Arg {
         .value_name(short.value_name)
         .allow_hyphen_values(true)
         .action(if short.repeats { ArgAction::Append } else { ArgAction::Set });
-    let arg = match short.key.split_once('.') {
-        Some(("ink", _)) => arg.help_heading("Ink style"),
-        // A build without the published formulas still accepts their flags, so that the error can name the build that
-        // has them.
-        Some(("study", _)) => arg.help_heading(LABORATORY).hide(short.knob().is_none()),
-        _ => arg,
+    let arg = match COMMON.iter().find(|(flag, _)| *flag == short.flag) {
+        Some((_, order)) => arg.display_order(*order).help(help(short, true)).long_help(help(short, false)),
+        None => arg.help(help(short, false)).help_heading(heading(short.key)).hide_short_help(true),
     };
+    // A build without the published formulas still accepts their flags, so that the error can name the build that has
+    // them.
+    let arg = arg.hide(short.knob().is_none());
     let arg = if short.flag == "light" { arg.conflicts_with("point-light") } else { arg };
-    arg.help(help(short)).value_parser(parser(short))
+    arg.value_parser(parser(short))
 }
 
-/// Returns the help text of a short form: the meaning of its knob, and details that clap does not show.
-pub fn help(short: &ShortForm) -> String {
+/// Returns the help text of a short form: the meaning of its knob, or only its first sentence if `is_brief`, and
+/// details that clap does not show.
+fn help(short: &ShortForm, is_brief: bool) -> String {
     let Some(knob) = short.knob() else { return String::new() };
     let mut help = knob.doc.split_whitespace().collect::<Vec<_>>().join(" ");
+    if let Some(end) = help.find(". ").filter(|_| is_brief) {
+        help.truncate(end);
+    }
     if help.ends_with('.') {
         help.pop();
     }
@@ -181,6 +207,8 @@ impl Args for LookArgs {
             .value_name("L.toml|KEY=VALUE")
             .action(ArgAction::Append)
             .value_parser(validate_look_value)
+            .help_heading(PICTURE)
+            .hide_short_help(true)
             .help(
                 "Look of the picture: a file, or one key such as shadow.penumbra=0.3 (bake/docs/look.md lists them); \
                  later ones override earlier ones, and flags override all [may be given again]",
@@ -274,17 +302,25 @@ mod tests {
 
     #[test]
     fn help_has_meaning_range_and_default_of_the_knob() {
-        let help = Line::command().term_width(500).render_help().to_string();
+        let help = Line::command().term_width(500).render_long_help().to_string();
         for part in [
             "0 gives hard shadows [0..=2; default: 0.15]",
             "[0.15..=1; default: 0.64]",
             "[default: 834x424]",
-            "by means of a shadow-width map [default: on] [possible values: on, off]",
-            "Method for the self-shadow of hair [default: auto] [possible values: auto, baked, maps, off]",
-            "Rendering style [default: fur] [possible values: fur, ink, bare]",
-            "Ink style:",
+            "by means of a shadow-width map [default: on]",
+            "Method for the self-shadow of hair [default: auto]",
+            "Rendering style [default: fur]",
         ] {
             assert!(help.contains(part), "{part}\n{help}");
         }
+        let headings: Vec<&str> = help.lines().filter(|line| line.ends_with(':') && !line.starts_with(' ')).collect();
+        assert_eq!(
+            headings,
+            ["Options:", "Picture:", "Light:", "Environment:", "Fur:", "Shadows:", "Motion:", "Ink style:"]
+        );
+        let brief = Line::command().term_width(500).render_help().to_string();
+        let flags: Vec<&str> = brief.split("--").skip(1).filter_map(|rest| rest.split(' ').next()).take(6).collect();
+        assert_eq!(flags, ["size", "style", "light", "environment", "background", "help"], "{brief}");
+        assert!(brief.contains("Rendering style [default: fur] [possible values: fur, ink, bare]"), "{brief}");
     }
 }

@@ -11,6 +11,9 @@ const FIRST_LINE: Duration = Duration::from_secs(5);
 /// Time between two lines.
 const NEXT_LINE: Duration = Duration::from_secs(15);
 
+/// Remaining time below which no estimate is shown, seconds. It would be rounded to 0.
+const LEAST_LEFT_S: f64 = 0.5;
+
 /// Current work.
 #[derive(Debug)]
 pub struct Work {
@@ -47,8 +50,9 @@ impl Work {
         self.doing = doing.to_owned();
     }
 
-    /// Formats the remaining work, such as `, 12 of 64, 8 s left`; empty without a step count. The time is omitted
-    /// until a step is finished.
+    /// Formats the remaining work, such as `, 12 of 64, about 8 s left`; empty without a step count. The time is
+    /// omitted until a step is finished, and when less than [`LEAST_LEFT_S`] is left: work that goes on then takes
+    /// longer than estimated.
     pub fn left(&self, now: Instant) -> String {
         let counted = self.counted.or_else(|| self.steps.get().map(|(done, total)| (0, done, total)));
         let Some((first, done, total)) = counted else { return String::new() };
@@ -58,6 +62,9 @@ impl Work {
         }
         let rest =
             now.saturating_duration_since(self.begun).as_secs_f64() / own as f64 * (total - done.min(total)) as f64;
+        if rest < LEAST_LEFT_S {
+            return format!(", {done} of {total}");
+        }
         format!(", {done} of {total}, about {} left", span(rest))
     }
 
@@ -70,7 +77,7 @@ impl Work {
 }
 
 /// Formats a duration, such as `8 s` or `12 min`.
-fn span(seconds: f64) -> String {
+pub fn span(seconds: f64) -> String {
     if seconds < 120.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
 }
 
@@ -126,6 +133,11 @@ mod tests {
         (0..16).for_each(|_| steps.step());
         assert_eq!(after(&work, 20), "23 s: slice, 16 of 64, about 60 s left");
         assert_eq!(after(&work, 200), "3 min: slice, 16 of 64, about 10 min left");
+        (0..47).for_each(|_| steps.step());
+        assert_eq!(after(&work, 30), "33 s: slice, 63 of 64", "less than a second of the estimate is left");
+        assert_eq!(after(&work, 300), "5 min: slice, 63 of 64, about 5 s left");
+        steps.step();
+        assert_eq!(after(&work, 500), "8 min: slice, 64 of 64", "the stage goes on after its last step");
         work.begin("pack");
         assert_eq!(work.left(Instant::now()), "", "the count was the stage's before");
     }

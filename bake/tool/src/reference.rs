@@ -8,11 +8,13 @@ use super::job::Job;
 use super::journal::Key;
 use super::output::{Output, human_bytes, require_parent};
 use super::package_file;
+use super::picture_args::positive;
+use super::progress::span;
 use super::share::share;
 use super::threads;
 use super::truth::{ReferenceTracer, encode};
 use super::view::PictureView;
-use super::view_args::ViewArgs;
+use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS, ViewArgs};
 use glam::DMat4;
 use image::RgbaImage;
 use pelage_bake::io;
@@ -20,43 +22,55 @@ use pelage_bake::strands::GroomReport;
 use pelage_import::BakeError;
 use pelage_params::Knob;
 use pelage_stage::{Background, Look, NamedPackage, SHORT_FORMS, ShortForm};
-use pelage_truth::{Lens, Part, PartHeader, Portion, TracedPart, TracedPicture, TrueCamera, TrueScattering};
+use pelage_truth::{Lens, Part, PartHeader, PictureSums, TracedPart, TracedPicture, TrueCamera, TrueScattering};
 use serde::Serialize;
 use std::io::Cursor;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Help heading of the options that only `reference` has.
+const TRACING: &str = "Tracing";
+
 /// Trace a reference image of a package: every strand individually, without layers or adapter
 ///
 /// Takes the options of `render`, except those for drawing layers and those for sequences. One picture per run, at
 /// --time.
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = ALL_OPTIONS, after_long_help = COMMON_OPTIONS)]
 pub struct ReferenceArgs {
     /// Package to trace
     #[arg(value_name = "PKG")]
     package: PathBuf,
     /// Picture to write: .png as `render` writes it, or .exr with linear colours times alpha
-    #[arg(long, short, value_name = "PNG|EXR")]
+    #[arg(long, short, value_name = "PNG|EXR", display_order = 1)]
     output: OutputFile,
-    /// Samples per pixel; the error falls with their square root
-    #[arg(long, alias = "spp", value_name = "N", default_value_t = 64,
-        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    samples: u32,
+    /// Samples per pixel; the error falls with their square root [default: 64, with --seconds as many as it allows]
+    #[arg(long, alias = "spp", value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
+    samples: Option<u32>,
+    /// Time to trace, seconds, after which the picture has the samples taken until then
+    ///
+    /// Growing the strands is not counted. The trace ends earlier if --samples are reached. Each pixel gets equally
+    /// many samples, at least one: the picture is that of --samples with the number that is printed.
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true, conflicts_with = "part")]
+    seconds: Option<f64>,
     /// How hair is lit: `package`, as `render` lights it, or `exact`, with light passing between fibres. Packages with
     /// `shading.model = "marschner"` are always `exact`, except with `--scattering off`
-    #[arg(long, value_name = "HOW", default_value = "package")]
+    #[arg(long, value_name = "HOW", default_value = "package", help_heading = TRACING, hide_short_help = true)]
     fibre: FibreLighting,
     /// Maximum number of times that a light path meets hair or mesh surface, for light passing between fibres; with 1,
     /// only light scattered by a single fibre reaches the eye [default: 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000),
+        help_heading = TRACING, hide_short_help = true)]
     bounces: Option<u32>,
     /// Threads to use; does not change the picture [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = TRACING, hide_short_help = true)]
     threads: Option<u16>,
     /// Trace only part K of N, counted from 1, into a .part file. All parts have equal cost. `pelage merge`
     /// combines them into the picture, which has the same bytes as one traced in one piece
-    #[arg(long, value_name = "K/N", value_parser = parse_part)]
+    #[arg(long, value_name = "K/N", value_parser = parse_part, help_heading = TRACING, hide_short_help = true)]
     part: Option<Part>,
     #[command(flatten)]
     view: ViewArgs,
@@ -70,14 +84,22 @@ fn parse_part(text: &str) -> Result<Part, String> {
     Ok(Part { number: number - 1, of })
 }
 
+/// Maximum number of samples per pixel.
+const MOST_SAMPLES: u32 = 1_000_000;
+
 /// Maximum number of parts. With more, a part of a large picture would be a single square of pixels.
 const MOST_PARTS: u32 = 10_000;
 
 impl ReferenceArgs {
-    /// Returns the description of the trace for the cache.
+    /// Returns the description of the trace for the cache; `None` if its result depends on the machine's speed.
     pub fn job(&self) -> Option<Job> {
         let args = Self { output: Job::name(&self.output), threads: None, ..self.clone() };
-        Some(Job::new("reference", &args, &[&self.output]))
+        self.seconds.is_none().then(|| Job::new("reference", &args, &[&self.output]))
+    }
+
+    /// Returns the number of samples per pixel at which the trace ends.
+    fn most_samples(&self) -> u32 {
+        self.samples.unwrap_or(if self.seconds.is_some() { MOST_SAMPLES } else { 64 })
     }
 }
 
@@ -97,7 +119,10 @@ pub struct ReferenceResult {
     output: String,
     width: u32,
     height: u32,
+    /// Samples per pixel of the picture.
     spp: u32,
+    /// Whether `--seconds` ended the trace before `--samples`.
+    out_of_time: bool,
     /// Number of strands on the whole mesh surface.
     strands: u64,
     /// Number of straight segments of the strands after simplification.
@@ -144,14 +169,8 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     let grown_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let mut show = |done: u64, total: u64| output.progress_of(done as usize, total as usize, "pixels traced");
-    let portion = Portion { samples: 0..args.samples, part: args.part.unwrap_or_default() };
-    let mut going_on = |done, total| {
-        show(done, total);
-        ControlFlow::Continue(())
-    };
-    // The callback never cancels, so there is always a picture.
-    let picture = pool.install(|| truth.portion(&view, &portion, &mut going_on)).unwrap_or_default();
+    let sums = pool.install(|| trace(args, &truth, &view, output));
+    let picture = sums.picture();
     let seconds = start.elapsed().as_secs_f64();
     let camera = truth.camera(&view);
     let bytes = match write {
@@ -160,7 +179,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
                 picture: args.identity(&file, &view),
                 width: picture.width,
                 height: picture.height,
-                spp: args.samples,
+                spp: sums.samples(),
                 part: part.number,
                 parts: part.of,
                 background: !transparent,
@@ -178,13 +197,73 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
         let why = why_empty(&[(truth.scene.skin(), DMat4::IDENTITY)], &truth.viewpoint(&view), view.size());
         output.note(&format!("warning: the picture shows nothing: {why}"));
     }
-    report(args, output, &truth, &camera, &picture, (grown_s, seconds))
+    report(args, output, &truth, &camera, (&picture, sums.samples()), (grown_s, seconds))
+}
+
+/// Number of pixels of the pilot trace, which has one sample of each.
+const PILOT_PIXELS: u64 = 8192;
+
+/// Traces the picture until the samples or the time are used up. Notes the expected time before.
+fn trace(args: &ReferenceArgs, truth: &ReferenceTracer, view: &PictureView, output: &mut Output) -> PictureSums {
+    let (part, most) = (args.part.unwrap_or_default(), args.most_samples());
+    let mut sums = PictureSums::new(view.size(), part);
+    let pixels = sums.pixels();
+    let of = u32::try_from(pixels.div_ceil(PILOT_PIXELS)).unwrap_or(u32::MAX).max(1);
+    let mut pilot = PictureSums::new(view.size(), Part { number: part.number, of: part.of.saturating_mul(of) });
+    // None of the callbacks cancels.
+    let begun = Instant::now();
+    let _ = truth.add_samples(view, &mut pilot, 1, &mut |_, _| ControlFlow::Continue(()));
+    let per_sample_s = begun.elapsed().as_secs_f64() / pilot.pixels().max(1) as f64 * pixels as f64;
+    output.note(&expected_cost(pixels, (most, args.samples.is_some()), args.seconds, per_sample_s));
+    let Some(seconds) = args.seconds else {
+        let mut show = |done: u64, total: u64| {
+            output.progress_of(done as usize, total as usize, "pixels traced");
+            ControlFlow::Continue(())
+        };
+        let _ = truth.add_samples(view, &mut sums, most, &mut show);
+        return sums;
+    };
+    let begun = Instant::now();
+    while sums.samples() < most {
+        output.progress(&format!("tracing, samples per pixel: {}", sums.samples()));
+        let _ = truth.add_samples(view, &mut sums, 1, &mut |_, _| ControlFlow::Continue(()));
+        if !has_time(seconds, begun.elapsed().as_secs_f64(), sums.samples()) {
+            break;
+        }
+    }
+    sums
+}
+
+/// Returns whether another sample of each pixel fits into `seconds` after `samples` that took `spent_s`.
+fn has_time(seconds: f64, spent_s: f64, samples: u32) -> bool {
+    spent_s + spent_s / f64::from(samples.max(1)) <= seconds
+}
+
+/// Describes the expected cost of a trace, before it begins.
+///
+/// * `most`, `asked`: number of samples per pixel at which the trace ends, and whether the command line states it
+/// * `per_sample_s`: time of one sample of each pixel, measured on a few of them
+fn expected_cost(pixels: u64, (most, asked): (u32, bool), seconds: Option<f64>, per_sample_s: f64) -> String {
+    let rate = pixels as f64 * 1e-6 / per_sample_s.max(1e-9);
+    let rate = format!("each of {pixels} pixels, at {rate:.2} million samples per second");
+    let all_s = f64::from(most) * per_sample_s;
+    let within =
+        |time_s: f64| if time_s < 1.0 { "less than 1 s".to_owned() } else { format!("about {}", span(time_s)) };
+    match seconds.filter(|seconds| *seconds < all_s) {
+        None => format!("note: expected to take {}: {most} samples of {rate}", within(all_s)),
+        Some(seconds) => {
+            let fit = ((seconds / per_sample_s) as u32).clamp(1, most);
+            let of = if asked { format!(" of {most}") } else { String::new() };
+            let time = within(seconds.max(per_sample_s));
+            format!("note: expected to take {time}: about {fit}{of} samples of {rate}")
+        }
+    }
 }
 
 impl ReferenceArgs {
     /// Returns a key of everything that the picture depends on. It is the same for all parts and machines.
     fn identity(&self, file: &NamedPackage<'_>, view: &PictureView) -> String {
-        let args = (self.samples, self.fibre, self.bounces);
+        let args = (self.most_samples(), self.fibre, self.bounces);
         Key::of_version().with(format!("{args:?} {view:?}")).with(&file.bytes).finish()
     }
 }
@@ -221,7 +300,7 @@ fn report(
     output: &mut Output,
     truth: &ReferenceTracer,
     camera: &TrueCamera,
-    picture: &TracedPicture,
+    (picture, spp): (&TracedPicture, u32),
     (grown_s, seconds): (f64, f64),
 ) -> Result<Exit, Failure> {
     let rays = picture.rays.primary + picture.rays.shadow;
@@ -232,7 +311,8 @@ fn report(
         output: args.output.display().to_string(),
         width: picture.width,
         height: picture.height,
-        spp: args.samples,
+        spp,
+        out_of_time: spp < args.most_samples(),
         strands: groom.strands,
         segments: groom.segments,
         groom: *groom,
@@ -247,7 +327,7 @@ fn report(
     };
     let text = format!(
         "{}\n{} strands in {} segments, {} per strand, grown in {grown_s:.1} s; {:.1} million rays in {seconds:.1} s, \
-             {mrays_per_s:.2} million per second",
+             {mrays_per_s:.2} million per second; {spp} samples per pixel",
         args.output.display(),
         groom.strands,
         groom.segments,
@@ -356,4 +436,31 @@ impl Format {
 
 fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_ends_a_trace_after_at_least_one_sample() {
+        // Samples of each pixel take 2 s.
+        let reached = |seconds: f64| (1..100).find(|n| !has_time(seconds, 2.0 * f64::from(*n), *n));
+        assert_eq!([0.1, 2.0, 3.9, 4.0, 60.0].map(reached), [1, 1, 1, 2, 30].map(Some));
+    }
+
+    #[test]
+    fn expected_cost_is_the_smaller_of_samples_and_time() {
+        let said = |samples, seconds| expected_cost(500_000, samples, seconds, 2.0);
+        let rate = "of each of 500000 pixels, at 0.25 million samples per second";
+        let expect = |samples, seconds, text: &str| {
+            assert_eq!(said(samples, seconds), format!("note: expected to take {text} samples {rate}"));
+        };
+        expect((64, true), None, "about 2 min: 64");
+        expect((4, true), Some(60.0), "about 8 s: 4");
+        expect((64, true), Some(60.0), "about 60 s: about 30 of 64");
+        expect((9999, false), Some(60.0), "about 60 s: about 30");
+        expect((64, true), Some(0.5), "about 2 s: about 1 of 64");
+        assert!(expected_cost(100, (2, true), None, 0.001).starts_with("note: expected to take less than 1 s: 2 "));
+    }
 }

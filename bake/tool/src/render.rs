@@ -13,13 +13,14 @@ use super::scene::{Scene, is_scene};
 use super::sequence::{DrawnPictures, Sink};
 use super::stages::{self, FurDetail, crowd};
 use super::view::PictureView;
-use super::view_args::{Frames, ViewArgs};
+use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS, Frames, SEQUENCES, ViewArgs};
 use pelage_bake::io_trace;
 use pelage_bake::strands::PosedMesh;
 use pelage_formats::{MAGIC, Package};
 use pelage_import::BakeError;
-use pelage_stage::{Actor, Cast, Gpu, Look, NamedPackage, StageError};
+use pelage_stage::{Actor, Cast, Gpu, Look, LookStyle, NamedPackage, StageError};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -37,30 +38,34 @@ use std::sync::Arc;
 /// pelage render fox.pelage --clip Walk --frames 96 -o - | ffmpeg -i - -vf
 /// setparams=colorspace=bt709:color_primaries=bt709 walk.mp4
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = ALL_OPTIONS, after_long_help = COMMON_OPTIONS)]
 pub struct RenderArgs {
     /// Package, or a scene file that ends in .toml
     #[arg(value_name = "PKG|SCENE")]
     input: PathBuf,
-    /// Picture to write. With --frames, %04d is replaced by the picture's number, from 0. If the name ends in .y4m, a
-    /// video is written; with -, it goes to stdout. Transparent pixels are white in a video
-    #[arg(long, short, value_name = "PNG|Y4M|-", value_parser = OutputFile::or_stdout())]
+    /// Picture or video to write; - is a video on stdout
+    ///
+    /// With --frames, %04d is replaced by the picture's number, from 0. If the name ends in .y4m, a video is written;
+    /// with -, it goes to stdout. Transparent pixels are white in a video.
+    #[arg(long, short, value_name = "PNG|Y4M|-", value_parser = OutputFile::or_stdout(), display_order = 1)]
     output: OutputFile,
     /// Pictures per second of the clip, with --frames [default: 24]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000),
+        help_heading = SEQUENCES, hide_short_help = true)]
     fps: Option<u32>,
     #[command(flatten)]
     samples: SamplesArgs,
     /// Turn the light once around the vertical axis over the sequence, with --frames
-    #[arg(long)]
+    #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     turn_light: bool,
     /// Turn the camera once around the vertical axis through its target over the sequence, with --frames
     ///
     /// Unless a camera is given, it is far enough away that the model stays in the picture from all sides. With
     /// --turn-light the light turns along, as if the model were on a turntable.
-    #[arg(long)]
+    #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     auto_rotate: bool,
     /// Draw all numbered pictures again, including those left by an interrupted run
-    #[arg(long)]
+    #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     restart: bool,
     #[command(flatten)]
     view: ViewArgs,
@@ -222,6 +227,9 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let first = args.view.frames.map_or(0, |range| range.first as usize);
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let cast = subject.cast(&view)?;
+    if view.look.picture.style == LookStyle::Ink {
+        note_undrawn_hair(output, &cast.packages)?;
+    }
     let stage = stages::stage(&cast, &view, Gpu::open)?;
     io_trace::record_machine(ADAPTER, &stage.gpu.description());
     let (light, shot) = (stage.params.light, cast.camera);
@@ -244,6 +252,19 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
 
 /// Package of a cast, with its file.
 type OpenedPackage<'a> = (&'a NamedPackage<'a>, Arc<Package<'a>>);
+
+/// Notes that the style ink does not draw the guided hair of packages that have it.
+fn note_undrawn_hair(output: &Output, packages: &[OpenedPackage<'_>]) -> Result<(), Failure> {
+    let mut names = BTreeSet::new();
+    for (file, package) in packages {
+        names.extend(package.hair_groups().map_err(|error| file.fault(error))?.iter().map(|group| group.name.clone()));
+    }
+    if !names.is_empty() {
+        let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+        output.note(&format!("note: the style ink does not draw guided hair: {}", names.join(", ")));
+    }
+    Ok(())
+}
 
 /// Warns of pictures without a covered pixel, with the reason for the first of them.
 fn warn_of_empty_pictures(

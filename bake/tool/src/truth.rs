@@ -11,7 +11,10 @@ use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{FibreInfo, FibreOptics, HairGroup};
 use pelage_import::BakeError;
 use pelage_stage::{KeyLight, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
-use pelage_truth::{Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
+use pelage_truth::{
+    Lens, PictureSums, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene,
+};
+use std::ops::ControlFlow;
 
 /// Package in one pose and style, ready to be traced from any camera and in any light.
 pub struct ReferenceTracer {
@@ -111,9 +114,21 @@ impl ReferenceTracer {
         &self,
         view: &PictureView,
         portion: &Portion,
-        progress: &mut dyn FnMut(u64, u64) -> std::ops::ControlFlow<()>,
+        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
     ) -> Option<TracedPicture> {
         self.scene.portion(&self.camera(view), &self.lighting(view), view.size(), portion, progress)
+    }
+
+    /// Adds `count` samples of each pixel to the sums of the picture of [`Self::picture`]. Breaks if `progress`
+    /// cancels.
+    pub fn add_samples(
+        &self,
+        view: &PictureView,
+        sums: &mut PictureSums,
+        count: u32,
+        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.scene.add_samples(&self.camera(view), &self.lighting(view), sums, count, progress)
     }
 }
 

@@ -5,31 +5,43 @@ use super::look_args::LookArgs;
 use pelage_stage::MAX_COPIES;
 use std::str::FromStr;
 
+/// Help heading of the options for sequences of pictures.
+pub const SEQUENCES: &str = "Sequences";
+/// Help heading of the options for the model's pose, and for its copies.
+const MODEL: &str = "Model";
+/// End of the short help of commands with many options.
+pub const ALL_OPTIONS: &str =
+    "More options with --help: pose, camera, sequences, light, fur, shadows, motion and ink, in groups.";
+/// End of the long help of the same commands.
+pub const COMMON_OPTIONS: &str = "-h prints the common options only.";
+
 /// Options of `render`, `bench` and `reference`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct ViewArgs {
     #[command(flatten)]
     pub camera: CameraArgs,
     /// Time in the clip, seconds
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = parse_seconds, allow_hyphen_values = true,
+        display_order = 10)]
     pub time: f32,
     /// Animation clip, by name [default: the rest pose]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", display_order = 9)]
     pub clip: Option<String>,
     /// Second clip and the amount to blend to it, from --clip or the rest pose, 0 to 1
-    #[arg(long, value_name = "NAME:SHARE")]
+    #[arg(long, value_name = "NAME:SHARE", help_heading = MODEL, hide_short_help = true)]
     pub blend: Option<Blend>,
     /// Weight of a morph target, overriding the clips; may be repeated
-    #[arg(long, value_name = "NAME:WEIGHT", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NAME:WEIGHT", allow_hyphen_values = true, help_heading = MODEL, hide_short_help = true)]
     pub morph: Vec<MorphWeight>,
     /// Copies of the model, side by side on a grid
     #[arg(long, value_name = "N", default_value_t = 1,
-        value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_COPIES)))]
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_COPIES)),
+        help_heading = MODEL, hide_short_help = true)]
     pub crowd: u32,
     /// Frames: numbered pictures of `render`, timed frames of `bench`. A..B draws only pictures A to B - 1 of a
     /// sequence of B, and A..B/N of a sequence of N, to share a sequence among machines. A scene's own length takes
     /// precedence over B
-    #[arg(long, value_name = "N|A..B[/N]")]
+    #[arg(long, value_name = "N|A..B[/N]", help_heading = SEQUENCES, hide_short_help = true)]
     pub frames: Option<Frames>,
     #[command(flatten)]
     pub look: LookArgs,

@@ -31,7 +31,7 @@ mod visibility;
 pub use camera::{Lens, RayCaster, TrueCamera, ViewDirections};
 pub use lighting::{TrueLight, TrueLighting};
 pub use part_file::{PartHeader, TracedPart};
-pub use picture::{Part, Portion, Rays, Square, TracedPicture, TrueScene};
+pub use picture::{Part, PictureSums, Portion, Rays, Square, TracedPicture, TrueScene};
 pub use scattering::TrueScattering;
 pub use sky::TrueSky;
 pub use strand_light::VisibleStrand;

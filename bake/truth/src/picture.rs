@@ -139,40 +139,56 @@ impl TrueScene {
         Portion { samples, part }: &Portion,
         progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
     ) -> Option<TracedPicture> {
-        let mut picture = TracedPicture { width, height, ..TracedPicture::default() };
-        picture.pixels = vec![[0.0; 4]; width as usize * height as usize];
-        let squares = part.squares((width, height));
+        let mut sums = PictureSums { first: samples.start, ..PictureSums::new((width, height), *part) };
+        let count = samples.end.saturating_sub(samples.start);
+        self.add_samples(camera, lighting, &mut sums, count, progress).is_continue().then(|| sums.picture())
+    }
+
+    /// Traces `count` more samples of each pixel and adds them to `sums`. The picture of `n` samples is the same for
+    /// any number of calls. Breaks if `progress` cancels; `sums` then has some of the samples only.
+    pub fn add_samples(
+        &self,
+        camera: &TrueCamera,
+        lighting: &TrueLighting,
+        sums: &mut PictureSums,
+        count: u32,
+        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let width = sums.size.0 as usize;
+        let squares = sums.part.squares(sums.size);
         let total = squares.iter().map(Square::pixels).sum();
+        let first = sums.first + sums.samples;
+        let samples = first..first.saturating_add(count);
         let mut done = 0;
-        let rays = RayCaster::new(camera, (width, height));
+        let rays = RayCaster::new(camera, sums.size);
         for batch in squares.chunks(BATCH) {
+            let before = &*sums;
             let traced: Vec<_> = batch
                 .par_iter()
                 .map(|Square { columns, rows }| {
                     let mut pixels = Vec::new();
                     let mut count = Rays::default();
-                    for y in rows.clone() {
-                        pixels.extend(
-                            columns.clone().map(|x| self.pixel(&rays, lighting, (x, y), samples.clone(), &mut count)),
-                        );
+                    for (y, x) in rows.clone().flat_map(|y| columns.clone().map(move |x| (y, x))) {
+                        let mut sum = before.pixels[y as usize * width + x as usize];
+                        self.pixel(&rays, lighting, (x, y), samples.clone(), &mut sum, &mut count);
+                        pixels.push(sum);
                     }
                     (columns, rows.start, pixels, count)
                 })
                 .collect();
             for (columns, y0, pixels, count) in traced {
                 for (row, colors) in pixels.chunks(columns.len()).enumerate() {
-                    let first = (y0 as usize + row) * width as usize + columns.start as usize;
-                    picture.pixels[first..first + columns.len()].copy_from_slice(colors);
+                    let first = (y0 as usize + row) * width + columns.start as usize;
+                    sums.pixels[first..first + columns.len()].copy_from_slice(colors);
                 }
                 done += pixels.len() as u64;
-                picture.rays.primary += count.primary;
-                picture.rays.shadow += count.shadow;
+                sums.rays.primary += count.primary;
+                sums.rays.shadow += count.shadow;
             }
-            if progress(done, total).is_break() {
-                return None;
-            }
+            progress(done, total)?;
         }
-        Some(picture)
+        sums.samples += count;
+        ControlFlow::Continue(())
     }
 
     fn pixel(
@@ -181,26 +197,76 @@ impl TrueScene {
         lighting: &TrueLighting,
         (x, y): (u32, u32),
         samples: Range<u32>,
+        sum: &mut PixelSum,
         count: &mut Rays,
-    ) -> [f32; 4] {
+    ) {
         let seed = hash(u64::from(x) << 32 | u64::from(y), 0x0123);
         let shift = DVec2::new(f64::from(uniform(seed, 0)), f64::from(uniform(seed, 1)));
-        let mut sum = DVec3::ZERO;
-        let mut met = 0u32;
-        for i in samples.clone() {
+        for i in samples {
             let inside = r2_point(i, shift);
             let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + inside);
             count.primary += 1;
             if let Some((hit, distance)) = self.tracer.first_hit(origin, way) {
                 let seed = hash(seed, u64::from(i) + 2);
                 let sample = Sample { tracer: &self.tracer, material: &self.material, lighting, seed };
-                met += 1;
-                sum += sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
+                sum.met += 1;
+                sum.color += sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
             }
         }
-        let spp = f64::from((samples.end.saturating_sub(samples.start)).max(1));
-        let color = (sum / spp).as_vec3();
-        [color.x, color.y, color.z, (f64::from(met) / spp) as f32]
+    }
+}
+
+/// Sums of the samples of a picture, to which further samples can be added.
+#[derive(Clone, Debug)]
+pub struct PictureSums {
+    /// Width and height, pixels.
+    size: (u32, u32),
+    /// Part of the pixels that has samples.
+    part: Part,
+    /// Number of the first sample.
+    first: u32,
+    /// Samples of each pixel of the part.
+    samples: u32,
+    /// Sums of all pixels, row by row from the top.
+    pixels: Vec<PixelSum>,
+    rays: Rays,
+}
+
+/// Sums of a pixel's samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct PixelSum {
+    /// Premultiplied linear colour.
+    color: DVec3,
+    /// Number of samples that hit anything.
+    met: u32,
+}
+
+impl PictureSums {
+    /// Creates the sums of a part of a picture, without samples.
+    pub fn new((width, height): (u32, u32), part: Part) -> Self {
+        let pixels = vec![PixelSum::default(); width as usize * height as usize];
+        Self { size: (width, height), part, first: 0, samples: 0, pixels, rays: Rays::default() }
+    }
+
+    /// Returns the number of samples of each pixel of the part.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Returns the number of pixels of the part.
+    pub fn pixels(&self) -> u64 {
+        self.part.squares(self.size).iter().map(Square::pixels).sum()
+    }
+
+    /// Returns the mean of the samples.
+    pub fn picture(&self) -> TracedPicture {
+        let count = f64::from(self.samples.max(1));
+        let mean = |PixelSum { color, met }: &PixelSum| {
+            let color = (color / count).as_vec3();
+            [color.x, color.y, color.z, (f64::from(*met) / count) as f32]
+        };
+        let (width, height) = self.size;
+        TracedPicture { width, height, pixels: self.pixels.iter().map(mean).collect(), rays: self.rays }
     }
 }
 

@@ -340,6 +340,20 @@ fn sample_portions_add_up_and_a_trace_can_be_cancelled() {
 }
 
 #[test]
+fn samples_added_one_by_one_give_the_picture_of_all() {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
+    let scene = scene(curves);
+    let mut sums = PictureSums::new((40, 40), Part::default());
+    for count in [1, 1, 3, 2] {
+        let added = scene.add_samples(&camera(), &lighting(), &mut sums, count, &mut |_, _| ControlFlow::Continue(()));
+        assert!(added.is_continue());
+    }
+    assert_eq!((sums.samples(), sums.pixels()), (7, 1600));
+    assert_eq!(sums.picture(), trace(&scene, &lighting(), 40, 7), "bit for bit");
+}
+
+#[test]
 fn row_portions_have_the_pixels_of_the_whole() {
     let mut curves = Curves::default();
     strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);

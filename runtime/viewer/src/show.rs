@@ -332,6 +332,16 @@ impl Show {
         Some(self.stage.as_ref()?.canvas.encoded())
     }
 
+    /// Returns whether the last picture covers no pixel; false for one with an opaque background.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Device`] if the device is lost.
+    pub fn is_empty(&self) -> Result<bool, StageError> {
+        let Some(stage) = self.stage.as_ref().filter(|_| self.drawn.is_some()) else { return Ok(false) };
+        Ok(stage.canvas.read(&stage.gpu)?.chunks_exact(4).all(|pixel| pixel[3] == 0))
+    }
+
     /// Draws the picture in the given size, as `pelage render` does: sRGB-encoded, straight alpha.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 mod hair;
 mod import;
+mod materials;
 mod normals;
 mod pictures;
 mod rest;

@@ -331,6 +331,29 @@ fn a_full_disk_is_an_error() {
 }
 
 #[test]
+fn short_help_fits_on_a_screen_and_long_help_is_grouped() {
+    let sandbox = Sandbox::new();
+    for command in ["render", "reference", "bench", "view"] {
+        let short = sandbox.run(&[command, "-h"]).stdout;
+        assert!(short.lines().count() <= 40 && short.contains("More options with --help"), "{command}: {short}");
+    }
+    let long = sandbox.run(&["render", "--help"]).stdout;
+    let options = long.split("\nOptions:\n").nth(1).unwrap();
+    let is_option = |line: &&str| line.starts_with("      --") || line.starts_with("  -");
+    let flags: Vec<&str> = options
+        .lines()
+        .filter(is_option)
+        .map(|line| line.split("--").nth(1).unwrap().split(' ').next().unwrap())
+        .take(10)
+        .collect();
+    let common = "output size style orbit camera light environment background clip time";
+    assert_eq!(flags.join(" "), common, "{long}");
+    for heading in ["Sequences:", "Camera:", "Light:", "Fur:", "Shadows:", "Motion:", "Ink style:"] {
+        assert_eq!(long.lines().filter(|line| *line == heading).count(), 1, "{heading}");
+    }
+}
+
+#[test]
 fn help_and_version_succeed() {
     let sandbox = Sandbox::new();
     for args in [&["--help"][..], &["--version"], &["help"], &["inspect", "--help"]] {

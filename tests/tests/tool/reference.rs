@@ -41,6 +41,48 @@ fn reference_picture_does_not_depend_on_thread_count() {
 }
 
 #[test]
+fn time_limit_ends_with_equally_many_samples_of_each_pixel() {
+    let sandbox = torus(&["hair.density=60"]);
+    let trace = |more: &[&str]| {
+        let run = sandbox.run(&[&["reference", "torus.pelage", "--size", "48x32", "--json"], more].concat());
+        assert!(run.stderr.contains("note: expected "), "{run:?}");
+        schema::parse_success(&run, "reference")
+    };
+    let least = trace(&["--seconds", "1e-6", "-o", "least.png"]);
+    assert_eq!((&least["spp"], &least["out_of_time"]), (&1.into(), &true.into()));
+    let some = trace(&["--seconds", "0.3", "-o", "some.png"]);
+    let samples = some["spp"].as_u64().unwrap();
+    assert!(samples >= 1 && some["primary_rays"] == 48 * 32 * samples && some["seconds"].as_f64().unwrap() < 5.0);
+    let same = trace(&["--samples", &samples.to_string(), "-o", "same.png"]);
+    assert_eq!((&same["spp"], &same["out_of_time"]), (&samples.into(), &false.into()));
+    assert_eq!(sandbox.read("some.png"), sandbox.read("same.png"), "{samples} samples");
+    let both = trace(&["--samples", "2", "--seconds", "60", "-o", "both.png"]);
+    assert_eq!((&both["spp"], &both["out_of_time"]), (&2.into(), &false.into()));
+    let run = sandbox.run(&["reference", "torus.pelage", "-o", "a.part", "--part", "1/2", "--seconds", "9"]);
+    assert!(run.code == Some(1) && run.stderr.contains("cannot be used with"), "{run:?}");
+}
+
+#[test]
+fn store_page_command_of_the_guide_draws_on_paper() {
+    let command = |page: &str| {
+        let text = std::fs::read_to_string(workspace().join("bake/docs").join(page)).unwrap();
+        text.lines().find(|line| line.contains(" -o store.png ")).unwrap().trim().to_owned()
+    };
+    assert_eq!(command("artists.md"), command("artists.zh-CN.md"));
+    let line = command("artists.md").replace("hare.pelage", "torus.pelage").replace("1200x1200", "48x48");
+    let line = line.replace("--seconds 600", "--samples 2");
+    let sandbox = torus(&["hair.density=60"]);
+    let words: Vec<&str> = line.strip_prefix("pelage ").unwrap().split(' ').collect();
+    let run = sandbox.run(&words);
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let picture = image::open(sandbox.path().join("store.png")).unwrap().to_rgba8();
+    let paper = image::Rgba([238, 234, 228, 255]);
+    assert_eq!((picture.dimensions(), *picture.get_pixel(0, 0)), ((48, 48), paper));
+    let covered = picture.pixels().filter(|pixel| **pixel != paper).count();
+    assert!((300..2000).contains(&covered) && picture.pixels().all(|pixel| pixel.0[3] == 255), "{covered}");
+}
+
+#[test]
 fn light_options_change_the_reference_picture() {
     let sandbox = torus(&[]);
     let mean = |more: &[&str]| {

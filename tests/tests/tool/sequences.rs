@@ -368,15 +368,34 @@ fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
     off.sum::<f64>() / a.as_raw().len() as f64
 }
 
+/// Writes `pony.pelage`.
+fn bake_pony(sandbox: &Sandbox) {
+    let [model, recipe] = ["models/pony.glb", "recipes/pony.toml"].map(|name| workspace().join("assets").join(name));
+    let [model, recipe] = [&model, &recipe].map(|path| path.to_str().unwrap());
+    sandbox.fixture(&[&[model, "--recipe", recipe, "-o", "pony.pelage"], &SMALL[..]].concat());
+}
+
+#[test]
+fn ink_notes_hair_that_it_does_not_draw() {
+    let Some(_) = gpu("ink_notes_hair_that_it_does_not_draw") else { return };
+    let sandbox = Sandbox::new();
+    bake_pony(&sandbox);
+    let drawn = |style: &str| {
+        let run = sandbox.run(&["render", "pony.pelage", "-o", "a.png", "--size", "32x32", "--style", style]);
+        assert_eq!(run.code, Some(0), "{run:?}");
+        run.stderr.lines().filter(|line| line.starts_with("note: ")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let note = "note: the style ink does not draw guided hair: \"forelock\", \"mane\", \"tail\"";
+    assert_eq!((drawn("fur"), drawn("ink")), (vec![], vec![note.to_owned()]));
+}
+
 /// Checks that the motion of manes and tails depends only on the time in a sequence: on neither the number of pictures
 /// nor interruptions.
 #[test]
 fn hair_swings_in_sequences() {
     let Some(_) = gpu("hair_swings_in_sequences") else { return };
     let sandbox = Sandbox::new();
-    let [model, recipe] = ["models/pony.glb", "recipes/pony.toml"].map(|name| workspace().join("assets").join(name));
-    let [model, recipe] = [&model, &recipe].map(|path| path.to_str().unwrap());
-    sandbox.fixture(&[&[model, "--recipe", recipe, "-o", "pony.pelage"], &SMALL[..]].concat());
+    bake_pony(&sandbox);
     for folder in ["a", "b", "c", "d", "e"] {
         std::fs::create_dir(sandbox.path().join(folder)).unwrap();
     }

@@ -106,6 +106,19 @@ fn window_matches_render_and_responds_to_input() {
 }
 
 #[test]
+fn window_says_that_a_picture_shows_nothing() {
+    let Some(desktop) = Desktop::open("window_says_that_a_picture_shows_nothing") else { return };
+    let sandbox = Sandbox::new();
+    // The triangle looks down, and the camera looks from above.
+    sandbox.write("down.obj", "v 0 0 0\nv 1 0 0\nv 1 0 1\nf 1 2 3\n");
+    sandbox.fixture(&["down.obj", "-o", "down.pelage", "--set=slice.layers=4", "--set=slice.tile_texels=16"]);
+    let mut view = desktop.view(sandbox.path(), &["down.pelage", "--style", "bare", "--window", "300x200"]);
+    view.wait_for("first picture");
+    view.wait_for("empty picture");
+    view.assert_alive();
+}
+
+#[test]
 fn saved_recipe_is_rebaked_and_a_broken_one_is_reported() {
     let Some(desktop) = Desktop::open("saved_recipe_is_rebaked_and_a_broken_one_is_reported") else {
         return;

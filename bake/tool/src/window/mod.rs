@@ -12,6 +12,7 @@ use super::exit::{Exit, Failure};
 use super::guard::OutputFile;
 use super::look_args::{LookArgs, SamplesArgs};
 use super::output::{Output, require_parent};
+use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS};
 use pelage_import::BakeError;
 use pelage_stage::{Look, Size};
 use pelage_viewer::{ViewError, ViewOptions};
@@ -30,6 +31,7 @@ use workshop::Studio;
 /// Camera, time, clip and copies are chosen in the window, so there are no options for them; pictures and sequences are
 /// saved from there.
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = ALL_OPTIONS, after_long_help = COMMON_OPTIONS)]
 pub struct WindowArgs {
     /// Package, model (.glb, .gltf, .obj) or scene (.toml); by default the window waits for a file to be dropped
     #[arg(value_name = "PKG|MODEL|SCENE")]
@@ -49,8 +51,8 @@ pub struct WindowArgs {
     /// Start without panels; the key N shows them
     #[arg(long)]
     no_panels: bool,
-    /// Write events to this file, one line of JSON each, for scripts: adapter, made, first picture, picture, failure,
-    /// mended, saved, measured, truth
+    /// Write events to this file, one line of JSON each, for scripts: adapter, made, first picture, picture, empty
+    /// picture, failure, mended, saved, measured, truth
     #[arg(long, value_name = "FILE")]
     events: Option<OutputFile>,
 }

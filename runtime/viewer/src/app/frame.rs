@@ -10,6 +10,10 @@ use std::time::{Duration, Instant};
 /// Time after the last movement during which a software device draws pictures at reduced size.
 const SETTLES: Duration = Duration::from_millis(220);
 
+/// Warning for new content of which nothing is visible.
+const EMPTY: &str = "warning: the picture shows nothing: surfaces may be one-sided, transparent, too small or out of \
+                     view; drag to look from another side, F frames the model";
+
 /// Result of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameOutcome {
@@ -60,6 +64,11 @@ impl App {
             let took_ms = self.show.last().map_or(0.0, |last| 1e3 * last.took.as_secs_f64());
             let event = if first { "first picture" } else { "picture" };
             self.events.log(event, json!({ "width": size.0, "height": size.1, "took_ms": took_ms }));
+            if !small && std::mem::take(&mut self.is_new) && self.show.is_empty()? {
+                self.events.log("empty picture", json!({}));
+                self.say(EMPTY.into());
+                self.notes.insert(0, EMPTY.into());
+            }
         }
         if !moves && self.truth.is_due() {
             self.trace()?;

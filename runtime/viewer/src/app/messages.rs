@@ -60,6 +60,7 @@ impl App {
             self.changed_outside = is_same && !own;
         }
         (self.recipe_base, self.notes, self.stages) = (recipe, notes, stages);
+        self.is_new |= !is_same;
         // A software device draws the first picture at reduced size, so that it appears sooner.
         self.moved();
         let stages: Vec<_> = self.stages.iter().map(|(name, s)| json!({ "name": name, "seconds": s })).collect();

@@ -47,6 +47,8 @@ pub struct App {
     pub failure: Option<String>,
     /// Notes of the bake.
     pub notes: Vec<String>,
+    /// Whether the content is new, and no whole picture of it was drawn yet.
+    pub(super) is_new: bool,
     /// Stages of the last bake, with their times in seconds.
     pub stages: Vec<(String, f64)>,
     /// Measured pass times of the current view; cleared when the view changes.
@@ -104,6 +106,7 @@ impl App {
             working: None,
             failure: None,
             notes: Vec::new(),
+            is_new: false,
             stages: Vec::new(),
             times: None,
             said: None,
