@@ -1,7 +1,6 @@
 //! Tests of the comb direction of heads, on bodies of revolution that look along +z.
 
 use super::*;
-use glam::Quat;
 
 /// Default comb direction of a recipe.
 const BACK: Vec3 = Vec3::new(0.0, -0.330_350_42, -0.943_858_3);
@@ -35,63 +34,41 @@ fn with_joint(name: &str, joint: Vec3) -> (Mesh, Animation) {
 #[test]
 fn hair_on_heads_is_combed_away_from_the_tip_of_the_nose() {
     let rings = animal();
-    let bare = surface_of_revolution(&rings);
-    let (rigged, animation) = with_joint("Head", Vec3::new(0.0, 0.0, 0.4));
-    let (sideways, of_bone) = with_joint("Bone", Vec3::ZERO);
-    for (what, mesh, animation) in [
-        ("by joint", &rigged, Some(&animation)),
-        ("by shape", &bare, None),
-        ("by shape, unknown names", &sideways, Some(&of_bone)),
-    ] {
-        let wishes = combed(mesh, animation, 0.01).unwrap();
-        let (mut worst, mut by_default) = (1.0_f32, 1.0_f32);
-        for ring in 1..rings.len() - 1 {
-            let (z, _) = rings[ring];
-            for vertex in (ring * 24..ring * 24 + 24).map(|v| (mesh.positions[v], wishes[v])) {
-                let (p, wish) = vertex;
-                let radial = Vec3::new(p.x, p.y, 0.0).normalize();
-                // Direction along the surface away from the tip.
-                let (front, back) = (rings[ring + 1], rings[ring - 1]);
-                let away = (radial * (back.1 - front.1) + Vec3::Z * (back.0 - front.0)).normalize();
-                let on_skin = |v: Vec3| v.reject_from_normalized(away.cross(radial.cross(Vec3::Z)).normalize());
-                if z > 0.6 {
-                    worst = worst.min(on_skin(wish).normalize().dot(away));
-                    by_default = by_default.min(on_skin(BACK).normalize().dot(away));
-                }
-                assert!(z > -0.7 || wish.distance(BACK) < 0.02, "{what}: {wish} at {p}");
-                assert!(wish.length() < 1.001, "{what}: {wish} at {p}");
+    let (mesh, animation) = with_joint("Head", Vec3::new(0.0, 0.0, 0.4));
+    let wishes = combed(&mesh, Some(&animation), 0.01).unwrap();
+    let (mut worst, mut by_default) = (1.0_f32, 1.0_f32);
+    for ring in 1..rings.len() - 1 {
+        let (z, _) = rings[ring];
+        for (p, wish) in (ring * 24..ring * 24 + 24).map(|v| (mesh.positions[v], wishes[v])) {
+            let radial = Vec3::new(p.x, p.y, 0.0).normalize();
+            // Direction along the surface away from the tip.
+            let (front, back) = (rings[ring + 1], rings[ring - 1]);
+            let away = (radial * (back.1 - front.1) + Vec3::Z * (back.0 - front.0)).normalize();
+            let on_skin = |v: Vec3| v.reject_from_normalized(away.cross(radial.cross(Vec3::Z)).normalize());
+            if z > 0.6 {
+                worst = worst.min(on_skin(wish).normalize().dot(away));
+                by_default = by_default.min(on_skin(BACK).normalize().dot(away));
             }
+            assert!(z > -0.7 || wish.distance(BACK) < 0.02, "{wish} at {p}");
+            assert!(wish.length() < 1.001, "{wish} at {p}");
         }
-        assert!(worst > 0.9, "{what}: {worst}");
-        // Coarse smoothing must not move the point from which hair radiates: it stays a tenth of the head's length.
-        let heaviest = combed(mesh, animation, 1.0).unwrap().into_iter().map(Vec3::length).fold(0.0, f32::max);
-        assert!((80.0..160.0).contains(&heaviest), "{what}: {heaviest}");
-        assert!(by_default < -0.9, "one direction reverses on the brow: {by_default}");
     }
+    assert!(worst > 0.9, "{worst}");
+    assert!(by_default < -0.9, "one direction reverses on the brow: {by_default}");
+    // The head is 0.85 m long. With a weight of 138, directions are smoothed over 85 mm instead of 1 m.
+    let heaviest = combed(&mesh, Some(&animation), 1.0).unwrap().into_iter().map(Vec3::length).fold(0.0, f32::max);
+    assert!((80.0..160.0).contains(&heaviest), "{heaviest}");
 }
 
 #[test]
-fn bodies_without_a_snout_are_combed_as_a_whole() {
-    let upright = |mesh: &Mesh| {
-        let turn = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-        let mut mesh = mesh.clone();
-        mesh.positions.iter_mut().chain(&mut mesh.normals).for_each(|v| *v = turn * *v);
-        mesh
-    };
-    let animal_mesh = surface_of_revolution(&animal());
-    // A jug's spout, a fish and a rod have no neck between head and trunk.
-    let spout: Vec<(f32, f32)> = (0..=10).map(|i| (0.1 * i as f32, 1.0)).chain([(1.1, 0.1), (1.3, 0.08)]).collect();
-    let fish: Vec<(f32, f32)> = (0..=20).map(|i| (0.1 * i as f32, 0.05 + 0.04 * i as f32)).collect();
-    for (what, mesh) in [
-        ("ball", ball()),
-        ("barrel with a rod", barrel_with_rod()),
-        ("jug", surface_of_revolution(&spout)),
-        ("fish", surface_of_revolution(&fish)),
-        ("upright", upright(&animal_mesh)),
-        ("empty", Mesh::default()),
-    ] {
+fn bodies_without_a_named_snout_are_combed_as_a_whole() {
+    for (what, mesh) in
+        [("ball", ball()), ("animal without joints", surface_of_revolution(&animal())), ("empty", Mesh::default())]
+    {
         assert_eq!(combed(&mesh, None, 0.01), None, "{what}");
     }
+    let (mesh, animation) = with_joint("Bone", Vec3::ZERO);
+    assert_eq!(combed(&mesh, Some(&animation), 0.01), None, "unknown names");
     // The joint of a human head is below its middle.
     let (mesh, animation) = with_joint("Head", Vec3::new(0.0, -1.0, 0.7));
     assert_eq!(combed(&mesh, Some(&animation), 0.01), None, "upright on its joint");
