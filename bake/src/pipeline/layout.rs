@@ -86,7 +86,7 @@ pub fn lay_out_model<'a>(
     let bounds = groom::bounds(&rest);
     let animation = model.animation.as_ref();
     let body = Body { mesh: &model.mesh, rest: &rest, animation, furred: &furred, bounds: &bounds };
-    let mut by_body = BodyGroom::of(&body, recipe.groom.by_body);
+    let mut by_body = BodyGroom::of(&body, recipe.groom.by_body, Lengths::resolve(recipe, &bounds).length_m);
     if recipe.surface.source == SurfaceSource::Model {
         // With the model's own texture coordinates, the density follows from them and cannot be chosen.
         by_body.iter_mut().for_each(|body| body.density = None);
@@ -148,6 +148,11 @@ pub fn lay_out_model<'a>(
         None => Comb::of_recipe(&recipe.surface, &model.combs, bounds.radius),
     };
     decisions.extend(comb_decision(&recipe.surface, &comb, &model.combs));
+    let of_head = is_comb_open(&recipe.surface, &comb)
+        .then(|| groom::comb_of_head(&body, comb.global_direction(), params.comb_smoothing * params.tile_size_m))
+        .flatten();
+    decisions.extend(of_head.as_ref().map(|_| head_decision()));
+    let comb = of_head.map_or(comb, Comb::Weighted);
     let params = SurfaceParams { comb, density: lay.density.clone(), ..params };
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
@@ -183,6 +188,21 @@ fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]
         ),
         line: format!("surface.comb = \"{}\"", CombSource::Marks.word()),
     })
+}
+
+/// Whether neither recipe nor model says anything about the direction of combing.
+fn is_comb_open(params: &recipe::SurfaceParams, comb: &Comb) -> bool {
+    let untouched = params.comb_direction == recipe::SurfaceParams::default().comb_direction;
+    params.comb == CombSource::Auto && untouched && matches!(comb, Comb::Direction(_))
+}
+
+/// Reports that the head is combed away from the tip of its nose.
+fn head_decision() -> Decision {
+    Decision {
+        what: "direction of combing on the head",
+        chosen: "from the tip of the nose to the neck; surface.comb = \"direction\" combs it like the body".into(),
+        line: format!("surface.comb = \"{}\"", CombSource::Auto.word()),
+    }
 }
 
 /// Formats a built-in colour for a recipe. Its components are multiples of 1/255.

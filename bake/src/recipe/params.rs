@@ -80,7 +80,8 @@ params! {
         /// the model's own texture), `marks` (`surface.comb_marks`, and lines drawn in the model), or `none`. `none`
         /// lays out patches with the least distortion and suits upright hair. `auto` selects `marks` if a mark of the
         /// recipe has a direction, or if the model has such lines and `surface.comb_direction` has its default.
-        /// Otherwise, `auto` selects `direction`.
+        /// Otherwise, `auto` selects `direction`; if `surface.comb_direction` has its default, the head of an animal
+        /// with a snout and named joints is combed from the tip of its nose to its neck.
         comb: CombSource = CombSource::Auto;
         /// Comb direction in world space at rest, any length but 0. The default runs from nose to tail and slightly
         /// down on an animal that faces +z.
@@ -281,7 +282,8 @@ params! {
         joint: Vec<JointGroom> = Vec::new();
         /// Weight of the automatic groom where no map sets a value: 0 none, 1 full. It follows the shape of the body
         /// and the names of its joints. Hair is short and flat on legs, ears and muzzle and near small bare parts, and
-        /// long on neck, belly and tail. `hair.length_m` remains the length of the longest hair.
+        /// long on neck, belly and tail. Near soles, it reaches beyond them by at most about a quarter of the limb's
+        /// radius. `hair.length_m` remains the length of the longest hair.
         by_body: f32 = 1.0, in SHARE;
     }
 }

@@ -30,6 +30,7 @@ pub use at_root::{RootAtlas, RootColorInput};
 pub use atlas::Atlas;
 pub(crate) use atlas::linear_image;
 pub use bare::{FurredMaterials, find_furred_materials};
+pub(crate) use body::comb_of_head;
 pub use body::{Body, BodyGroom};
 pub use colors::{Colors, MaterialColor, colors, is_colored};
 pub(crate) use features::{split_features, split_listed};

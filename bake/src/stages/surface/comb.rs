@@ -24,6 +24,8 @@ pub enum Comb {
     Tangents,
     /// A vector per vertex of the input mesh; its length, up to 1, is its weight.
     PerVertex(Vec<Vec3>),
+    /// Same with any length: it divides the distance of smoothing by its square root.
+    Weighted(Vec<Vec3>),
     /// Directions at a few points, interpolated by distance along the mesh surface (formulas 6.1, after Praun et al.
     /// 2000).
     Marks {
@@ -75,7 +77,7 @@ impl Comb {
         match self {
             Self::Direction(direction) => direction.normalize_or_zero(),
             Self::Gravity => Vec3::NEG_Y,
-            Self::Tangents | Self::PerVertex(_) | Self::Marks { .. } | Self::None => Vec3::ZERO,
+            Self::Tangents | Self::PerVertex(_) | Self::Weighted(_) | Self::Marks { .. } | Self::None => Vec3::ZERO,
         }
     }
 }
@@ -117,13 +119,14 @@ pub(super) fn wanted_directions(
             vec![comb.global_direction().as_dvec3().normalize_or_zero(); skin.triangles.len()]
         }
         Comb::Marks { marks, elsewhere } => marks::spread(&skin.topology, marks, *elsewhere, warnings),
-        Comb::PerVertex(vectors) => {
+        Comb::PerVertex(vectors) | Comb::Weighted(vectors) => {
+            let most = if matches!(comb, Comb::PerVertex(_)) { 1.0 } else { f64::MAX };
             let at = |v: u32| vectors.get(input_vertex[v as usize] as usize).copied().unwrap_or(Vec3::ZERO).as_dvec3();
             let mean = |t: &u32| mesh.triangles[*t as usize].map(at).into_iter().sum::<DVec3>() / 3.0;
             skin.triangles
                 .iter()
                 .map(mean)
-                .map(|w| if w.is_finite() { w.clamp_length_max(1.0) } else { DVec3::ZERO })
+                .map(|w| if w.is_finite() { w.clamp_length_max(most) } else { DVec3::ZERO })
                 .collect()
         }
         Comb::Tangents => (0..skin.triangles.len())

@@ -4,12 +4,14 @@
 //! * `parts`, `words`, `regions`: the body part that each joint moves, from its name and its ancestors
 //! * `thickness`: thickness of the body at each welded vertex, the only cue for limbs and trunk without names
 //! * `bare`: distance from eyes, nose and mouth
+//! * `head`: comb direction of the head, away from the tip of the nose
 //! * `welded_mesh`: welded vertices, neighbours, distances along the surface, and smoothing
 //!
 //! The result is approximate, because photographs of animals agree in little more than the order of lengths. The groom
 //! must not have jumps, must be even on shapes without limbs, and must not change the length of the longest hair.
 
 mod bare;
+mod head;
 mod input;
 mod parts;
 mod regions;
@@ -21,6 +23,7 @@ use crate::decision::{Decision, metres_in_words};
 use crate::noise::smooth_step;
 pub(super) use bare::furred_faces;
 use glam::Vec3;
+pub(crate) use head::comb_of_head;
 pub use input::Body;
 use parts::{PartGroom, Region};
 use pelage_formats::Animation;
@@ -42,6 +45,12 @@ const BARE: PartGroom = PartGroom { length: 0.15, lean: 0.5, density: 1.8, by_th
 const UNDERSIDE: f32 = 1.1;
 /// Minimum relative difference between the longest and the shortest hair. Bodies that vary less have no distinct parts.
 const LEAST_SPREAD: f32 = 0.1;
+/// Overhang of hair at the sole of a limb, relative to the limb's thickness: a quarter of its radius.
+const OVERHANG: f32 = 0.125;
+/// Maximum vertical component of the normals of a sole's triangles.
+const SOLE_NORMAL: f32 = -0.6;
+/// Maximum height above the body's lowest point of soles without names, in body radii.
+const SOLE_HEIGHT: f32 = 0.03;
 /// Minimum relative thickness of parts that are reported as thick, and maximum for thin ones. Reports use them for
 /// bodies without named parts.
 const REPORTED_THICKNESS: [f32; 2] = [0.9, 0.45];
@@ -67,9 +76,10 @@ impl BodyGroom {
     /// Derives a groom from a body.
     ///
     /// * `share`: weight of the automatic groom, 0..=1
+    /// * `length_m`: length of the longest hair, metres
     ///
     /// Returns `None` if no hair grows on the body, or if its parts do not differ.
-    pub fn of(body: &Body<'_>, share: f32) -> Option<Self> {
+    pub fn of(body: &Body<'_>, share: f32, length_m: f32) -> Option<Self> {
         let radius_m = body.bounds.radius;
         if share <= 0.0 || !(radius_m > 0.0 && radius_m.is_finite()) {
             return None;
@@ -80,7 +90,8 @@ impl BodyGroom {
         if !furred.contains(&true) {
             return None;
         }
-        let thick = relative_thickness(&skin, &furred);
+        let thickness = thickness::thickness(&skin);
+        let thick = relative_thickness(&skin, &furred, &thickness);
         let parts = parts_of_places(body, &skin, |p| (p - center) / radius_m);
         let bare = bare::proximity(body, &skin);
 
@@ -110,7 +121,10 @@ impl BodyGroom {
             *length *= 1.0 + (UNDERSIDE - 1.0) * trunk * (1.0 - bare[place]) * underside_weight(skin.normals[place]);
         }
         let (_, longest) = of_furred(&length);
-        length.iter_mut().for_each(|v| *v = 1.0 + share * ((*v / longest).min(1.0) - 1.0));
+        let soles = sole_distances(&skin, &parts, &thick, &thickness, length_m / radius_m);
+        for (length, sole) in length.iter_mut().zip(soles) {
+            *length = 1.0 + share * ((*length / longest).min(1.0).min(sole * radius_m / length_m) - 1.0);
+        }
         lean.iter_mut().for_each(|v| *v *= share);
         density.iter_mut().for_each(|v| *v = (1.0 + share * (*v - 1.0)).clamp(0.25, 4.0));
 
@@ -137,15 +151,42 @@ impl BodyGroom {
 }
 
 /// Returns the relative thickness of the body at each welded vertex: 0 for legs, 1 for the trunk.
-fn relative_thickness(skin: &WeldedMesh, furred: &[bool]) -> Vec<f32> {
-    let thickness = thickness::thickness(skin);
+fn relative_thickness(skin: &WeldedMesh, furred: &[bool], thickness: &[Option<f32>]) -> Vec<f32> {
     let on_fur: Vec<Option<f32>> = thickness.iter().zip(furred).map(|(t, furred)| t.filter(|_| *furred)).collect();
     // Use a quantile instead of the maximum, because a few rays along the trunk are very long.
     let Some(thickest) = skin.quantile(&on_fur, 0.9).filter(|t| *t > 0.0) else { return vec![1.0; skin.len()] };
     // Interpolate logarithmically: the ratio of leg to trunk is about that of ear to leg.
     let place = |t: f32| libm::logf((t / thickest).max(1e-6));
     let [low, high] = THIN.map(libm::logf);
-    thickness.into_iter().map(|t| t.map_or(1.0, |t| smooth_step(low, high, place(t)))).collect()
+    thickness.iter().map(|t| t.map_or(1.0, |t| smooth_step(low, high, place(t)))).collect()
+}
+
+/// Returns the maximum hair length at each welded vertex, in body radii, so that hair that lies flat along a limb does
+/// not stick out beyond its sole: the distance from the nearest sole along the surface, plus [`OVERHANG`] there. It is
+/// infinite from `longest` on.
+///
+/// Soles are undersides of feet. On bodies without named parts, they are undersides of thin parts at the lowest points.
+fn sole_distances(
+    skin: &WeldedMesh,
+    parts: &[[f32; PARTS]],
+    thick: &[f32],
+    thickness: &[Option<f32>],
+    longest: f32,
+) -> Vec<f32> {
+    let lowest = skin.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+    let has_names = has_specific_parts(parts);
+    let is_end = |place: usize| match has_names {
+        true => parts[place][Region::Foot as usize] > 0.5,
+        false => thick[place] < 0.5 && skin.positions[place].y < lowest + SOLE_HEIGHT,
+    };
+    // The heel of a coarse foot often follows the leg alone, so one corner in the foot suffices.
+    let is_sole = |face: &&[u32; 3]| {
+        let [a, b, c] = face.map(|place| skin.positions[place as usize]);
+        let is_underside = (b - a).cross(c - a).normalize_or_zero().y < SOLE_NORMAL;
+        is_underside && face.iter().any(|place| is_end(*place as usize))
+    };
+    let of_sole = skin.faces.iter().filter(is_sole).flatten();
+    skin.distances(of_sole.filter_map(|place| Some((*place, OVERHANG * thickness[*place as usize]?))), longest)
 }
 
 /// Returns for each joint whether it moves the head, the face or the muzzle.
@@ -184,16 +225,20 @@ fn parts_of_places(body: &Body<'_>, skin: &WeldedMesh, to_skin: impl Fn(Vec3) ->
     if !has_specific_parts(&parts) {
         return vec![unknown; skin.len()];
     }
-    let is_root = |node: &usize| {
-        let parent = animation.nodes[*node].parent.and_then(|p| of_nodes.get(p as usize));
-        of_nodes[*node] == Region::Head && parent != Some(&Region::Head)
-    };
-    if let Some(head) = (0..animation.nodes.len()).find(is_root) {
-        let pose = RestPose::pose(animation);
-        let joint = pose.nodes.get(head).map(|node| to_skin(node.w_axis.truncate()));
-        joint.into_iter().for_each(|joint| split_muzzle(skin, joint, &mut parts));
+    if let Some(joint) = head_joint(animation, &of_nodes) {
+        split_muzzle(skin, to_skin(joint), &mut parts);
     }
     parts
+}
+
+/// Returns the position at rest, metres, of the first joint of the head.
+fn head_joint(animation: &Animation, regions: &[Region]) -> Option<Vec3> {
+    let is_root = |node: &usize| {
+        let parent = animation.nodes[*node].parent.and_then(|p| regions.get(p as usize));
+        regions[*node] == Region::Head && parent != Some(&Region::Head)
+    };
+    let head = (0..animation.nodes.len()).find(is_root)?;
+    RestPose::pose(animation).nodes.get(head).map(|node| node.w_axis.truncate())
 }
 
 /// Whether any welded vertex belongs mostly to a part that identifies its location on the body.
@@ -210,18 +255,8 @@ fn split_muzzle(skin: &WeldedMesh, joint: Vec3, parts: &mut [[f32; PARTS]]) {
     if parts.iter().any(|p| p[Region::Muzzle as usize] > 0.5) {
         return;
     }
-    let weights = || parts.iter().zip(&skin.areas).map(|(p, area)| p[head] * area);
-    let total: f32 = weights().sum();
-    if total <= 0.0 {
-        return;
-    }
-    let middle = weights().zip(&skin.positions).map(|(w, p)| *p * w).fold(Vec3::ZERO, |sum, p| sum + p) / total;
-    let way = middle - joint;
-    let flat = Vec3::new(way.x, way.y.min(0.0), way.z);
-    if flat.length() < 0.4 * way.length() {
-        return;
-    }
-    let Some(forward) = flat.try_normalize() else { return };
+    let weights: Vec<f32> = parts.iter().map(|p| p[head]).collect();
+    let Some(HeadAxis { middle, forward }) = HeadAxis::new(skin, joint, &weights) else { return };
     let along: Vec<f32> = skin.positions.iter().map(|p| (*p - middle).dot(forward)).collect();
     let of_head: Vec<Option<f32>> = along.iter().zip(&*parts).map(|(a, p)| (p[head] > 0.5).then_some(*a)).collect();
     let Some(tip) = skin.quantile(&of_head, 0.98).filter(|tip| *tip > 0.0) else { return };
@@ -229,6 +264,32 @@ fn split_muzzle(skin: &WeldedMesh, joint: Vec3, parts: &mut [[f32; PARTS]]) {
         let share = smooth_step(0.2, 0.7, along / tip) * parts[head];
         parts[head] -= share;
         parts[Region::Muzzle as usize] += share;
+    }
+}
+
+/// Line through a head that has a muzzle.
+struct HeadAxis {
+    /// Centre of the head's surface.
+    middle: Vec3,
+    /// Unit direction towards the muzzle, horizontal or falling.
+    forward: Vec3,
+}
+
+impl HeadAxis {
+    /// Returns the axis of a head; `None` if the head is upright on `joint`.
+    ///
+    /// * `weights`: share of the head at each welded vertex
+    fn new(skin: &WeldedMesh, joint: Vec3, weights: &[f32]) -> Option<Self> {
+        let weighed = || weights.iter().zip(&skin.areas).map(|(weight, area)| weight * area);
+        let total: f32 = weighed().sum();
+        if total <= 0.0 {
+            return None;
+        }
+        let middle = weighed().zip(&skin.positions).map(|(w, p)| *p * w).fold(Vec3::ZERO, |sum, p| sum + p) / total;
+        let way = middle - joint;
+        let flat = Vec3::new(way.x, way.y.min(0.0), way.z);
+        let forward = flat.try_normalize().filter(|_| flat.length() >= 0.4 * way.length())?;
+        Some(Self { middle, forward })
     }
 }
 

@@ -6,6 +6,8 @@ use crate::stages::groom::bounds;
 use pelage_formats::{Animation, Joint, Node, SkinVertex};
 use pelage_import::mesh::{Mesh, MeshPart, RestPose};
 
+mod combing;
+
 /// Builds a closed surface of revolution about z through rings (z, radius). Each end is closed by a point.
 fn surface_of_revolution(rings: &[(f32, f32)]) -> Mesh {
     const AROUND: u32 = 24;
@@ -61,7 +63,8 @@ fn ball() -> Mesh {
 fn groom(mesh: &Mesh, animation: Option<&Animation>, share: f32) -> Option<BodyGroom> {
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let bounds = bounds(&rest);
-    BodyGroom::of(&Body { mesh, rest: &rest, animation, furred: &[true, false], bounds: &bounds }, share)
+    let body = Body { mesh, rest: &rest, animation, furred: &[true, false], bounds: &bounds };
+    BodyGroom::of(&body, share, 0.05 * bounds.radius)
 }
 
 /// Returns the mean of a value over the vertices between two z coordinates.
@@ -385,6 +388,27 @@ fn hair_is_short_beside_small_bare_parts_only() {
     assert!(by_body.decision(1.0, 0.1).chosen.contains("near bare parts"));
     // A bare third of the area is a garment, not an eye or a nose.
     assert_eq!(bared(700).0, None);
+}
+
+#[test]
+fn hair_reaches_beyond_soles_by_a_quarter_of_the_limbs_radius() {
+    // Greatest reach beyond the end of the rod, relative to its radius, of hair that lies flat along it.
+    let reach = |turn_rad: f32, name: Option<&str>| {
+        let (mut mesh, rig) = rigged("Spine1", name.unwrap_or("Stick"));
+        let turn = glam::Quat::from_rotation_x(turn_rad);
+        let along: Vec<f32> = mesh.positions.iter().map(|p| p.z).collect();
+        mesh.positions.iter_mut().chain(&mut mesh.normals).for_each(|v| *v = turn * *v);
+        let by_body = groom(&mesh, name.map(|_| &rig), 1.0).unwrap();
+        let longest = 0.05 * bounds(&RestPose { positions: mesh.positions, normals: Vec::new() }).radius;
+        let beyond = along.iter().zip(by_body.length).map(|(z, length)| (z - 2.0 + length * longest) / 0.03);
+        beyond.fold(0.0, f32::max)
+    };
+    let down = std::f32::consts::FRAC_PI_2;
+    for name in [None, Some("Hoof.L")] {
+        assert!((0.15..0.3).contains(&reach(down, name)), "{name:?}: {}", reach(down, name));
+    }
+    // Ends that are not on the ground have no sole.
+    assert!(reach(-down, None) > 0.35, "{}", reach(-down, None));
 }
 
 #[test]
