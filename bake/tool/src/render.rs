@@ -230,6 +230,9 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     if view.look.picture.style == LookStyle::Ink {
         note_undrawn_hair(output, &cast.packages)?;
     }
+    if view.look.environment.ground.is_some() && view.look.environment.sky.is_none() {
+        output.note("note: --ground has no effect without --environment");
+    }
     let stage = stages::stage(&cast, &view, Gpu::open)?;
     io_trace::record_machine(ADAPTER, &stage.gpu.description());
     let (light, shot) = (stage.params.light, cast.camera);
