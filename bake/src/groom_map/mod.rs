@@ -315,7 +315,8 @@ impl<'a> GroomedModel<'a> {
         let Groomed { surface, colors, .. } = self.groomed;
         // Divide by the gain of the hair's colour, because a bake that reads the map multiplies by it again.
         let laid = self.laid;
-        let gain = |material| if is_furred(laid, material) { laid.hair_colors.gain } else { 1.0 };
+        let is_lightened = |m: usize| is_furred(laid, m) && colors.hair.get(m).copied().flatten().is_none();
+        let gain = move |material| if is_lightened(material) { laid.hair_colors.gain } else { 1.0 };
         let factors: Vec<Vec4> = self.model.materials.iter().map(|m| Vec4::from(m.base_color)).collect();
         let material_of = material_of_triangles(&surface.mesh);
         Values::PerTexel(Box::new(move |spot| {

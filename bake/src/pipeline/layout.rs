@@ -193,7 +193,8 @@ fn comb_decision(params: &recipe::SurfaceParams, comb: &Comb, drawn: &[CombLine]
 /// Whether neither recipe nor model says anything about the direction of combing.
 fn is_comb_open(params: &recipe::SurfaceParams, comb: &Comb) -> bool {
     let untouched = params.comb_direction == recipe::SurfaceParams::default().comb_direction;
-    params.comb == CombSource::Auto && untouched && matches!(comb, Comb::Direction(_))
+    let has_patches = params.source != SurfaceSource::Model;
+    params.comb == CombSource::Auto && untouched && has_patches && matches!(comb, Comb::Direction(_))
 }
 
 /// Reports that the head is combed away from the tip of its nose.

@@ -268,8 +268,8 @@ params! {
         /// root and tip colour. `groom.hair_color` colours the hair alone.
         color: Option<ColorMap> = None;
         /// Colour of the hair alone on furred materials, sRGB, instead of the model's base colour; multiplies root and
-        /// tip colour. Where the skin shows, at bare places and in the style `bare`, it keeps the colour of the model
-        /// or of `groom.color`. A pattern and the colours of comb marks then apply to the skin alone.
+        /// tip colour. The skin, at bare places and in the styles `bare` and `ink`, keeps the colour of the model or of
+        /// `groom.color`. A pattern and the colours of comb marks then apply to the skin alone.
         hair_color: Option<SrgbColor> = None;
         /// Groom of single materials: `[[groom.material]]` with a `name`, in which `*` matches any characters and `?`
         /// one, and any of the keys above. Later tables take precedence.

@@ -304,11 +304,6 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
         }
     }
     let mut warnings = skin.manifest.warnings.clone();
-    // A package that is sliced again may have the warning of its previous layers.
-    warnings.retain(|text| !text.starts_with(detail::GAP_WARNING));
-    if skin.manifest.materials.iter().any(|material| material.furred) {
-        warnings.extend(detail::gap_warning(recipe, skin.manifest.fur.height_m, &skin.manifest.bounds));
-    }
     warnings.extend(pieces.hair.warnings.iter().cloned());
     // If the package is sliced again, it already contains these warnings.
     let of_fibres = pieces.fibres.iter().flat_map(|made| &made.warnings).filter(|text| !warnings.contains(text));
@@ -320,6 +315,11 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     recorded.validate()?;
     let moves = hair_motion(pieces);
     warnings.extend(moves.iter().flat_map(|(_, fitted)| fitted.warnings.iter().cloned()));
+    // A package that is sliced again may have the warning of its previous layers.
+    warnings.retain(|text| !text.starts_with(detail::GAP_WARNING));
+    if skin.manifest.materials.iter().any(|material| material.furred) {
+        warnings.extend(detail::gap_warning(recipe, skin.manifest.fur.height_m, &skin.manifest.bounds));
+    }
     let mut quality = skin.manifest.quality.clone();
     quality.extend(moves.iter().flat_map(|(_, fitted)| {
         let figure = |name: &str, value, unit: &str| QualityFigure { name: name.into(), value, unit: unit.into() };

@@ -101,7 +101,9 @@ impl Anatomy {
         let mut materials = Vec::new();
         for ((material, found), MaterialColor { hex, textured }) in manifest.materials.iter().zip(&found).zip(colors) {
             let placed = found.triangles > 0;
-            let bare = recipe.model.bare.iter().flatten().find(|pattern| glob(pattern, &material.name));
+            // Materials that the bake has split are named "whole/part".
+            let names = || std::iter::once(&*material.name).chain(material.name.split('/'));
+            let bare = recipe.model.bare.iter().flatten().find(|pattern| names().any(|name| glob(pattern, name)));
             materials.push(MaterialSummary {
                 name: material.name.clone(),
                 furred: material.furred,

@@ -6,6 +6,8 @@ use pelage_bake::stages::slice::decode_texture;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{FormatError, Package};
 
+/// Largest side of the mip level that is sampled, texels.
+const LARGEST: u32 = 512;
 /// Number of samples on the surface of a material.
 const SAMPLES: u32 = 4096;
 /// Largest difference at which two colours count as equal, in steps of an sRGB byte.
@@ -49,6 +51,7 @@ pub fn material_colors(
 ) -> Result<Vec<MaterialColor>, FormatError> {
     let materials = &package.manifest().materials;
     let roots = package.roots()?;
+    let hair_colors = package.hair_colors()?;
     let mut found = vec![MaterialColor::default(); materials.len()];
     // Materials with the same texture follow each other, so that each texture is decoded once and only one is held.
     let mut order: Vec<usize> = (0..materials.len()).collect();
@@ -65,7 +68,8 @@ pub fn material_colors(
         let painted = material.furred && (at_root || recipe.color.pattern.is_some());
         let samples = samples(&triangles[m], texels);
         let one_color = if painted { one_color(&samples) } else { None };
-        let gain = recipe.color.gain.filter(|_| material.furred).unwrap_or(1.0);
+        let lightened = material.furred && hair_colors.get(m).copied().flatten().is_none();
+        let gain = recipe.color.gain.filter(|_| lightened).unwrap_or(1.0);
         let [r, g, b, _] = material.base_color;
         let mean = one_color.unwrap_or_else(|| samples.iter().sum::<Vec3>() / samples.len() as f32);
         let [r, g, b] = (mean * Vec3::new(r, g, b) / gain).to_array().map(linear_to_srgb);
@@ -85,8 +89,9 @@ impl Texels {
     /// Decodes the base colour texture of a material; `None` if its format cannot be decoded.
     fn of(package: &Package<'_>, material: usize) -> Result<Option<Self>, FormatError> {
         let Some(view) = package.base_color_texture(material)? else { return Ok(None) };
-        let rgba = decode_texture(&view, 0, 0).ok();
-        Ok(rgba.map(|rgba| Self { size: [view.width, view.height], rgba }))
+        let level = (0..view.levels).find(|level| (view.width.max(view.height) >> level) <= LARGEST).unwrap_or(0);
+        let rgba = decode_texture(&view, level, 0).ok();
+        Ok(rgba.map(|rgba| Self { size: [view.width, view.height].map(|side| (side >> level).max(1)), rgba }))
     }
 
     /// Returns the nearest texel, linear. The texture repeats.
@@ -103,7 +108,7 @@ impl Texels {
 /// a material without area.
 fn samples(triangles: &[ColoredTriangle], texels: Option<&Texels>) -> Vec<Vec3> {
     let area: f64 = triangles.iter().map(|triangle| triangle.area).sum();
-    if area.is_nan() || area <= 0.0 {
+    if !(area > 0.0 && area.is_finite()) {
         return vec![Vec3::ONE];
     }
     let mut samples = Vec::with_capacity(SAMPLES as usize);

@@ -206,27 +206,33 @@ const PILOT_PIXELS: u64 = 8192;
 /// Traces the picture until the samples or the time are used up. Notes the expected time before.
 fn trace(args: &ReferenceArgs, truth: &ReferenceTracer, view: &PictureView, output: &mut Output) -> PictureSums {
     let (part, most) = (args.part.unwrap_or_default(), args.most_samples());
+    let (camera, lighting) = (truth.camera(view), truth.lighting(view));
+    let add = |sums: &mut PictureSums, count: u32, show: &mut dyn FnMut(u64, u64) -> ControlFlow<()>| {
+        // None of the callbacks cancels.
+        let _ = truth.scene.add_samples(&camera, &lighting, sums, count, show);
+    };
+    let mut ignore = |_: u64, _: u64| ControlFlow::Continue(());
+    let mut pilot = PictureSums::new(view.size(), part).thinned(PILOT_PIXELS);
+    let begun = Instant::now();
+    add(&mut pilot, 1, &mut ignore);
+    let per_pixel_s = begun.elapsed().as_secs_f64() / pilot.pixels().max(1) as f64;
+    drop(pilot);
     let mut sums = PictureSums::new(view.size(), part);
     let pixels = sums.pixels();
-    let of = u32::try_from(pixels.div_ceil(PILOT_PIXELS)).unwrap_or(u32::MAX).max(1);
-    let mut pilot = PictureSums::new(view.size(), Part { number: part.number, of: part.of.saturating_mul(of) });
-    // None of the callbacks cancels.
-    let begun = Instant::now();
-    let _ = truth.add_samples(view, &mut pilot, 1, &mut |_, _| ControlFlow::Continue(()));
-    let per_sample_s = begun.elapsed().as_secs_f64() / pilot.pixels().max(1) as f64 * pixels as f64;
+    let per_sample_s = per_pixel_s * pixels as f64;
     output.note(&expected_cost(pixels, (most, args.samples.is_some()), args.seconds, per_sample_s));
     let Some(seconds) = args.seconds else {
         let mut show = |done: u64, total: u64| {
             output.progress_of(done as usize, total as usize, "pixels traced");
             ControlFlow::Continue(())
         };
-        let _ = truth.add_samples(view, &mut sums, most, &mut show);
+        add(&mut sums, most, &mut show);
         return sums;
     };
     let begun = Instant::now();
     while sums.samples() < most {
         output.progress(&format!("tracing, samples per pixel: {}", sums.samples()));
-        let _ = truth.add_samples(view, &mut sums, 1, &mut |_, _| ControlFlow::Continue(()));
+        add(&mut sums, 1, &mut ignore);
         if !has_time(seconds, begun.elapsed().as_secs_f64(), sums.samples()) {
             break;
         }

@@ -11,9 +11,7 @@ use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_formats::{FibreInfo, FibreOptics, HairGroup};
 use pelage_import::BakeError;
 use pelage_stage::{KeyLight, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
-use pelage_truth::{
-    Lens, PictureSums, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene,
-};
+use pelage_truth::{Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
 use std::ops::ControlFlow;
 
 /// Package in one pose and style, ready to be traced from any camera and in any light.
@@ -118,18 +116,6 @@ impl ReferenceTracer {
     ) -> Option<TracedPicture> {
         self.scene.portion(&self.camera(view), &self.lighting(view), view.size(), portion, progress)
     }
-
-    /// Adds `count` samples of each pixel to the sums of the picture of [`Self::picture`]. Breaks if `progress`
-    /// cancels.
-    pub fn add_samples(
-        &self,
-        view: &PictureView,
-        sums: &mut PictureSums,
-        count: u32,
-        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        self.scene.add_samples(&self.camera(view), &self.lighting(view), sums, count, progress)
-    }
 }
 
 impl ReferenceTracer {
@@ -151,7 +137,7 @@ impl ReferenceTracer {
     }
 
     /// Returns the lights and lighting terms of a look, and the model of hair lighting.
-    fn lighting(&self, view: &PictureView) -> TrueLighting {
+    pub fn lighting(&self, view: &PictureView) -> TrueLighting {
         let look = &view.look;
         let scattering = match look.fur.scattering {
             _ if self.forced => self.scattering.clone(),

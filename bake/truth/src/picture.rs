@@ -11,6 +11,7 @@ use pelage_bake::strands::PosedMesh;
 use pelage_formats::Shading;
 use pelage_import::BakeError;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::{ControlFlow, Range};
 
 /// Side of the squares in which a picture is traced, pixels.
@@ -154,8 +155,21 @@ impl TrueScene {
         count: u32,
         progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
+        let squares = std::mem::take(&mut sums.squares);
+        let traced = self.add_to_squares(&squares, (camera, lighting), sums, count, progress);
+        sums.squares = squares;
+        traced
+    }
+
+    fn add_to_squares(
+        &self,
+        squares: &[Square],
+        (camera, lighting): (&TrueCamera, &TrueLighting),
+        sums: &mut PictureSums,
+        count: u32,
+        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let width = sums.size.0 as usize;
-        let squares = sums.part.squares(sums.size);
         let total = squares.iter().map(Square::pixels).sum();
         let first = sums.first + sums.samples;
         let samples = first..first.saturating_add(count);
@@ -221,8 +235,8 @@ impl TrueScene {
 pub struct PictureSums {
     /// Width and height, pixels.
     size: (u32, u32),
-    /// Part of the pixels that has samples.
-    part: Part,
+    /// Squares whose pixels have samples.
+    squares: Vec<Square>,
     /// Number of the first sample.
     first: u32,
     /// Samples of each pixel of the part.
@@ -245,7 +259,20 @@ impl PictureSums {
     /// Creates the sums of a part of a picture, without samples.
     pub fn new((width, height): (u32, u32), part: Part) -> Self {
         let pixels = vec![PixelSum::default(); width as usize * height as usize];
-        Self { size: (width, height), part, first: 0, samples: 0, pixels, rays: Rays::default() }
+        let squares = part.squares((width, height));
+        Self { size: (width, height), squares, first: 0, samples: 0, pixels, rays: Rays::default() }
+    }
+
+    /// Keeps at least one square, and others until they have `pixels`. They are spread over the part.
+    #[must_use]
+    pub fn thinned(mut self, pixels: u64) -> Self {
+        let step = usize::try_from(self.pixels() / pixels.max(1)).unwrap_or(usize::MAX).max(1);
+        // A step of the golden ratio takes squares from all rows and columns.
+        let count = self.squares.len();
+        let place = |i: usize| ((i as f64 * 0.618_033_988_749_894_8).fract() * count as f64) as usize;
+        let places: BTreeSet<usize> = (0..count.div_ceil(step)).map(place).collect();
+        self.squares = places.into_iter().filter_map(|i| self.squares.get(i).cloned()).collect();
+        self
     }
 
     /// Returns the number of samples of each pixel of the part.
@@ -255,7 +282,7 @@ impl PictureSums {
 
     /// Returns the number of pixels of the part.
     pub fn pixels(&self) -> u64 {
-        self.part.squares(self.size).iter().map(Square::pixels).sum()
+        self.squares.iter().map(Square::pixels).sum()
     }
 
     /// Returns the mean of the samples.

@@ -29,10 +29,14 @@ impl Package<'_> {
     pub fn hair_colors(&self) -> Result<Vec<Option<[f32; 3]>>, FormatError> {
         let Some((index, section)) = self.find(Tag::HAIR_COLORS, 0) else { return Ok(Vec::new()) };
         self.cached(index, || {
-            let colors: Vec<Option<[f32; 3]>> =
-                decode_section(Tag::HAIR_COLORS, section.offset, self.section_bytes(index)?)?;
             let fail = |reason| FormatError::Content { tag: Tag::HAIR_COLORS, offset: section.offset, reason };
-            let (found, expected) = (colors.len(), self.manifest().materials.len());
+            let (bytes, expected) = (self.section_bytes(index)?, self.manifest().materials.len());
+            // A colour takes at most 13 bytes in the file, but 16 in memory even where it is absent.
+            if bytes.len() > 16 + 13 * expected {
+                return Err(fail(format!("{} bytes, too many for {expected} materials", bytes.len())));
+            }
+            let colors: Vec<Option<[f32; 3]>> = decode_section(Tag::HAIR_COLORS, section.offset, bytes)?;
+            let found = colors.len();
             if found != expected {
                 return Err(fail(format!("{found} colours, expected one for each of {expected} materials")));
             }

@@ -107,8 +107,8 @@ pub struct PelageShadows(pub ShadowParams);
 pub struct PelageEnvironment {
     /// Fitted lights; `None` for ambient light alone.
     pub lights: Option<Environment>,
-    /// Luminance of a radiance of 1, candela per square metre, like `EnvironmentMapLight::intensity`. The default of 1000
-    /// is about full light at Bevy's default exposure.
+    /// Luminance of a radiance of 1, candela per square metre, like `EnvironmentMapLight::intensity`. The default of
+    /// 1000 is about full light at Bevy's default exposure.
     pub intensity: f32,
 }
 

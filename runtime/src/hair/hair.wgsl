@@ -109,7 +109,7 @@ fn kept_towards(at: KeptAt, light_ts: vec3<f32>, height: f32, share: f32) -> f32
     let path = min(length(slant) * (1.0 - height), FARTHEST_SHADOW);
     let middle = slant * (0.5 * path / max(length(slant), 1e-6) * share * material.hair_tiles);
     let aside = (along_u * middle.x + along_v * middle.y) / select(1e20, area, abs(area) > 1e-20);
-    // One texel of this mip level is as wide as the distance to the middle.
+    // Texels of this mip level are as wide as the distance to the middle.
     let texels = length(aside * vec2<f32>(textureDimensions(groom_texture)));
     let texel = textureSampleLevel(groom_texture, base_color_sampler, at.uv + aside, log2(max(texels, 1.0)));
     let there = groom_with(groom_of_vertex(at.groom), texel).x;

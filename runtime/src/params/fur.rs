@@ -64,7 +64,8 @@ pub struct FurParams {
     /// the same (see [`crate::shared::opacity`]). Fewer layers are faster, but the steps between them show at the
     /// silhouette.
     pub layers: Option<u32>,
-    /// Level of detail of fur that is small on screen (default [`Detail::Auto`] with a bias of 1). `layers` overrides it.
+    /// Level of detail of fur that is small on screen (default [`Detail::Auto`] with a bias of 1). `layers` overrides
+    /// it.
     pub detail: Detail,
     /// Whether fins are drawn, if the package has them (default true).
     pub fins: bool,

@@ -27,6 +27,7 @@ pub struct ClipInfo {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features {
     fur: bool,
+    guided_hair: bool,
     strands: bool,
     fins: bool,
     fibres: bool,
@@ -45,7 +46,7 @@ impl Features {
             "fibres" => self.fibres,
             "moving hair" => self.moving_hair,
             "drawn layers" => drawn[0],
-            "drawn strands" => drawn[1],
+            "drawn strands" => drawn[1] || self.guided_hair,
             _ => true,
         }
     }
@@ -58,6 +59,7 @@ impl Subject {
         for package in self.packages().iter().filter_map(|file| file.open().ok()) {
             let (fur, hangs) = (&package.manifest().fur, package.hair_groups().is_ok_and(|groups| !groups.is_empty()));
             features.fur |= fur.layers > 1 || hangs;
+            features.guided_hair |= hangs;
             features.strands |= package.strands().is_ok_and(|strands| strands.is_some());
             features.fins |= package.fins().is_ok_and(|fins| fins.is_some());
             features.fibres |= package.fibres().is_ok_and(|fibres| fibres.is_some());

@@ -297,7 +297,40 @@ fn bare_place_of_an_image_has_no_bright_rim() {
         }
         let rings = rings.map(|(sum, count)| sum / count);
         let most = rings[0].max(rings[12]) * 103 / 100;
+        assert!(rings[0].min(rings[12]) > 10, "light {light}: {rings:?}");
         assert!(rings.iter().all(|mean| *mean <= most), "light {light}: rings from the middle {rings:?}");
+    }
+}
+
+#[test]
+fn hair_of_another_colour_is_drawn_and_traced_over_skin_of_its_own() {
+    if gpu("hair_of_another_colour_is_drawn_and_traced_over_skin_of_its_own").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new();
+    sandbox.write("blue.gltf", square(json!({"pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.1, 0.8, 1]}})).gltf());
+    for at_root in ["false", "true"] {
+        let at_root = format!("color.at_root={at_root}");
+        let set = ["groom.hair_color=\"#c02020\"", "hair.length_m=0.06", &at_root, "ink.enabled=false"];
+        let set = set.iter().chain(&["slice.tile_texels=32", "hair.density=60"]).flat_map(|set| ["--set", *set]);
+        let bake: Vec<_> = ["bake", "blue.gltf", "-o", "blue.pelage"].into_iter().chain(set).collect();
+        let run = sandbox.run(&bake);
+        assert!(run.code == Some(0) && run.stdout.contains("furred, #5959e7"), "{run:?}");
+        let is_red = |command: &str, more: &[&str]| {
+            let view = ["--size", "48x48", "--camera", "0,0.5,1.5/0,0.5,0/28"];
+            let run = sandbox.run(&[&[command, "blue.pelage", "-o", "blue.png"], more, &view].concat());
+            assert_eq!(run.code, Some(0), "{run:?}");
+            let picture = image::load_from_memory(&sandbox.read("blue.png")).unwrap().into_rgba8();
+            let sum =
+                picture.pixels().fold([0u32; 3], |sum, texel| std::array::from_fn(|i| sum[i] + u32::from(texel[i])));
+            assert!(sum[0].max(sum[2]) > 48 * 48 * 20, "{command} {more:?}: {sum:?}");
+            sum[0] > sum[2]
+        };
+        for hair in ["shells", "strands"] {
+            assert!(is_red("render", &["--hair", hair]), "{hair}, {at_root}");
+        }
+        assert!(is_red("reference", &["--samples", "4"]), "reference, {at_root}");
+        assert!(!is_red("render", &["--style", "bare"]), "bare, {at_root}");
     }
 }
 

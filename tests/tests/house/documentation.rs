@@ -169,7 +169,8 @@ fn commands_in_documents_are_valid() {
         options += &sandbox.run(&[command, "--help"]).stdout;
     }
     // These options belong to cargo, not to pelage.
-    let others = ["path", "release", "bin", "example", "no-default-features", "workspace", "bench", "exhaustive"];
+    let others =
+        ["path", "release", "locked", "bin", "example", "no-default-features", "workspace", "bench", "exhaustive"];
     let (mut recipes, mut keys_set, mut options_named) = (0, 0, 0);
     for path in ["README.md", "bake/docs/artists.md", "bake/docs/scripts.md", "runtime/docs/performance.md"] {
         let text = std::fs::read_to_string(workspace().join(path)).unwrap();

@@ -8,7 +8,7 @@ use pelage_tests::schema::parse_success;
 use serde_json::{Value, json};
 
 const BAKE: [&str; 8] =
-    ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=4", "--set=slice.tile_texels=16"];
+    ["bake", "m.glb", "-o", "m.pelage", "--json", "--set", "slice.layers=24", "--set=slice.tile_texels=16"];
 
 /// Returns a folder with the torus, without texture coordinates and colours. Its axis is y, its width is 0.28 m, and
 /// its top is at y = 0.16 m. `change` edits the glTF document.

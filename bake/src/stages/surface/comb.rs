@@ -24,7 +24,7 @@ pub enum Comb {
     Tangents,
     /// A vector per vertex of the input mesh; its length, up to 1, is its weight.
     PerVertex(Vec<Vec3>),
-    /// Same with any length: it divides the distance of smoothing by its square root.
+    /// A vector per vertex of the input mesh, of any length. The distance of smoothing is divided by its square root.
     Weighted(Vec<Vec3>),
     /// Directions at a few points, interpolated by distance along the mesh surface (formulas 6.1, after Praun et al.
     /// 2000).
@@ -106,7 +106,8 @@ fn sample_line(places: &[(Vec3, Vec3)], step_m: f32) -> Vec<(Vec3, Vec3)> {
     found
 }
 
-/// Returns the wanted direction of each furred face, with a length of up to 1.
+/// Returns the wanted direction of each furred face, with its weight as length: up to 1, except for
+/// [`Comb::Weighted`].
 pub(super) fn wanted_directions(
     skin: &FurredMesh,
     mesh: &Mesh,

@@ -30,8 +30,8 @@ struct Level {
 
 /// Smooths wanted directions into a field.
 ///
-/// * `wishes`: wanted direction of each face; only the component in the face's plane counts, with its length (0..=1) as
-///   weight
+/// * `wishes`: wanted direction of each face; only the component in the face's plane counts, with its length (at least
+///   0) as weight
 /// * `smoothing_m`: distance over which neighbouring faces influence a face whose wanted direction has length 1,
 ///   metres, above 0
 ///

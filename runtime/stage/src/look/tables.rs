@@ -96,7 +96,7 @@ impl LookEnvironment {
 
 params! {
     /// `[shadow]`: the shadows of the key light.
-    LookShadow in shadow, needs "picture.style!=ink", needs "light.strength!=0.0" {
+    LookShadow in shadow, needs "picture.style!=ink" {
         /// Method for the self-shadow of hair.
         self_shadow: LookSelfShadow = LookSelfShadow::Auto, needs "picture.style=fur", needs "fur";
         /// Whether shadows of objects are soft, by means of a shadow-width map.

@@ -67,7 +67,6 @@ impl App {
             if !small && std::mem::take(&mut self.is_new) && self.show.is_empty()? {
                 self.events.log("empty picture", json!({}));
                 self.say(EMPTY.into());
-                self.notes.insert(0, EMPTY.into());
             }
         }
         if !moves && self.truth.is_due() {

@@ -53,10 +53,10 @@ impl App {
             return self.fail(error.to_string());
         }
         self.clear_failure();
+        let own = std::mem::take(&mut self.wrote_recipe);
         if let (Some(before), Some(after)) = (&self.recipe_base, &recipe)
             && !before.equals(&**after)
         {
-            let own = std::mem::take(&mut self.wrote_recipe);
             self.changed_outside = is_same && !own;
         }
         (self.recipe_base, self.notes, self.stages) = (recipe, notes, stages);
