@@ -30,7 +30,7 @@ struct Material {
     // Height of the tile's hair, in widths of the tile.
     hair_tiles: f32,
     // Colour of hair in place of the base colour, if HAIR_COLOR.
-    hair_color: vec3<f32>,
+    hair_color: vec4<f32>,
     // Sideways offsets of hair from its root, in texture coordinates of the base colour, in the form that root_aside
     // expects. They are sampled at evenly spaced heights from the mesh surface to the outermost layer.
     asides: array<vec4<f32>, 8>,
@@ -106,7 +106,7 @@ fn base_color(tint: vec4<f32>, uv: vec2<f32>) -> vec4<f32> {
 // surface.
 fn hair_base(base: vec4<f32>) -> vec4<f32> {
     if HAIR_COLOR {
-        return vec4(material.hair_color, base.a);
+        return vec4(material.hair_color.rgb, base.a);
     }
     return base;
 }
