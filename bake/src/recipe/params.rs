@@ -469,13 +469,13 @@ params! {
 params! {
     /// `[visibility]`: light that reaches the hair past other strands, computed by ray casting and stored in a texture.
     /// It needs no shadow map.
-    VisibilityParams in visibility {
+    VisibilityParams in visibility, needs "visibility.enabled=true" {
         /// Whether the package has the visibility texture. It increases the size of the hair data by half, but saves
         /// rendering a map per layer when light or pose change.
         enabled: bool = true;
         /// Number of ray directions per point of a strand. More directions reduce noise and increase the bake time in
         /// proportion.
-        directions: u32 = 12, in 8..=1024, needs "visibility.enabled=true";
+        directions: u32 = 12, in 8..=1024;
     }
 }
 
@@ -504,39 +504,39 @@ params! {
 
 params! {
     /// `[fins]`: quads of hair on the edges of the mesh, visible where the layers are seen edge-on.
-    FinParams in fins {
+    FinParams in fins, needs "fins.enabled=true" {
         /// Whether there are fins. They reduce blur and make layers less visible along the outline, for a fifth of the
         /// frame time.
         enabled: bool = false;
         /// Depth of the hair that each fin shows, measured across the fin, widths of the tile. If left out, it is
         /// chosen such that layers and fins together cover the outline like much finer layers. Higher values are denser
         /// and crisper.
-        depth: Option<f32> = None, in 1e-3..=8.0, needs "fins.enabled=true";
+        depth: Option<f32> = None, in 1e-3..=8.0;
     }
 }
 
 params! {
     /// `[detail]`: levels of detail for fur that is small on screen. Sizes are the height of the fur on screen, pixels,
     /// at a renderer's default `bias`.
-    DetailParams in detail {
+    DetailParams in detail, needs "detail.enabled=true" {
         /// Whether the package has levels of detail: a chain of levels with fewer layers, and a layer that shows the
         /// fur as seen from afar.
         enabled: bool = true;
         /// Whether the package also has simplified index lists, for models whose triangles are smaller than pixels.
-        simplified: bool = true, needs "detail.enabled=true";
+        simplified: bool = true;
         /// Distance between two layers seen from the side, pixels. The number of layers is the height of the fur
         /// divided by this distance. Smaller is finer and more expensive. If it is too large, a gap below the outermost
         /// layer shows as a line around the body.
-        gap_px: f32 = 1.15, in 0.05..=64.0, needs "detail.enabled=true";
+        gap_px: f32 = 1.15, in 0.05..=64.0;
         /// Size at which a level has been fully replaced by the next, divided by the size at which its replacement
         /// begins. 1 switches at once, smaller values blend longer. Between both sizes, layers are replaced one by one.
-        fade: f32 = 0.5, in 0.1..=1.0, needs "detail.enabled=true";
+        fade: f32 = 0.5, in 0.1..=1.0;
         /// Height of the fur down to which fins are drawn with the layers. Without fins, the outline shows fewer,
         /// blurred layers.
-        fins_px: f32 = 0.0, in 0.0..=1e4, needs "detail.enabled=true";
+        fins_px: f32 = 0.0, in 0.0..=1e4;
         /// Height of the fur down to which layers are drawn; below it, the far fur layer replaces them. 0 draws layers
         /// at any size.
-        coat_px: f32 = 1.2, in 0.0..=1e4, needs "detail.enabled=true";
+        coat_px: f32 = 1.2, in 0.0..=1e4;
     }
 }
 

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use super::*;
-use pelage_params::{Field, Item, Raw};
+use pelage_params::{Field, Item, Raw, Tables as _};
 use pelage_stage::Viewpoint;
 use proptest::prelude::*;
 
@@ -52,6 +52,20 @@ fn faulty_needs<S: pelage_params::Tables>(known: &[&str]) -> Vec<&'static str> {
 fn conditions_of_knobs_name_knobs_and_their_values() {
     assert_eq!(faulty_needs::<Recipe>(&[]), [""; 0]);
     assert_eq!(faulty_needs::<pelage_stage::Look>(&pelage_stage::CONDITIONS.map(|(name, _)| name)), [""; 0]);
+}
+
+#[test]
+fn switch_of_a_table_has_an_effect_while_it_is_off() {
+    let off = |name: &str| Some((if name.ends_with(".enabled") { "false" } else { "1" }).to_owned());
+    for name in ["ink", "detail", "visibility", "fins"] {
+        let table = Recipe::TABLES.iter().find(|table| table.name == name).unwrap();
+        let (switch, others): (Vec<_>, Vec<_>) =
+            table.knobs.iter().partition(|knob| knob.name == format!("{name}.enabled"));
+        assert_eq!(table.unmet(switch[0], off, |_| true), None, "{name}");
+        let need = Some(format!("{name}.enabled=true"));
+        assert!(!others.is_empty());
+        others.iter().for_each(|knob| assert_eq!(table.unmet(knob, off, |_| true).map(str::to_owned), need));
+    }
 }
 
 #[test]

@@ -77,7 +77,8 @@ pub struct TableInfo {
     pub name: &'static str,
     /// Description.
     pub doc: &'static str,
-    /// Conditions without which none of the knobs has an effect; see [`Knob::needs`].
+    /// Conditions without which none of the knobs has an effect, except for the knob that a condition names; see
+    /// [`Knob::needs`].
     pub needs: &'static [&'static str],
     /// Knobs, in the order of declaration.
     pub knobs: &'static [Knob],
@@ -100,7 +101,9 @@ impl TableInfo {
             (None, Some((name, word))) => is_word(name, word),
             (None, None) => holds(need),
         };
-        self.needs.iter().chain(knob.needs).copied().find(|need| !is_met(need))
+        // A table's switch has an effect while it is off.
+        let of_table = self.needs.iter().filter(|need| need.split(['!', '=']).next() != Some(knob.name));
+        of_table.chain(knob.needs).copied().find(|need| !is_met(need))
     }
 }
 
