@@ -1,6 +1,6 @@
 //! Hashed random numbers and smooth noise: stateless functions of seed and position.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 /// Returns a well-mixed hash of two numbers: the finaliser of SplitMix64 (Steele, Lea, Flood 2014) applied to each in
 /// turn.
@@ -16,6 +16,16 @@ pub fn hash(seed: u64, n: u64) -> u64 {
 /// Returns a random number, uniform in 0..1. It uses the top 24 bits of the hash, which an f32 holds exactly.
 pub fn uniform(seed: u64, n: u64) -> f32 {
     (hash(seed, n) >> 40) as f32 / (1 << 24) as f32
+}
+
+/// Step of [`r2_point`]: powers of the reciprocal of the plastic number, the real root of x³ = x + 1.
+pub const R2_STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
+
+/// Returns point `i` of a sequence that covers the unit square evenly at any length (Roberts 2018, "R2"). The sequence
+/// is shifted by `shift` and wrapped around.
+pub fn r2_point(i: u32, shift: DVec2) -> DVec2 {
+    let p = R2_STEP * f64::from(i) + shift;
+    p - p.floor()
 }
 
 /// Returns a random vector, uniform in the cube -1..1.

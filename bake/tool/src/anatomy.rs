@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::size;
 use pelage_formats::meaning::posed_vertices;
-use pelage_formats::{FormatError, Package, Pose};
+use pelage_formats::{FormatError, Package, Part, Pose};
 use pelage_params::glob;
 use serde::Serialize;
 
@@ -81,23 +81,31 @@ impl Anatomy {
         let indices: Vec<u32> = mesh.iter().flat_map(pelage_formats::MeshView::indices).collect();
         let attributes: Vec<_> = mesh.iter().flat_map(pelage_formats::MeshView::attributes).collect();
         let mut found: Vec<MaterialBounds> = manifest.materials.iter().map(|_| MaterialBounds::default()).collect();
-        let mut triangles: Vec<Vec<ColoredTriangle>> = manifest.materials.iter().map(|_| Vec::new()).collect();
+        let corners = |part: &Part| {
+            let range = part.first_index as usize..(part.first_index + part.index_count) as usize;
+            indices.get(range).unwrap_or_default().as_chunks::<3>().0
+        };
+        let placed = |triangle: &[u32; 3]| triangle.map(|v| positions[v as usize]);
         for part in &manifest.parts {
-            let corners = indices.get(part.first_index as usize..(part.first_index + part.index_count) as usize);
-            let found = &mut found[part.material as usize];
-            for triangle in corners.unwrap_or_default().as_chunks::<3>().0 {
-                let corners = triangle.map(|v| attributes[v as usize]);
-                triangles[part.material as usize].push(ColoredTriangle {
-                    area: found.add(triangle.map(|v| positions[v as usize])),
-                    uvs: corners.map(|corner| Vec2::from(corner.base_uv)),
-                    colors: corners.map(|corner| Vec3::from([0, 1, 2].map(|i| f32::from(corner.color[i]) / 255.0))),
-                });
-            }
+            corners(part).iter().for_each(|triangle| found[part.material as usize].add(placed(triangle)));
         }
-        let area: f64 = found.iter().map(|found| found.area).sum();
+        let colored = |triangle: &[u32; 3]| {
+            let corners = triangle.map(|v| attributes[v as usize]);
+            ColoredTriangle {
+                area: area(placed(triangle)),
+                uvs: corners.map(|corner| Vec2::from(corner.base_uv)),
+                colors: corners.map(|corner| Vec3::from([0, 1, 2].map(|i| f32::from(corner.color[i]) / 255.0))),
+            }
+        };
+        let of_material = |material: usize| {
+            let parts = manifest.parts.iter().filter(move |part| part.material as usize == material);
+            parts.flat_map(corners).map(colored)
+        };
+        let areas: Vec<f64> = found.iter().map(|found| found.area).collect();
+        let whole: f64 = areas.iter().sum();
         // The recipe of a package from another version may be unreadable.
         let recipe = Recipe::parse_recorded("recipe", &manifest.recipe).unwrap_or_default();
-        let colors = material_colors(package, &recipe, &triangles)?;
+        let colors = material_colors(package, &recipe, &areas, of_material)?;
         let mut materials = Vec::new();
         for ((material, found), MaterialColor { hex, textured }) in manifest.materials.iter().zip(&found).zip(colors) {
             let placed = found.triangles > 0;
@@ -111,7 +119,7 @@ impl Anatomy {
                 textured,
                 color: hex,
                 triangles: found.triangles,
-                share: if area > 0.0 { found.area / area } else { 0.0 },
+                share: if whole > 0.0 { found.area / whole } else { 0.0 },
                 from_m: placed.then_some(found.from.to_array()),
                 to_m: placed.then_some(found.to.to_array()),
             });
@@ -180,12 +188,15 @@ impl Default for MaterialBounds {
 }
 
 impl MaterialBounds {
-    /// Adds a triangle and returns its area.
-    fn add(&mut self, [a, b, c]: [Vec3; 3]) -> f64 {
-        let area = (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 2.0;
+    fn add(&mut self, triangle: [Vec3; 3]) {
         self.triangles += 1;
-        self.area += area;
+        self.area += area(triangle);
+        let [a, b, c] = triangle;
         (self.from, self.to) = (self.from.min(a).min(b).min(c), self.to.max(a).max(b).max(c));
-        area
     }
+}
+
+/// Returns the area of a triangle.
+fn area([a, b, c]: [Vec3; 3]) -> f64 {
+    (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 2.0
 }

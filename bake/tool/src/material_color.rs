@@ -1,6 +1,7 @@
 //! Colours of a package's materials, as the model defines them: without light, and without the gain of hair.
 
 use glam::{Vec2, Vec3};
+use pelage_bake::noise::{R2_STEP, r2_point};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::slice::decode_texture;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
@@ -39,15 +40,17 @@ pub struct MaterialColor {
 /// Returns the colour of each material of a package.
 ///
 /// * `recipe`: recipe recorded in the package
-/// * `triangles`: triangles of each material
+/// * `areas`: area of each material at rest, square metres
+/// * `triangles`: returns the triangles of a material
 ///
 /// # Errors
 ///
 /// Damaged sections.
-pub fn material_colors(
+pub fn material_colors<T: Iterator<Item = ColoredTriangle>>(
     package: &Package<'_>,
     recipe: &Recipe,
-    triangles: &[Vec<ColoredTriangle>],
+    areas: &[f64],
+    triangles: impl Fn(usize) -> T,
 ) -> Result<Vec<MaterialColor>, FormatError> {
     let materials = &package.manifest().materials;
     let roots = package.roots()?;
@@ -66,7 +69,7 @@ pub fn material_colors(
         let texels = held.as_ref().filter(|(held, _)| Some(*held) == index).and_then(|(_, texels)| texels.as_ref());
         let at_root = roots.as_ref().and_then(|info| info.uv_per_tile.get(m)).is_some_and(|scale| *scale > 0.0);
         let painted = material.furred && (at_root || recipe.color.pattern.is_some());
-        let samples = samples(&triangles[m], texels);
+        let samples = samples(areas[m], triangles(m), texels);
         let one_color = if painted { one_color(&samples) } else { None };
         let lightened = material.furred && hair_colors.get(m).copied().flatten().is_none();
         let gain = recipe.color.gain.filter(|_| lightened).unwrap_or(1.0);
@@ -106,8 +109,7 @@ impl Texels {
 
 /// Returns the product of texture and vertex colour at points evenly distributed over the triangles, linear; white for
 /// a material without area.
-fn samples(triangles: &[ColoredTriangle], texels: Option<&Texels>) -> Vec<Vec3> {
-    let area: f64 = triangles.iter().map(|triangle| triangle.area).sum();
+fn samples(area: f64, triangles: impl Iterator<Item = ColoredTriangle>, texels: Option<&Texels>) -> Vec<Vec3> {
     if !(area > 0.0 && area.is_finite()) {
         return vec![Vec3::ONE];
     }
@@ -126,10 +128,9 @@ fn samples(triangles: &[ColoredTriangle], texels: Option<&Texels>) -> Vec<Vec3> 
     samples
 }
 
-/// Returns barycentric coordinates of point `i` of a sequence that covers a triangle evenly (Roberts 2018, "R2").
+/// Returns barycentric coordinates of point `i` of a sequence that covers a triangle evenly.
 fn weights(i: usize) -> [f32; 3] {
-    const STEP: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
-    let [u, v] = STEP.map(|step| (step * (i as f64 + 0.5)).fract() as f32);
+    let [u, v] = r2_point(i as u32, 0.5 * R2_STEP).as_vec2().to_array();
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
     [1.0 - u - v, u, v]
 }

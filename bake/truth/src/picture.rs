@@ -4,7 +4,7 @@ use super::camera::{RayCaster, TrueCamera};
 use super::lighting::{Sample, TileShading, TrueLighting, root_directions};
 use super::tracer::Tracer;
 use glam::{DVec2, DVec3};
-use pelage_bake::noise::{hash, uniform};
+use pelage_bake::noise::{hash, r2_point, uniform};
 use pelage_bake::stages::simulate::TileHair;
 use pelage_bake::strands::Curves;
 use pelage_bake::strands::PosedMesh;
@@ -155,21 +155,8 @@ impl TrueScene {
         count: u32,
         progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let squares = std::mem::take(&mut sums.squares);
-        let traced = self.add_to_squares(&squares, (camera, lighting), sums, count, progress);
-        sums.squares = squares;
-        traced
-    }
-
-    fn add_to_squares(
-        &self,
-        squares: &[Square],
-        (camera, lighting): (&TrueCamera, &TrueLighting),
-        sums: &mut PictureSums,
-        count: u32,
-        progress: &mut dyn FnMut(u64, u64) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
         let width = sums.size.0 as usize;
+        let squares = sums.squares.clone();
         let total = squares.iter().map(Square::pixels).sum();
         let first = sums.first + sums.samples;
         let samples = first..first.saturating_add(count);
@@ -357,15 +344,6 @@ impl Part {
             .map(|(x, y)| Square { columns: along(width, x), rows: along(height, y) })
             .collect()
     }
-}
-
-/// Returns point `i` of a sequence that covers the unit square evenly at any length (Roberts 2018, "R2"). The sequence
-/// is shifted by `shift` and wrapped around.
-fn r2_point(i: u32, shift: DVec2) -> DVec2 {
-    // Powers of the reciprocal of the plastic number, the real root of x³ = x + 1.
-    const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_2);
-    let p = STEP * f64::from(i) + shift;
-    p - p.floor()
 }
 
 #[cfg(test)]
