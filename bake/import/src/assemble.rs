@@ -8,7 +8,7 @@ use super::morphs;
 use super::normals;
 use super::options::ImportOptions;
 use super::orient;
-use super::primitive::{MeshTotals, MeshUse, Primitive, read_mesh, within_limits};
+use super::primitive::{MeshTotals, MeshUse, Primitive, read_mesh};
 use super::scene::{MeshVisibility, Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
@@ -65,11 +65,12 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     if instances.iter().all(|i| i.primitives.is_empty()) {
         return Err(nothing_to_show(source, gathered.skipped, tree.hidden_meshes));
     }
-    let (mut vertices, mut indices) = (0, 0);
+    let mut memory = std::mem::take(&mut gathered.memory).before_placing();
+    let mut deltas = 0;
     for primitive in instances.iter().flat_map(|i| i.primitives.iter()) {
-        vertices += primitive.positions.len() as u64;
-        indices += 3 * primitive.triangles.len() as u64;
-        within_limits(&primitive.at, vertices, indices)?;
+        deltas += primitive.morph.as_ref().map_or(0, morphs::Morph::delta_count);
+        morphs::check_deltas(&primitive.at, deltas)?;
+        memory.place(source, &primitive.at, primitive.positions.len(), primitive.triangles.len())?;
     }
 
     // Collect the range of joints that the vertices of each primitive may follow if the model moves.
@@ -89,10 +90,11 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
     let moving = skinned || !clips.is_empty() || !morphed.targets.is_empty();
 
     let world = tree.world(root);
-    let combs = comb_lines::read_comb_lines(source, &tree, &world, root, &mut joints)?;
+    let combs = comb_lines::read_comb_lines(source, &mut memory, &tree, &world, root, &mut joints)?;
     let mut builder = Builder { mesh: Mesh::default(), places: Vec::new(), authored: Vec::new() };
     let mut followed = followed.into_iter();
-    for (instance, first_target) in instances.iter().zip(first_targets) {
+    // Instances are dropped one by one, so that primitives and their copies do not all take memory at once.
+    for (instance, first_target) in instances.into_iter().zip(first_targets) {
         for primitive in instance.primitives.iter() {
             let (first, count) = followed.next().unwrap_or_default();
             let placed = if moving {
@@ -102,7 +104,8 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
             };
             builder.add(primitive, &instance.names, placed)?;
             let morph = primitive.morph.as_ref().zip(first_target);
-            morphed.add_rows(morph, primitive.positions.len(), &mut builder.mesh);
+            let vertices = primitive.positions.len();
+            morphed.add_rows(source, &mut memory, &primitive.at, morph, vertices, &mut builder.mesh)?;
         }
     }
     let Builder { mut mesh, places, authored } = builder;

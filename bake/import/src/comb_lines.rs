@@ -5,7 +5,8 @@
 
 use super::elements::REAL;
 use super::json::JsonNode;
-use super::lines::{LineTotals, strands_of};
+use super::lines::strands_of;
+use super::memory::MeshMemory;
 use super::primitive::{are_lines, indices_of, vectors};
 use super::scene::Tree;
 use super::skin::Joints;
@@ -34,20 +35,20 @@ fn is_comb_marker_name(name: &str) -> bool {
 /// * `world`: transforms of all nodes at rest
 pub(super) fn read_comb_lines<'a>(
     source: &mut Source<'a, '_>,
+    memory: &mut MeshMemory,
     tree: &Tree<'a>,
     world: &[Mat4],
     root: Mat4,
     joints: &mut Joints,
 ) -> Result<Vec<CombLine>, BakeError> {
     let mut found = Vec::new();
-    let mut counted = LineTotals::default();
     if tree.nodes.is_empty() {
         // In a document without nodes every mesh is shown without a transform, as in the rest of the import.
         let meshes = source.root.get("meshes").map(|meshes| meshes.entries()).transpose()?;
         for mesh in meshes.into_iter().flatten().filter(|mesh| is_comb_name(mesh.name())) {
             let place = |_: usize, p: Vec3| Some(root.transform_point3(p));
             for at in line_primitives(&mesh)? {
-                read_lines(source, &mut counted, &at, mesh.name(), &mut found, place)?;
+                read_lines(source, memory, &at, mesh.name(), &mut found, place)?;
             }
         }
         return Ok(found);
@@ -74,7 +75,7 @@ pub(super) fn read_comb_lines<'a>(
                 Some(matrices) => matrices.get(v).map(|matrix| matrix.transform_point3(p)),
                 None => Some(world[node].transform_point3(p)),
             };
-            read_lines(source, &mut counted, &at, name, &mut found, place)?;
+            read_lines(source, memory, &at, name, &mut found, place)?;
         }
     }
     Ok(found)
@@ -114,14 +115,14 @@ fn line_primitives<'a>(mesh: &JsonNode<'a>) -> Result<Vec<JsonNode<'a>>, BakeErr
 /// Reads the lines of a primitive; `place` maps a vertex (index, position) to world space.
 fn read_lines<'a>(
     source: &mut Source<'a, '_>,
-    counted: &mut LineTotals,
+    memory: &mut MeshMemory,
     at: &JsonNode<'a>,
     name: &str,
     found: &mut Vec<CombLine>,
     place: impl Fn(usize, Vec3) -> Option<Vec3>,
 ) -> Result<(), BakeError> {
     let position = at.require("attributes")?.require("POSITION")?;
-    counted.count_primitive(source, at, &position)?;
+    memory.count_primitive(source, at, false)?;
     let own = vectors(&source.accessor(&position, &[3], REAL)?.to_f32s(false));
     let placed: Vec<Vec3> = own.iter().enumerate().map(|(v, p)| place(v, *p).unwrap_or(Vec3::NAN)).collect();
     if let Some(v) = placed.iter().position(|p| !p.is_finite()) {

@@ -46,6 +46,7 @@ pub mod image_file;
 mod json;
 mod lines;
 mod material;
+mod memory;
 pub mod mesh;
 mod meshopt;
 mod morphs;

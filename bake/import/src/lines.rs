@@ -2,8 +2,9 @@
 
 use super::elements::REAL;
 use super::json::JsonNode;
+use super::memory::MeshMemory;
 use super::per_vertex::{check_count, read_per_vertex};
-use super::primitive::{are_lines, color_reals, indices_of, vectors, within_limits};
+use super::primitive::{are_lines, color_reals, indices_of, vectors};
 use super::scene::Tree;
 use super::source::Source;
 use crate::BakeError;
@@ -16,34 +17,11 @@ const LINES: u64 = 1;
 const LINE_LOOP: u64 = 2;
 const LINE_STRIP: u64 = 3;
 
-/// Running totals of the lines read.
-#[derive(Default)]
-pub(super) struct LineTotals {
-    vertices: u64,
-    indices: u64,
-}
-
-impl LineTotals {
-    /// Adds a primitive to the totals and checks the limits, before any of the primitive is read. A small file could
-    /// otherwise expand to any amount of memory: primitives may share accessors, and nodes may share a mesh.
-    pub(super) fn count_primitive<'a>(
-        &mut self,
-        source: &Source<'a, '_>,
-        at: &JsonNode<'a>,
-        position: &JsonNode<'a>,
-    ) -> Result<(), BakeError> {
-        self.vertices = self.vertices.saturating_add(source.accessor_count(position)?);
-        let listed = at.get("indices").map_or(Ok(0), |indices| source.accessor_count(&indices))?;
-        self.indices = self.indices.saturating_add(listed);
-        within_limits(at, self.vertices, self.indices)
-    }
-}
-
 /// Strands and counts gathered from a scene.
 #[derive(Default)]
 struct LineStrands {
     guides: Guides,
-    counted: LineTotals,
+    memory: MeshMemory,
     /// Number of primitives that are not lines.
     others: usize,
 }
@@ -109,7 +87,7 @@ fn read_primitive<'a>(
 ) -> Result<(), BakeError> {
     let attributes = at.require("attributes")?;
     let position = attributes.require("POSITION")?;
-    found.counted.count_primitive(source, at, &position)?;
+    found.memory.count_primitive(source, at, false)?;
     let own = vectors(&source.accessor(&position, &[3], REAL)?.to_f32s(false));
     let points: Vec<Vec3> = own.iter().map(|p| world.transform_point3(*p)).collect();
     let size = DMat4::from_cols_array(&world.to_cols_array().map(f64::from)).determinant().abs();

@@ -1,6 +1,7 @@
 //! Morph targets (glTF 2.0, section 3.7.2.2): applies the default weights, and reads the deltas that each weight adds.
 
 use super::json::{JsonNode, shorten};
+use super::memory::MeshMemory;
 use super::per_vertex::read_per_vertex;
 use super::source::Source;
 use crate::BakeError;
@@ -8,6 +9,7 @@ use crate::mesh::{Mesh, MorphRows, RowDelta};
 use glam::Vec3;
 use pelage_formats::{MorphDelta, MorphTarget};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Maximum number of morph targets of a model: the limit of a package.
 const MOST_TARGETS: usize = 1 << 12;
@@ -49,16 +51,23 @@ pub(super) struct Morph {
     rows: Vec<Vec<RowDelta>>,
 }
 
+impl Morph {
+    /// Returns the number of deltas of all vertices.
+    pub(super) fn delta_count(&self) -> u64 {
+        self.rows.iter().map(|row| row.len() as u64).sum()
+    }
+}
+
 /// Applies the morph targets of a primitive at their default weights. Returns the deltas relative to that state, and
-/// adds their number to `entries`, the count of the whole model.
+/// adds their number and memory to the totals of the whole model.
 pub(super) fn read<'a>(
     source: &mut Source<'a, '_>,
+    memory: &mut MeshMemory,
     at: &JsonNode<'a>,
     label: &str,
     targets: &TargetInfo,
     positions: &mut [Vec3],
     mut normals: Option<&mut [Vec3]>,
-    entries: &mut u64,
 ) -> Result<Option<Morph>, BakeError> {
     let Some(list) = at.get("targets") else { return Ok(None) };
     let count = source.or_warn(list.len(), "no morph targets are read").unwrap_or_default();
@@ -87,19 +96,18 @@ pub(super) fn read<'a>(
         let at = |deltas: &Option<Vec<f32>>, v: usize| {
             deltas.as_ref().and_then(|deltas| Some(Vec3::from_slice(deltas.get(3 * v..3 * v + 3)?)))
         };
+        let mut grown = 0;
         for (v, row) in rows.iter_mut().enumerate() {
             let (position, normal) = (at(&position, v).unwrap_or_default(), at(&normal, v));
             if position != Vec3::ZERO || normal.is_some_and(|n| n != Vec3::ZERO) {
+                let before = row.capacity();
                 row.push(RowDelta { target: number as u32, position, normal });
-                *entries += 1;
+                grown += row.capacity() - before;
+                memory.deltas += 1;
             }
         }
-        if *entries > MOST_ENTRIES {
-            return Err(target.fault(format!(
-                "makes the morph targets move more than {MOST_ENTRIES} vertices in \
-                 total"
-            )));
-        }
+        memory.add_deltas(source, &target, grown * size_of::<RowDelta>())?;
+        check_deltas(&target, memory.deltas)?;
     }
     for (v, row) in rows.iter_mut().enumerate() {
         for delta in &*row {
@@ -120,6 +128,14 @@ pub(super) fn read<'a>(
     names.resize(count, String::new());
     weights.resize(count, 0.0);
     Ok(Some(Morph { targets: TargetInfo { names, weights }, count, rows }))
+}
+
+/// Fails if the morph targets of a model have more than `MOST_ENTRIES` deltas.
+pub(super) fn check_deltas(at: &JsonNode<'_>, deltas: u64) -> Result<(), BakeError> {
+    if deltas <= MOST_ENTRIES {
+        return Ok(());
+    }
+    Err(at.fault(format!("makes the morph targets move more than {MOST_ENTRIES} vertices in total")))
 }
 
 /// Morph targets of the whole model.
@@ -169,10 +185,22 @@ impl ModelMorphs {
 
     /// Adds the rows of a primitive's vertices to the model, and their indices to `mesh`. `morph` holds the primitive's
     /// morph targets, and the index of the first of them in the model.
-    pub(super) fn add_rows(&mut self, morph: Option<(&Morph, u32)>, vertices: usize, mesh: &mut Mesh) {
+    ///
+    /// # Errors
+    ///
+    /// [`BakeError::Input`] at `at`, the primitive, if the rows exceed the memory that the meshes may take.
+    pub(super) fn add_rows<'a>(
+        &mut self,
+        source: &mut Source<'a, '_>,
+        memory: &mut MeshMemory,
+        at: &JsonNode<'a>,
+        morph: Option<(&Morph, u32)>,
+        vertices: usize,
+        mesh: &mut Mesh,
+    ) -> Result<(), BakeError> {
         let Some((morph, first)) = morph else {
             mesh.morph_rows.extend(std::iter::repeat_n(0, vertices));
-            return;
+            return Ok(());
         };
         for row in &morph.rows {
             let moved: Vec<RowDelta> = row.iter().map(|d| RowDelta { target: d.target + first, ..*d }).collect();
@@ -182,12 +210,17 @@ impl ModelMorphs {
                 [d.target].into_iter().chain(bits(d.position)).chain(normal)
             });
             let rows = &mut self.rows.0;
-            let number = *self.known.entry(key.collect()).or_insert_with(|| {
-                rows.push(moved);
-                rows.len() as u32 - 1
-            });
+            let number = match self.known.entry(key.collect()) {
+                Entry::Occupied(known) => *known.get(),
+                Entry::Vacant(new) => {
+                    memory.place_row(source, at, moved.len())?;
+                    rows.push(moved);
+                    *new.insert(rows.len() as u32 - 1)
+                }
+            };
             mesh.morph_rows.push(number);
         }
+        Ok(())
     }
 
     /// Returns the targets and rows. Without targets, clears the row indices of `mesh`.

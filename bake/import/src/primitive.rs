@@ -3,12 +3,12 @@
 use super::elements::{Component, REAL, WHOLE, grouped};
 use super::json::{JsonNode, shorten};
 use super::material::{Materials, TextureCoords};
+use super::memory::MeshMemory;
 use super::per_vertex::{check_count, read_per_vertex};
 use super::source::Source;
 use super::{compressed, morphs, normals, weights};
 use crate::BakeError;
 use glam::{Vec2, Vec3};
-use pelage_formats::Limits;
 
 /// A primitive of triangles, in mesh space, with the default morph weights applied.
 #[derive(Debug)]
@@ -51,37 +51,12 @@ pub(super) struct MeshTotals {
     pub materials: Materials,
     /// Number of primitives that were ignored.
     pub skipped: usize,
-    vertices: u64,
-    indices: u64,
-    /// Number of morph target deltas.
-    morphed: u64,
-}
-
-impl MeshTotals {
-    /// Adds a primitive to the totals and checks the limits, before any of the primitive is read. A small file could
-    /// otherwise expand to any amount of memory, because primitives may share accessors.
-    fn count_primitive<'a>(&mut self, source: &Source<'a, '_>, at: &JsonNode<'a>) -> Result<(), BakeError> {
-        let position = at.get("attributes").and_then(|a| a.get("POSITION"));
-        let count = |reference: Option<JsonNode<'a>>| reference.map_or(Ok(0), |r| source.accessor_count(&r));
-        self.vertices = self.vertices.saturating_add(count(position)?);
-        self.indices = self.indices.saturating_add(count(at.get("indices"))?);
-        within_limits(at, self.vertices, self.indices)
-    }
+    pub memory: MeshMemory,
 }
 
 /// Returns whether `mode` is a topology of lines (glTF 2.0, section 3.7.2.1, "Topology").
 pub(super) fn are_lines(mode: u64) -> bool {
     (1..=3).contains(&mode)
-}
-
-/// Fails if a model exceeds the limits of a package.
-pub(super) fn within_limits(at: &JsonNode<'_>, vertices: u64, indices: u64) -> Result<(), BakeError> {
-    let limits = Limits::default();
-    if vertices <= limits.vertices.into() && indices <= limits.indices.into() {
-        return Ok(());
-    }
-    let (v, i) = (limits.vertices, limits.indices);
-    Err(at.fault(format!("takes the model to {vertices} vertices and {indices} indices, expected at most {v} and {i}")))
 }
 
 /// Reads all primitives of a mesh that hold triangles. Others are counted and reported.
@@ -94,7 +69,7 @@ pub(super) fn read_mesh<'a>(
     let name = mesh.at.name();
     let name = if name.is_empty() { String::new() } else { format!(" \"{}\"", shorten(name)) };
     for at in mesh.at.require("primitives")?.entries()? {
-        gathered.count_primitive(source, &at)?;
+        gathered.memory.count_primitive(source, &at, mesh.skinned)?;
     }
     let mut primitives = Vec::new();
     for (i, at) in mesh.at.require("primitives")?.entries()?.enumerate() {
@@ -163,8 +138,8 @@ fn read_primitive<'a>(
         let normals = read_per_vertex(source, &reference, &[3], positions.len(), false);
         source.or_warn(normals, "normals are computed").map(|flat| vectors(&flat))
     });
-    let entries = &mut gathered.morphed;
-    let morph = morphs::read(source, at, &label, targets, &mut positions, normals.as_deref_mut(), entries)?;
+    let morph =
+        morphs::read(source, &mut gathered.memory, at, &label, targets, &mut positions, normals.as_deref_mut())?;
     if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
         return Err(position_at.fault(format!("element {i} is {}, expected finite numbers", positions[i])));
     }

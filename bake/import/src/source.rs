@@ -173,7 +173,13 @@ impl<'a, 'r> Source<'a, 'r> {
         Ok(bytes)
     }
 
-    fn buffer(&mut self, reference: &JsonNode<'a>) -> Result<usize, BakeError> {
+    /// Returns the size of all buffers loaded so far, bytes.
+    pub fn buffer_bytes(&self) -> u64 {
+        self.buffers.values().map(|buffer| buffer.len() as u64).sum()
+    }
+
+    /// Loads the buffer that `reference` names, and returns its index.
+    pub(super) fn buffer(&mut self, reference: &JsonNode<'a>) -> Result<usize, BakeError> {
         let (index, at) = self.root.follow("buffers", reference)?;
         if self.buffers.contains_key(&index) {
             return Ok(index);

@@ -12,6 +12,16 @@ pub(super) struct BufferView<'b> {
 }
 
 impl<'a> Source<'a, '_> {
+    /// Loads the buffer of the positions of a primitive. Faults are ignored: reading the positions reports them.
+    pub fn load_buffer_of(&mut self, primitive: &JsonNode<'a>) {
+        let position = primitive.get("attributes").and_then(|attributes| attributes.get("POSITION"));
+        let accessor = position.and_then(|at| self.root.follow("accessors", &at).ok());
+        let view = accessor.and_then(|(_, at)| self.root.follow("bufferViews", &at.get("bufferView")?).ok());
+        if let Some(buffer) = view.and_then(|(_, at)| at.get("buffer")) {
+            self.buffer(&buffer).ok();
+        }
+    }
+
     /// Returns the bytes of the buffer view that `reference` names.
     pub fn view(&mut self, reference: &JsonNode<'a>) -> Result<BufferView<'_>, BakeError> {
         let (index, at) = self.root.follow("bufferViews", reference)?;

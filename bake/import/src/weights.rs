@@ -14,7 +14,7 @@ pub(super) type Influence = ([u32; 4], [f32; 4]);
 const ROUNDING: f64 = 0.01;
 
 /// Maximum number of weight sets that are read. A set has four weights, so this allows 32 joints per vertex.
-const MAX_SETS: u32 = 8;
+pub(super) const MAX_SETS: u32 = 8;
 
 /// Reads `JOINTS_n` and `WEIGHTS_n`, keeps the four largest weights of each vertex and scales them to sum to 1.
 ///

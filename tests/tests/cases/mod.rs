@@ -4,6 +4,7 @@ mod combing;
 mod hair;
 mod import;
 mod materials;
+mod memory;
 mod normals;
 mod pictures;
 mod rest;
