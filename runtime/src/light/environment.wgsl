@@ -234,7 +234,7 @@ fn scatter_around(
         if HANGS {
             met = hanging_sheet_shares(sides);
         }
-        let d = diffused_light(met[0], met[1], direct);
+        let d = diffused(met[0], met[1], direct);
         // Light from directions that the fibre's lobes do not collect is scattered by other strands, with the
         // reflectance of deep fur.
         let sent_on = d.sent_on + max(direct - reaches, 0.0) * d.from_below;

@@ -38,8 +38,19 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     let optics = fibres[number].optics;
     let left = fibre_transmittance(1.0, optics, fibre_absorption(color, optics.y));
     let sides = absorbing_fibre_shares(fibres[number], 1.0, left);
-    let d = diffused_light(sides[0], sides[1], direct);
+    let d = diffused(sides[0], sides[1], direct);
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
+}
+
+// Minimum share of light from which the depth of a point in fur is computed (formulas 4.13). Baked visibility is fitted
+// to 24 rays. If none of them reaches the light, the expected share is 1 / 26, after Laplace, and not 0.
+const LEAST_BAKED: f32 = 1.0 / 26.0;
+// The same for hanging hair, whose depth is measured.
+const LEAST_MEASURED: f32 = 1e-30;
+
+// Returns the light in deep fur at a point past which the share `direct` of the light reaches.
+fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
+    return diffused_light(on, back, direct, select(LEAST_BAKED, LEAST_MEASURED, HANGS));
 }
 
 // Range of azimuths phi / pi in which forward-scattered light changes from the far side to the light's side (formulas
@@ -83,7 +94,7 @@ fn scatter(
             let grey = dot(left, vec3(1.0 / 3.0));
             cones = hanging_cones(fibres[number], angles.cos_i, grey, direct, dot(tip, light), dot(tip, eye));
         }
-        let d = diffused_light(met[0], met[1], direct);
+        let d = diffused(met[0], met[1], direct);
         // Diffuse light arrives from two halves of all azimuths: the light's side and the opposite side.
         let turned = angles.around.x;
         let to_here = mix(sides[1], sides[0], turned);

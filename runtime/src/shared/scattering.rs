@@ -140,14 +140,15 @@ pub struct DiffusedLight {
 }
 
 /// Returns the light in deep fur at a point. `direct`: share of the light, 0..=1, that reaches the point past all
-/// fibres. `on` and `back`: shares that each fibre scatters forward and backward (Kubelka and Munk 1931). The result is
-/// never negative or infinite, even without absorption.
-pub fn diffused_light(on: Vec3, back: Vec3, direct: f32) -> DiffusedLight {
+/// fibres. `least`: minimum of that share, above 0, from which the point's depth is computed. `on` and `back`: shares
+/// that each fibre scatters forward and backward (Kubelka and Munk 1931). The result is never negative or infinite,
+/// even without absorption.
+pub fn diffused_light(on: Vec3, back: Vec3, direct: f32, least: f32) -> DiffusedLight {
     let lost = (Vec3::ONE - on - back).max(Vec3::splat(1e-4));
     let root_lost = lost.map(f32::sqrt);
     let less = root_lost * (lost + 2.0 * back).map(f32::sqrt);
     let given_back = back / (lost + back + less);
-    let depth = direct.clamp(1e-30, 1.0).log2();
+    let depth = direct.clamp(least, 1.0).log2();
     let arrives = (less * depth).map(f32::exp2);
     let sent_on = ((Vec3::ONE - on) * depth).map(f32::exp2);
     DiffusedLight {

@@ -114,13 +114,13 @@ struct DiffusedLight {
 }
 
 // Returns the light in deep fur at a point (formulas 4.13). `direct`: share of the light that reaches the point past
-// all fibres.
-fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
+// all fibres. `least`: minimum of that share from which the point's depth is computed.
+fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32, least: f32) -> DiffusedLight {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
     let root_lost = sqrt(lost);
     let less = root_lost * sqrt(lost + 2.0 * back);
     let given_back = back / (lost + back + less);
-    let depth = log2(clamp(direct, 1e-30, 1.0));
+    let depth = log2(clamp(direct, least, 1.0));
     let arrives = exp2(less * depth);
     let sent_on = exp2((vec3(1.0) - on) * depth);
     let from_light = max(arrives - sent_on, vec3(0.0));

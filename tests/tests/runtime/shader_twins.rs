@@ -903,13 +903,14 @@ fn multiple_scattering_in_fur_matches_the_shader() {
         let back = (Vec3::ONE - on) * [1.0, random.next_f32(), 0.0][i % 3];
         let direct = [random.next_f32(), 0.0, 1.0, 1e-5][i / 3 % 4];
         let color = [random.next_f32(), [0.0, 1.0, 0.5, 2.0][i % 4], random.next_f32(), 0.17];
-        cases.push([on.extend(direct).to_array(), back.extend(0.0).to_array(), color]);
+        let least = [1e-30, 1.0 / 26.0][i / 12 % 2];
+        cases.push([on.extend(direct).to_array(), back.extend(least).to_array(), color]);
     }
     let parts = |[on, back, _]: &Case<3>| {
         [0, 1, 2].map(|i| {
             let lost = (1.0 - f64::from(on[i]) - f64::from(back[i])).max(1e-4);
             let less = (lost * (lost + 2.0 * f64::from(back[i]))).sqrt();
-            let direct = f64::from(on[3]).clamp(1e-30, 1.0);
+            let direct = f64::from(on[3]).clamp(f64::from(back[3]), 1.0);
             let (arrives, sent_on) = (direct.powf(less), direct.powf(1.0 - f64::from(on[i])));
             let given_back = f64::from(back[i]) / (lost + f64::from(back[i]) + less);
             [(sent_on - f64::from(on[3])).max(0.0), (arrives - sent_on).max(0.0), given_back * arrives]
@@ -918,16 +919,16 @@ fn multiple_scattering_in_fur_matches_the_shader() {
     assert_truth_twin_and_shader_agree(
         "diffused_light",
         scattering::WGSL,
-        "vec4(diffused_light(in_0.xyz, in_1.xyz, in_0.w).sent_on.x, \
-         diffused_light(in_0.xyz, in_1.xyz, in_0.w).from_light.y, \
-         diffused_light(in_0.xyz, in_1.xyz, in_0.w).from_below.yz)",
+        "vec4(diffused_light(in_0.xyz, in_1.xyz, in_0.w, in_1.w).sent_on.x, \
+         diffused_light(in_0.xyz, in_1.xyz, in_0.w, in_1.w).from_light.y, \
+         diffused_light(in_0.xyz, in_1.xyz, in_0.w, in_1.w).from_below.yz)",
         &cases,
         |case| {
             let [x, y, z] = parts(case);
             [x[0], y[1], y[2], z[2]]
         },
         |[on, back, _]| {
-            let found = scattering::diffused_light(v(on), v(back), on[3]);
+            let found = scattering::diffused_light(v(on), v(back), on[3], back[3]);
             [found.sent_on.x, found.from_light.y, found.from_below.y, found.from_below.z]
         },
         |_, _| 2e-4,
