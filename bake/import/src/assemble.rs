@@ -66,11 +66,9 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         return Err(nothing_to_show(source, gathered.skipped, tree.hidden_meshes));
     }
     let mut memory = std::mem::take(&mut gathered.memory).before_placing();
-    let mut deltas = 0;
     for primitive in instances.iter().flat_map(|i| i.primitives.iter()) {
-        deltas += primitive.morph.as_ref().map_or(0, morphs::Morph::delta_count);
-        morphs::check_deltas(&primitive.at, deltas)?;
-        memory.place(source, &primitive.at, primitive.positions.len(), primitive.triangles.len())?;
+        let deltas = primitive.morph.as_ref().map_or(0, morphs::Morph::delta_count);
+        memory.place(source, &primitive.at, primitive.positions.len(), primitive.triangles.len(), deltas)?;
     }
 
     // Collect the range of joints that the vertices of each primitive may follow if the model moves.

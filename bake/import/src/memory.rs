@@ -9,13 +9,16 @@ use super::weights::{Influence, MAX_SETS};
 use crate::BakeError;
 use crate::mesh::RowDelta;
 use glam::{DVec3, Vec2, Vec3};
-use pelage_formats::{Limits, SkinVertex};
+use pelage_formats::{Limits, MorphDelta, SkinVertex};
 
 /// Memory that the meshes of any model may take, bytes: three quarters of the 1 GiB of a bake.
 const MAX_MESHES: u64 = 768 << 20;
 /// Memory that the meshes of a model may take for each byte of its buffers, bytes. Vertices with data of their own take
 /// less, so that only the limits of a package hold for them.
 const PER_BUFFER_BYTE: u64 = 24;
+
+/// Maximum number of morph deltas of a model: the limit of a section of a package.
+const MOST_DELTAS: u64 = (256 << 20) / size_of::<MorphDelta>() as u64;
 
 /// Memory of a vertex, bytes: position, normal, texture coordinates and colour.
 const STREAMS: usize = 2 * size_of::<Vec3>() + size_of::<Vec2>() + size_of::<[u8; 4]>();
@@ -50,8 +53,8 @@ pub(super) struct MeshMemory {
     placed: u64,
     /// Largest limit for `read` and `placed` found so far, bytes; 0 if the limit for all models was not reached.
     limit: u64,
-    /// Number of morph target deltas read.
-    pub deltas: u64,
+    /// Number of morph target deltas.
+    deltas: u64,
 }
 
 impl MeshMemory {
@@ -90,22 +93,24 @@ impl MeshMemory {
         self.read += vertices * kept as u64 + triangles * TRIANGLE;
         self.placed += vertices * PLACED as u64 + triangles * TRIANGLE;
         let working = vertices * working as u64 + corners * 2 * size_of::<u32>() as u64;
-        self.check(source, at, self.read.saturating_add(self.placed.max(working)))
+        self.check(source, at, working)
     }
 
-    /// Adds memory of morph deltas that were read.
+    /// Adds morph deltas that were read, and the memory that they take.
     ///
     /// # Errors
     ///
-    /// Same as [`Self::count_primitive`].
+    /// Same as [`Self::count_primitive`]; also more deltas than a package may have.
     pub fn add_deltas<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
         at: &JsonNode<'a>,
+        deltas: u64,
         bytes: usize,
     ) -> Result<(), BakeError> {
         self.read += bytes as u64;
-        self.check(source, at, self.read + self.placed)
+        self.check(source, at, 0)?;
+        self.count_deltas(at, deltas)
     }
 
     /// Returns the memory of a model of which nothing is placed yet, when all its primitives are read.
@@ -117,18 +122,20 @@ impl MeshMemory {
     ///
     /// # Errors
     ///
-    /// Same as [`Self::count_primitive`].
+    /// Same as [`Self::add_deltas`].
     pub fn place<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
         at: &JsonNode<'a>,
         vertices: usize,
         triangles: usize,
+        deltas: u64,
     ) -> Result<(), BakeError> {
         let (vertices, triangles) = (vertices as u64, triangles as u64);
+        self.count_deltas(at, deltas)?;
         self.count(at, vertices, 3 * triangles)?;
         self.placed += vertices * PLACED as u64 + triangles * TRIANGLE;
-        self.check(source, at, self.read + self.placed)
+        self.check(source, at, 0)
     }
 
     /// Adds a distinct row of morph deltas of the whole model.
@@ -143,7 +150,7 @@ impl MeshMemory {
         deltas: usize,
     ) -> Result<(), BakeError> {
         self.placed += (DISTINCT_ROW + deltas * DISTINCT_DELTA) as u64;
-        self.check(source, at, self.read + self.placed)
+        self.check(source, at, 0)
     }
 
     /// Adds vertices and indices. Fails if a model exceeds the limits of a package.
@@ -157,12 +164,23 @@ impl MeshMemory {
         Err(at.fault(format!("{found}, expected at most {} and {}", limits.vertices, limits.indices)))
     }
 
+    /// Adds morph deltas. Fails if a model has more than a package may have.
+    fn count_deltas(&mut self, at: &JsonNode<'_>, deltas: u64) -> Result<(), BakeError> {
+        self.deltas += deltas;
+        if self.deltas <= MOST_DELTAS {
+            return Ok(());
+        }
+        Err(at.fault(format!("makes the morph targets move more than {MOST_DELTAS} vertices in total")))
+    }
+
     fn found(&self) -> String {
         format!("takes the model to {} vertices and {} indices", self.vertices, self.indices)
     }
 
-    /// Fails if the meshes take more than `bytes` of memory at once.
-    fn check<'a>(&mut self, source: &mut Source<'a, '_>, at: &JsonNode<'a>, bytes: u64) -> Result<(), BakeError> {
+    /// Fails if the meshes take more memory than they may. `working`: memory while a primitive is read, bytes. It is
+    /// free again before the whole model is made.
+    fn check<'a>(&mut self, source: &mut Source<'a, '_>, at: &JsonNode<'a>, working: u64) -> Result<(), BakeError> {
+        let bytes = self.read.saturating_add(self.placed.max(working));
         if bytes <= self.limit.max(MAX_MESHES) {
             return Ok(());
         }
@@ -217,6 +235,9 @@ mod tests {
         {
             assert_eq!(count(vertices, indices, data), None, "{vertices} vertices, data {data}");
         }
+        let most = count((1 << 24) + 1, 3, false).unwrap();
+        let expected = "takes the model to 16777217 vertices and 3 indices, expected at most 16777216 and 100663296";
+        assert_eq!(most, expected);
         let found = count(6_000_000, 3, false).unwrap();
         assert!(found.starts_with("takes the model to 6000000 vertices and 3 indices that need "), "{found}");
         assert!(found.contains(" MiB of memory, expected at most 768 MiB;"), "{found}");

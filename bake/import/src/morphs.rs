@@ -7,14 +7,12 @@ use super::source::Source;
 use crate::BakeError;
 use crate::mesh::{Mesh, MorphRows, RowDelta};
 use glam::Vec3;
-use pelage_formats::{MorphDelta, MorphTarget};
+use pelage_formats::MorphTarget;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 /// Maximum number of morph targets of a model: the limit of a package.
 const MOST_TARGETS: usize = 1 << 12;
-/// Maximum number of deltas of all targets: the limit of a section of a package.
-const MOST_ENTRIES: u64 = (256 << 20) / size_of::<MorphDelta>() as u64;
 
 /// Names and default weights of the morph targets of a mesh as shown by a node.
 #[derive(Clone, Debug, Default)]
@@ -96,18 +94,17 @@ pub(super) fn read<'a>(
         let at = |deltas: &Option<Vec<f32>>, v: usize| {
             deltas.as_ref().and_then(|deltas| Some(Vec3::from_slice(deltas.get(3 * v..3 * v + 3)?)))
         };
-        let mut grown = 0;
+        let (mut deltas, mut grown) = (0, 0);
         for (v, row) in rows.iter_mut().enumerate() {
             let (position, normal) = (at(&position, v).unwrap_or_default(), at(&normal, v));
             if position != Vec3::ZERO || normal.is_some_and(|n| n != Vec3::ZERO) {
                 let before = row.capacity();
                 row.push(RowDelta { target: number as u32, position, normal });
                 grown += row.capacity() - before;
-                memory.deltas += 1;
+                deltas += 1;
             }
         }
-        memory.add_deltas(source, &target, grown * size_of::<RowDelta>())?;
-        check_deltas(&target, memory.deltas)?;
+        memory.add_deltas(source, &target, deltas, grown * size_of::<RowDelta>())?;
     }
     for (v, row) in rows.iter_mut().enumerate() {
         for delta in &*row {
@@ -128,14 +125,6 @@ pub(super) fn read<'a>(
     names.resize(count, String::new());
     weights.resize(count, 0.0);
     Ok(Some(Morph { targets: TargetInfo { names, weights }, count, rows }))
-}
-
-/// Fails if the morph targets of a model have more than `MOST_ENTRIES` deltas.
-pub(super) fn check_deltas(at: &JsonNode<'_>, deltas: u64) -> Result<(), BakeError> {
-    if deltas <= MOST_ENTRIES {
-        return Ok(());
-    }
-    Err(at.fault(format!("makes the morph targets move more than {MOST_ENTRIES} vertices in total")))
 }
 
 /// Morph targets of the whole model.

@@ -45,12 +45,11 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
 // Minimum share of light from which the depth of a point in fur is computed (formulas 4.13). Baked visibility is fitted
 // to 24 rays. If none of them reaches the light, the expected share is 1 / 26, after Laplace, and not 0.
 const LEAST_BAKED: f32 = 1.0 / 26.0;
-// The same for hanging hair, whose depth is measured.
-const LEAST_MEASURED: f32 = 1e-30;
 
-// Returns the light in deep fur at a point past which the share `direct` of the light reaches.
+// Returns the light in deep fur at a point that the share `direct` of the light reaches past all fibres. The depth of
+// hanging hair is measured, and needs no minimum.
 fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
-    return diffused_light(on, back, direct, select(LEAST_BAKED, LEAST_MEASURED, HANGS));
+    return diffused_light(on, back, direct, select(LEAST_BAKED, LEAST_DIRECT, HANGS));
 }
 
 // Range of azimuths phi / pi in which forward-scattered light changes from the far side to the light's side (formulas

@@ -139,6 +139,9 @@ pub struct DiffusedLight {
     pub root_lost: Vec3,
 }
 
+/// Minimum share of light whose depth is computed; the depth of 0 is infinite.
+const LEAST_DIRECT: f32 = 1e-30;
+
 /// Returns the light in deep fur at a point. `direct`: share of the light, 0..=1, that reaches the point past all
 /// fibres. `least`: minimum of that share, above 0, from which the point's depth is computed. `on` and `back`: shares
 /// that each fibre scatters forward and backward (Kubelka and Munk 1931). The result is never negative or infinite,
@@ -203,7 +206,7 @@ pub fn hanging_cones(fibre: &Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f
     let on = shares_on.dot(light).max(1e-4);
     let all = on + shares_back.dot(light).max(0.0);
     let width = (shares_on + shares_back).dot(light * wide) / all;
-    let depth = -direct.clamp(1e-30, 1.0).ln();
+    let depth = -direct.clamp(LEAST_DIRECT, 1.0).ln();
     // Mean number of forward scatterings; `sent / (1 - exp(-sent))` is the mean given that there is at least one.
     let sent = (on * depth).max(1e-3);
     let sent_on = shares_on.dot(light * wide) / on * sent / (1.0 - (-sent).exp());

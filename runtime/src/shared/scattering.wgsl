@@ -113,6 +113,9 @@ struct DiffusedLight {
     root_lost: vec3<f32>,
 }
 
+// Minimum share of light whose depth is computed; the depth of 0 is infinite.
+const LEAST_DIRECT: f32 = 1e-30;
+
 // Returns the light in deep fur at a point (formulas 4.13). `direct`: share of the light that reaches the point past
 // all fibres. `least`: minimum of that share from which the point's depth is computed.
 fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32, least: f32) -> DiffusedLight {
@@ -174,7 +177,7 @@ fn hanging_cones(fibre: Fibre, cos_i: f32, left: f32, direct: f32, sin_i: f32, s
     let on = max(dot(shares[0], light), 1e-4);
     let all = on + max(dot(shares[1], light), 0.0);
     let width = dot(shares[0] + shares[1], light * wide) / all;
-    let depth = -log(clamp(direct, 1e-30, 1.0));
+    let depth = -log(clamp(direct, LEAST_DIRECT, 1.0));
     // Mean number of forward scatterings; `sent / (1 - exp(-sent))` is the mean given that there is at least one.
     let sent = max(on * depth, 1e-3);
     let sent_on = dot(shares[0], light * wide) / on * sent / (1.0 - exp(-sent));

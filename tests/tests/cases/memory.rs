@@ -26,6 +26,12 @@ fn triangles(doc: &mut Doc, count: usize, more: &Value) {
     doc.push("meshes", json!({"primitives": vec![primitive; count]}));
 }
 
+/// Asserts that a document is refused before it takes memory, because it needs too much. `found`: part of the message.
+fn assert_needs_too_much(name: &str, doc: &Doc, found: &str) {
+    let said = refused(name, doc);
+    assert!(said.contains(found) && said.contains("MiB of memory, expected at most 768 MiB"), "{said}");
+}
+
 /// Bakes a document with the binary, which must refuse it before it takes memory. Returns what is printed.
 fn refused(name: &str, doc: &Doc) -> String {
     let sandbox = Sandbox::new();
@@ -40,22 +46,16 @@ fn refused(name: &str, doc: &Doc) -> String {
 
 #[test]
 fn shared_and_absent_data_is_refused_before_it_takes_memory() {
-    let limit = "MiB of memory, expected at most 768 MiB";
     let mut one = sparse(1 << 24);
     triangles(&mut one, 1, &json!({}));
     one.push("nodes", json!({"mesh": 0}));
-    let said = refused("one sparse accessor", &one);
     let found = "m.gltf: /meshes/0/primitives/0: takes the model to 16777216 vertices and 3 indices that need";
-    assert!(said.contains(found) && said.contains(limit), "{said}");
+    assert_needs_too_much("one sparse accessor", &one, found);
 
     let mut shared = sparse(1 << 20);
     triangles(&mut shared, 16, &json!({}));
     shared.push("nodes", json!({"mesh": 0}));
-    let said = refused("primitives", &shared);
-    assert!(
-        said.contains("/meshes/0/primitives/5: takes the model to 6291456 vertices") && said.contains(limit),
-        "{said}"
-    );
+    assert_needs_too_much("primitives", &shared, "/meshes/0/primitives/5: takes the model to 6291456 vertices");
 
     // A mesh is read once, however many nodes show it.
     let mut nodes = sparse(1 << 16);
@@ -63,11 +63,7 @@ fn shared_and_absent_data_is_refused_before_it_takes_memory() {
     for _ in 0..256 {
         nodes.push("nodes", json!({"mesh": 0}));
     }
-    let said = refused("nodes", &nodes);
-    assert!(
-        said.contains("/meshes/0/primitives/0: takes the model to 6946816 vertices") && said.contains(limit),
-        "{said}"
-    );
+    assert_needs_too_much("nodes", &nodes, "/meshes/0/primitives/0: takes the model to 6946816 vertices");
 
     let mut lines = sparse(1 << 24);
     triangles(&mut lines, 1, &json!({}));
@@ -77,11 +73,7 @@ fn shared_and_absent_data_is_refused_before_it_takes_memory() {
     for mesh in 0..2 {
         lines.push("nodes", json!({"mesh": mesh}));
     }
-    let said = refused("comb lines", &lines);
-    assert!(
-        said.contains("/meshes/1/primitives/0: takes the model to 8388611 vertices") && said.contains(limit),
-        "{said}"
-    );
+    assert_needs_too_much("comb lines", &lines, "/meshes/1/primitives/0: takes the model to 8388611 vertices");
 
     // Eight sets of weights take more than the vertex.
     let mut weights = sparse(3 << 20);
@@ -92,11 +84,7 @@ fn shared_and_absent_data_is_refused_before_it_takes_memory() {
     weights.push("skins", json!({"joints": [1]}));
     weights.push("nodes", json!({"mesh": 0, "skin": 0}));
     weights.push("nodes", json!({}));
-    let said = refused("weights", &weights);
-    assert!(
-        said.contains("/meshes/0/primitives/0: takes the model to 3145728 vertices") && said.contains(limit),
-        "{said}"
-    );
+    assert_needs_too_much("weights", &weights, "/meshes/0/primitives/0: takes the model to 3145728 vertices");
 }
 
 #[test]
