@@ -22,7 +22,7 @@ pub use pelage_stage::sky::environment_from_toml;
 pub use renderers::PelageRenderers;
 
 use bevy_app::{App, Plugin, PostUpdate};
-use bevy_asset::AssetApp as _;
+use bevy_asset::{AssetApp as _, AssetServer};
 use bevy_core_pipeline::core_3d::{main_opaque_pass_3d, main_transparent_pass_3d};
 use bevy_core_pipeline::{Core3d, Core3dSystems};
 use bevy_ecs::prelude::*;
@@ -46,7 +46,15 @@ impl Default for PelagePlugin {
 }
 
 impl Plugin for PelagePlugin {
+    /// # Panics
+    ///
+    /// If Bevy's `AssetPlugin`, which is part of `DefaultPlugins`, has not been added before.
     fn build(&self, app: &mut App) {
+        assert!(
+            app.world().contains_resource::<AssetServer>(),
+            "PelagePlugin found no AssetServer; add DefaultPlugins (or AssetPlugin) before it: \
+             app.add_plugins((DefaultPlugins, PelagePlugin::default()))"
+        );
         app.init_asset::<PelageModel>()
             .register_asset_loader(PelageModelLoader)
             .init_resource::<PelageShadows>()

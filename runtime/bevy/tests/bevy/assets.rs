@@ -1,10 +1,11 @@
 //! Tests of packages as assets: loading, rejection, and reloading of files that change.
 
 use crate::support::{TestApp, ball_package, gpu};
+use bevy_app::App;
 use bevy_asset::{AssetServer, Assets, Handle, LoadState};
 use bevy_camera::primitives::Aabb;
 use bevy_math::Vec3;
-use bevy_pelage::{Pelage, PelageModel};
+use bevy_pelage::{Pelage, PelageModel, PelagePlugin};
 use bevy_render::view::Msaa;
 use bevy_transform::components::Transform;
 use std::fs;
@@ -67,6 +68,12 @@ fn damaged_packages_are_errors_and_the_app_lives_on() {
     assert!(test_app.picture(&camera).pixel(16, 12)[..3] != [0; 3], "the intact package is drawn");
     let bounds = test_app.world().get::<Aabb>(ball).unwrap().half_extents;
     assert!((bounds.x - 0.125).abs() < 1e-3, "skin and fur: {bounds}");
+}
+
+#[test]
+#[should_panic(expected = "add DefaultPlugins (or AssetPlugin) before it")]
+fn plugin_before_the_asset_plugin_names_the_order() {
+    App::new().add_plugins(PelagePlugin::default());
 }
 
 #[test]
