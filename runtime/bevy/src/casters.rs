@@ -126,20 +126,23 @@ impl CasterDraws<'_> {
 
 /// Returns the casters that can shade anything in `spheres`, and a sphere of radius 0 that the maps must also cover.
 /// The sphere marks how far the casters extend towards the light. The maps are as wide as the animals; parts of a
-/// caster beyond that width are ignored.
+/// caster beyond that width are ignored. Casters that reach past a point light are skipped, such as its own lantern.
 fn select_casters<'a>(
     casters: &'a [Caster],
     spheres: &[Sphere],
     params: &FrameParams,
 ) -> (Vec<&'a Caster>, Option<Sphere>) {
-    let (Light::Directional { towards_light, .. }, true) = (params.light, params.soft_shadow) else {
-        return (Vec::new(), None);
+    let lit = spheres.iter().copied().reduce(enclosing_sphere).filter(|_| params.soft_shadow);
+    let Some(lit) = lit else { return (Vec::new(), None) };
+    let (towards_light, reach_m) = match params.light {
+        Light::Directional { towards_light, .. } => (towards_light, f32::INFINITY),
+        Light::Point { position, .. } => (position - lit.center, position.distance(lit.center)),
     };
     let towards_light = towards_light.normalize_or(Vec3::Y);
-    let Some(lit) = spheres.iter().copied().reduce(enclosing_sphere) else { return (Vec::new(), None) };
     let height = |caster: &Caster| {
         let shades = spheres.iter().any(|sphere| extent_towards_light(*sphere, towards_light, caster.bounds).is_some());
-        shades.then(|| extent_towards_light(lit, towards_light, caster.bounds)).flatten()
+        let extent = shades.then(|| extent_towards_light(lit, towards_light, caster.bounds)).flatten();
+        extent.filter(|extent_m| *extent_m < reach_m)
     };
     let (shading, heights): (Vec<_>, Vec<_>) =
         casters.iter().filter_map(|caster| Some((caster, height(caster)?))).unzip();

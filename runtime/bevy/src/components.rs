@@ -86,13 +86,13 @@ pub struct PelageJoints(pub Vec<Mat4>);
 #[derive(Component, Clone, Debug, Default, PartialEq)]
 pub struct PelageMorphs(pub Vec<(String, f32)>);
 
-/// Marker for a mesh that casts shadows on fur. Add it to entities with `Mesh3d` that may be between a sun and an
-/// animal.
+/// Marker for a mesh that casts shadows on fur. Add it to entities with `Mesh3d` that may be between the key light and
+/// an animal.
 ///
 /// Fur has its own shadow maps. Do not mark grounds: they receive the animals' shadows through Bevy's own maps. The
-/// depth range of the fur's maps includes all casters towards the sun. If fur is closer to an object than a thousandth
-/// of that range, the object casts no shadow on it. Positions must be in `Mesh`'s default format, uncompressed. The
-/// mesh must be neither skinned nor morphed.
+/// depth range of the fur's maps includes all casters towards the light. If fur is closer to an object than a
+/// thousandth of that range, the object casts no shadow on it. Positions must be in `Mesh`'s default format,
+/// uncompressed. The mesh must be neither skinned nor morphed.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct PelageShadowCaster;
 

@@ -3,6 +3,7 @@
 use crate::Pelage;
 use crate::casters::CasterDraws;
 use crate::extract::{Animal, Scene};
+use crate::lights::LampLight;
 use crate::renderers::{Frames, PassKind, PassRenderer, PelageRenderers, PreparedFrame};
 use crate::view::View;
 use crate::{bounds, lights};
@@ -10,6 +11,7 @@ use bevy_camera::visibility::RenderLayers;
 use bevy_camera::{CompositingSpace, MainPassResolutionOverride};
 use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
 use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
 use bevy_render::camera::{ExtractedCamera, TemporalJitter};
 use bevy_render::render_resource::{RenderPassDescriptor, StoreOp};
 use bevy_render::renderer::{RenderContext, RenderQueue, ViewQuery};
@@ -17,7 +19,7 @@ use bevy_render::sync_world::MainEntity;
 use bevy_render::view::{
     ExtractedView, Msaa, RenderVisibleEntities, ResolvedCompositingSpace, ViewDepthStencilTexture, ViewTarget,
 };
-use pelage_runtime::{FrameParams, Instance, Sphere, Style};
+use pelage_runtime::{FrameParams, Instance, Sphere, Style, StyleKind};
 
 /// Components of a camera that are read to draw its animals.
 type CameraParts = (
@@ -32,9 +34,10 @@ type CameraParts = (
     Option<&'static MainPassResolutionOverride>,
 );
 
-/// Animals of one style, farthest first.
+/// Animals of one style under the same light, farthest first.
 struct Group<'a> {
     style: &'a Style,
+    lamps: Vec<LampLight>,
     instances: Vec<Instance>,
 }
 
@@ -78,16 +81,25 @@ pub(crate) fn prepare(
     let layers = layers.cloned().unwrap_or_default();
     let ambient = scene.ambients.get(&main_entity).copied().unwrap_or(scene.ambient);
     let mut prepared = Vec::new();
-    for group in groups(&mut pass_renderer, &scene, &view, animals) {
+    for group in groups(&mut pass_renderer, &scene, &view, &layers, animals) {
         let (camera_of_style, viewport) = view.camera_and_viewport(group.style.kind());
         let spheres: Vec<Sphere> = group.instances.iter().map(bounds::animal_bounds).collect();
         let params = FrameParams::new(camera_of_style, [viewport.z, viewport.w]).with(|params| {
-            lights::set_lights(params, &scene.suns, ambient, camera.exposure, &layers);
+            lights::set_lights(params, &scene.suns, &group.lamps, ambient, camera.exposure, &layers);
             params.environment = scene.environment.as_ref().map(|lights| lights.scaled(camera.exposure));
             params.shadows = bounds::enlarge_maps(scene.shadows, &spheres, device.limits().max_texture_dimension_2d);
             params.style = group.style.clone();
             scene.set_hair_motion(params);
         });
+        let is_unlit = params.light.color() == Vec3::ZERO && params.environment.is_none();
+        if scene.ignored_lights > 0 && is_unlit && group.style.kind() != StyleKind::Ink {
+            let found = scene.ignored_lights;
+            pass_renderer.log.warn(format!(
+                "camera {main_entity:?} sees animals without a light: found {found} rectangular lights or environment \
+                 maps of Bevy, which do not light fur. Add a DirectionalLight, PointLight or SpotLight, or insert \
+                 PelageEnvironment"
+            ));
+        }
         let frame = casters.prepare(
             &mut pass_renderer,
             &scene,
@@ -102,12 +114,13 @@ pub(crate) fn prepare(
     frames.0.insert(entity, prepared);
 }
 
-/// Groups the animals by style, because a frame of the runtime has one style. Animals are sorted from far to near
-/// within a group, and groups by their farthest animal.
+/// Groups the animals by style and by the light of lamps on them, because a frame of the runtime has one style and one
+/// set of lights. Animals are sorted from far to near within a group, and groups by their farthest animal.
 fn groups<'a>(
     pass_renderer: &mut PassRenderer,
     scene: &Scene,
     view: &View,
+    layers: &RenderLayers,
     mut animals: Vec<(MainEntity, &'a Animal)>,
 ) -> Vec<Group<'a>> {
     let eye = view.eye();
@@ -116,9 +129,10 @@ fn groups<'a>(
     let mut groups: Vec<Group<'a>> = Vec::new();
     for (entity, animal) in animals {
         let Some(instance) = pass_renderer.instance(scene, entity, animal) else { continue };
-        match groups.iter_mut().find(|group| *group.style == animal.style) {
+        let lamps = lights::lamps_at(&scene.lamps, &scene.suns, layers, bounds::animal_bounds(&instance));
+        match groups.iter_mut().find(|group| *group.style == animal.style && group.lamps == lamps) {
             Some(group) => group.instances.push(instance),
-            None => groups.push(Group { style: &animal.style, instances: vec![instance] }),
+            None => groups.push(Group { style: &animal.style, lamps, instances: vec![instance] }),
         }
     }
     groups

@@ -4,13 +4,16 @@ use crate::components::{
     ClipLookup, Pelage, PelageClip, PelageEnvironment, PelageHair, PelageJoints, PelageMorphs, PelageShadowCaster,
     PelageShadows,
 };
-use crate::lights::{Ambient, Sun};
+use crate::lights::{Ambient, Lamp, Sun};
 use crate::model::PelageModel;
 use bevy_asset::{AssetEvent, AssetId, Assets};
 use bevy_camera::primitives::Aabb;
 use bevy_camera::visibility::{InheritedVisibility, RenderLayers};
 use bevy_ecs::prelude::*;
-use bevy_light::{AmbientLight, DirectionalLight, GlobalAmbientLight, NotShadowCaster};
+use bevy_light::{
+    AmbientLight, DirectionalLight, EnvironmentMapLight, GlobalAmbientLight, NotShadowCaster, PointLight, RectLight,
+    SpotLight,
+};
 use bevy_math::Mat4;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_render::Extract;
@@ -53,6 +56,9 @@ pub(crate) struct Scene {
     /// Packages of all loaded models.
     pub(crate) packages: HashMap<AssetId<PelageModel>, Arc<NamedPackage<'static>>>,
     pub(crate) suns: Vec<Sun>,
+    pub(crate) lamps: Vec<Lamp>,
+    /// Number of rectangular lights and environment maps of Bevy, which do not light fur.
+    pub(crate) ignored_lights: usize,
     /// Ambient light of cameras without their own.
     pub(crate) ambient: Ambient,
     /// Environment lights, candela per square metre.
@@ -123,23 +129,47 @@ pub(crate) fn animals(
     scene.packages.extend(models.iter().map(|(id, model)| (id, model.package.clone())));
 }
 
+/// Transform, visibility and layers of a light.
+type LightPlace = (&'static GlobalTransform, &'static InheritedVisibility, Option<&'static RenderLayers>);
+
 /// Extracts the lights and the shadow settings.
 pub(crate) fn lights(
     mut scene: ResMut<Scene>,
-    suns: Extract<Query<(&DirectionalLight, &GlobalTransform, &InheritedVisibility, Option<&RenderLayers>)>>,
+    suns: Extract<Query<(&DirectionalLight, LightPlace)>>,
+    points: Extract<Query<(&PointLight, LightPlace)>>,
+    spots: Extract<Query<(&SpotLight, LightPlace)>>,
+    ignored: Extract<Query<(), Or<(With<RectLight>, With<EnvironmentMapLight>)>>>,
     ambients: Extract<Query<(Entity, &AmbientLight)>>,
     ambient: Extract<Option<Res<GlobalAmbientLight>>>,
     shadows: Extract<Res<PelageShadows>>,
 ) {
     scene.suns.clear();
-    let lit = suns.iter().filter(|(_, _, visible, _)| visible.get());
-    scene.suns.extend(lit.map(|(light, transform, _, layers)| Sun {
+    let lit = suns.iter().filter(|(_, (_, visible, _))| visible.get());
+    scene.suns.extend(lit.map(|(light, (transform, _, layers))| Sun {
         towards_light: transform.back().into(),
         color: light.color.to_linear(),
         illuminance: light.illuminance,
         shadows: light.shadow_maps_enabled,
         layers: layers.cloned().unwrap_or_default(),
     }));
+    let points = points.iter().map(|(light, place)| (*light, place, None));
+    let spots = spots.iter().map(|(spot, place)| {
+        let SpotLight { color, intensity, range, shadow_maps_enabled, .. } = *spot;
+        let light = PointLight { color, intensity, range, shadow_maps_enabled, ..PointLight::default() };
+        (light, place, Some((place.0.forward().into(), spot.inner_angle, spot.outer_angle)))
+    });
+    let lamps = points.chain(spots).filter(|(_, (_, visible, _), _)| visible.get());
+    scene.lamps.clear();
+    scene.lamps.extend(lamps.map(|(light, (transform, _, layers), cone)| Lamp {
+        position: transform.translation(),
+        color: light.color.to_linear(),
+        power: light.intensity,
+        range_m: light.range,
+        cone,
+        shadows: light.shadow_maps_enabled,
+        layers: layers.cloned().unwrap_or_default(),
+    }));
+    scene.ignored_lights = ignored.iter().count();
     scene.ambient = ambient.as_ref().map(|a| Ambient::new(a.color.to_linear(), a.brightness)).unwrap_or_default();
     scene.ambients.clear();
     let own = |(entity, a): (Entity, &AmbientLight)| {

@@ -3,7 +3,7 @@
 use crate::support::{Picture, TestApp, TestCamera, ball_package, gpu};
 use bevy_camera::{Exposure, Hdr};
 use bevy_color::Color;
-use bevy_light::NotShadowCaster;
+use bevy_light::{NotShadowCaster, PointLight, RectLight, SpotLight};
 use bevy_math::{Mat4, Vec3};
 use bevy_pelage::runtime::{Environment, FurParams, LightLobe};
 use bevy_pelage::{
@@ -11,6 +11,7 @@ use bevy_pelage::{
 };
 use bevy_render::view::Msaa;
 use bevy_transform::components::Transform;
+use std::f32::consts::PI;
 
 const SIZE: [u32; 2] = [96, 72];
 
@@ -111,6 +112,54 @@ fn exposure_suns_and_ambient_light_come_from_bevy() {
     (0..3).for_each(|_| drop(test_app.picture(&camera)));
     let logged: Vec<_> = test_app.renderers().logged_messages().collect();
     assert!(matches!(logged[..], [words] if words.contains("has no Hdr")), "{logged:?}");
+}
+
+#[test]
+fn point_and_spot_lights_light_fur_like_suns() {
+    let Some(mut test_app) = gpu("point_and_spot_lights_light_fur_like_suns") else { return };
+    let model = test_app.add_model("ball", &ball_package());
+    let camera = camera(&mut test_app);
+    test_app.world().spawn(Pelage::fur(model.clone()));
+    // A rectangular light does not light fur, and a warning says so.
+    let unused = test_app.world().spawn(RectLight::default()).id();
+    assert_eq!(green_sum(&test_app.picture(&camera)), 0);
+    let warned: Vec<_> = test_app.renderers().logged_messages().map(str::to_owned).collect();
+    assert!(matches!(&warned[..], [words] if words.contains("found 1 rectangular")), "{warned:?}");
+    let sun = test_app.spawn_sun(Vec3::new(-1.0, 1.0, 0.0), true);
+    let sunny = test_app.picture(&camera);
+    test_app.remove([unused, sun]);
+
+    // A lamp 20 m away has nearly parallel rays.
+    let far = Vec3::new(-1.0, 1.0, 0.0).normalize() * 20.0;
+    let power = 4.0 * PI * 400.0 * PI / Exposure::default().exposure();
+    let lamp = PointLight { intensity: power, range: 1e4, shadow_maps_enabled: true, ..Default::default() };
+    let at_far = Transform::from_translation(far).looking_at(Vec3::ZERO, Vec3::Y);
+    let point = test_app.world().spawn((lamp, at_far)).id();
+    let lit = test_app.picture(&camera);
+    assert!(lit.differences(&sunny).0 < 0.5, "{:?}", lit.differences(&sunny));
+    // A cube between lamp and ball shades the ball, and one beyond the lamp does not.
+    let cube = test_app.spawn_cuboid(Vec3::splat(0.3), Vec3::new(-0.5, 0.5, 0.0), Color::BLACK);
+    let beside = green_sum(&test_app.picture(&camera));
+    test_app.world().entity_mut(cube).insert(PelageShadowCaster);
+    let shaded = green_sum(&test_app.picture(&camera));
+    assert!(shaded * 3 < beside * 2, "{shaded} is not darker than {beside}");
+    test_app.world().entity_mut(cube).insert(Transform::from_translation(1.1 * far));
+    let beyond = green_sum(&test_app.picture(&camera));
+    assert!(beyond * 50 > green_sum(&lit) * 49, "{beyond} is darker than {}", green_sum(&lit));
+    test_app.remove([point, cube]);
+
+    // A spot light lights what is in its cone; an animal in reach of it has a light of its own.
+    let spot = SpotLight { intensity: power, range: 1e4, ..Default::default() };
+    let spot = test_app.world().spawn((spot, at_far)).id();
+    let inside = test_app.picture(&camera);
+    assert!(inside.differences(&sunny).0 < 2.0, "{:?}", inside.differences(&sunny));
+    let other = test_app.world().spawn((Pelage::fur(model), Transform::from_xyz(0.3, 0.0, 0.0))).id();
+    let both = green_sum(&test_app.picture(&camera));
+    assert!(both * 2 > green_sum(&inside) * 3, "both are lit: {both}");
+    test_app.world().despawn(other);
+    test_app.world().entity_mut(spot).insert(at_far.looking_to(far, Vec3::Y));
+    assert_eq!(green_sum(&test_app.picture(&camera)), 0, "outside the cone");
+    assert_eq!(test_app.renderers().logged_messages().count(), 1);
 }
 
 /// Returns the sums of the green channel over the left and right halves of the picture.
