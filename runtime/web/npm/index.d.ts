@@ -51,6 +51,11 @@ export interface PelageOptions {
    * Default: pelage_web_bg.wasm beside index.js. Only the first `create` or `open` of a page uses it.
    */
   wasm?: string | URL | Request | Response | BufferSource | WebAssembly.Module;
+  /**
+   * Ends this Pelage when it is aborted. While `create` is pending, it fails with the signal's reason, and the canvas
+   * is free at once; later, the signal calls `dispose()`.
+   */
+  signal?: AbortSignal;
 }
 
 export interface ClipInfo {
@@ -163,7 +168,8 @@ export class Pelage extends EventTarget {
   /**
    * Opens a device for a canvas that has no other context and no other Pelage; `dispose()` makes a canvas available
    * again. Resolves before anything is visible.
-   * Fails with `no-webgpu`, `no-adapter`, `module`, `device`, or with `asked` for an invalid look or a canvas in use.
+   * Fails with `no-webgpu`, `no-adapter`, `module`, `device`, with `asked` for an invalid look or a canvas in use, or
+   * with the reason of `signal`.
    */
   static create(canvas: HTMLCanvasElement, options?: PelageOptions): Promise<Pelage>;
 
@@ -220,8 +226,8 @@ export class Pelage extends EventTarget {
   readonly clips: readonly ClipInfo[];
   readonly playback: Playback;
   /**
-   * Plays a clip; the current clip continues. Without a name, resumes the current clip, or plays the first one; does
-   * nothing if there is none.
+   * Plays a clip; the current clip continues. Without a name, resumes the current clip. At rest, plays the first of
+   * `clips`, in the order of the model's file, whatever it shows; does nothing if there is none.
    * `name`: a name in `clips`, or the part after its last `|` or `:`, in any case, if only one clip ends in it. "walk"
    * finds "Armature|Walk".
    * Fails with `asked` and the names of all clips if none matches.

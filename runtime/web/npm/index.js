@@ -25,6 +25,12 @@ function wait(ms) {
   return new Promise((resolve) => setTimeout(resolve, ms));
 }
 
+/** Frees a device that is not needed. */
+function discard(opened) {
+  opened.device.destroy();
+  opened.free();
+}
+
 export class Pelage extends EventTarget {
   #canvas;
   #options;
@@ -54,11 +60,24 @@ export class Pelage extends EventTarget {
     if (taken.has(canvas)) {
       throw new PelageError("asked", "create: the canvas is in use, expected one without Pelage; call dispose() first");
     }
+    const { signal } = options;
+    signal?.throwIfAborted();
     taken.add(canvas);
+    let pelage = null;
+    // An aborted attempt leaves the canvas at once to the next one.
+    const stop = () => (pelage ? pelage.dispose() : taken.delete(canvas));
+    signal?.addEventListener("abort", stop, { once: true });
     try {
       await start(options.wasm);
-      return new Pelage(canvas, options, await openDevice(canvas));
+      signal?.throwIfAborted();
+      const opened = await openDevice(canvas);
+      if (signal?.aborted) discard(opened);
+      signal?.throwIfAborted();
+      pelage = new Pelage(canvas, options, opened);
+      return pelage;
     } catch (error) {
+      if (signal?.aborted) throw signal.reason;
+      signal?.removeEventListener("abort", stop);
       taken.delete(canvas);
       throw PelageError.of(error);
     }
@@ -415,11 +434,7 @@ export class Pelage extends EventTarget {
       if (attempt > 0) await wait(REOPEN_MS * 2 ** (attempt - 1));
       try {
         const opened = await openDevice(this.#canvas);
-        if (this.#disposed) {
-          opened.device.destroy();
-          opened.free();
-          return;
-        }
+        if (this.#disposed) return discard(opened);
         this.#watch(opened);
         guarded(() => this.#viewer.reopen(opened));
         this.#lost = false;

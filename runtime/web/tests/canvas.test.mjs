@@ -155,9 +155,30 @@ inBrowser("a_canvas_has_one_visible_pelage", async () => {
     const create = (look) => Pelage.create(document.querySelector("canvas"), { autoSize: false, look });
     pelage.dispose();
     const failed = await create("[nothing]").catch(({ kind }) => kind);
-    return [failed, (await create()).info];
+    const created = await create();
+    const { info } = created;
+    created.dispose();
+    // React's StrictMode mounts a component twice: the first attempt is aborted while it is pending.
+    const first = new AbortController();
+    const second = new AbortController();
+    const attempt = ({ signal }) => Pelage.create(document.querySelector("canvas"), { autoSize: false, signal });
+    const aborted = attempt(first).catch(({ name }) => name);
+    first.abort();
+    const mounted = await attempt(second);
+    const inUse = await create().catch(({ kind }) => kind);
+    second.abort();
+    const disposed = (() => {
+      try {
+        return mounted.frame();
+      } catch (error) {
+        return error.message;
+      }
+    })();
+    return [failed, info, await aborted, inUse, disposed, (await create()).info];
   });
-  assert.deepEqual(again, ["asked", null]);
+  const [failed, info, aborted, inUse, disposed, last] = again;
+  assert.deepEqual([failed, info, aborted, inUse, last], ["asked", null, "AbortError", "asked", null]);
+  assert.match(disposed, /disposed/);
   assert.deepEqual(faults, []);
   await close();
 });
