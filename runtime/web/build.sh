@@ -9,7 +9,8 @@ out=$1 profile=${2:-web}
 runtime/web/cargo_wasm.sh build -p pelage-web --profile "$profile"
 # A separate target folder, because the build for WebAssembly may use another compiler.
 cargo run --quiet --locked --manifest-path runtime/web/binder/Cargo.toml --target-dir target/binder -- \
-    "target/wasm/wasm32-unknown-unknown/$profile/pelage_web.wasm" "$out/bound"
+    "target/wasm/wasm32-unknown-unknown/$profile/pelage_web.wasm" "$out/bound" \
+    "$(sed -n 's/.*"version": "\(.*\)".*/\1/p' runtime/web/npm/package.json)"
 
 rm -rf "$out/npm" "$out/site/pelage"
 mkdir -p "$out/npm" "$out/site"

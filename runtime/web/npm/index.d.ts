@@ -7,12 +7,12 @@ export type Vec3 = readonly [number, number, number];
 /**
  * Cause of an error:
  * - `no-webgpu`: the browser has no WebGPU, or the page is not served over https or from localhost
- * - `no-adapter`: there is no graphics adapter, or it cannot hold the package
+ * - `no-adapter`: the browser offers no graphics adapter, or it cannot hold the package
  * - `package`: the file is invalid; the message gives section, offset, and the values found and expected
  * - `asked`: an argument is invalid; the message gives the values found and expected
  * - `fetch`: the network failed
  * - `superseded`: not a fault; `load` or `dispose` was called in the meantime
- * - `module`: the WebAssembly module could not be loaded
+ * - `module`: the WebAssembly module could not be loaded, or is of another build than the scripts
  * - `device`: the driver or the browser failed
  * - `internal`: a bug in this package
  */

@@ -1,6 +1,6 @@
 // Loading of the WebAssembly module, and conversion of its arguments and errors.
 
-import init from "./pelage_web.js";
+import init, { BUILD } from "./pelage_web.js";
 import { PelageError } from "./error.js";
 
 /** Promise of the module's only instance, shared by all canvases of a page. */
@@ -36,7 +36,23 @@ async function instantiate(wasm) {
       throw new Error(`${url}: found ${found}, expected application/wasm; ${advice}`);
     }
   }
-  await init({ module_or_path: wasm });
+  const compiled = await compile(wasm);
+  // Files of different builds fail much later, and with errors that do not show the cause.
+  const [section] = WebAssembly.Module.customSections(compiled, "pelage_build");
+  const build = section ? new TextDecoder().decode(section) : "unknown";
+  if (build !== BUILD) {
+    const advice = "take both from the same package, and clear the caches of bundler and browser";
+    throw new Error(`pelage_web_bg.wasm: found build ${build}, expected ${BUILD}, that of the scripts; ${advice}`);
+  }
+  await init({ module_or_path: compiled });
+}
+
+/** Compiles a response, bytes, or a module that is already compiled. */
+async function compile(wasm) {
+  if (wasm instanceof WebAssembly.Module) return wasm;
+  if (!(wasm instanceof Response)) return WebAssembly.compile(wasm);
+  const streams = wasm.headers.get("content-type") === "application/wasm";
+  return streams ? WebAssembly.compileStreaming(wasm) : WebAssembly.compile(await wasm.arrayBuffer());
 }
 
 /** Calls `f`, and converts the errors of the module. */

@@ -3,7 +3,7 @@
 use crate::js_error::{pelage_error, stage_error};
 use pelage_runtime::shared::srgb;
 use pelage_runtime::wgpu;
-use pelage_stage::{Canvas, Gpu};
+use pelage_stage::{Canvas, Gpu, StageError};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
@@ -42,7 +42,7 @@ pub async fn open(canvas: HtmlCanvasElement) -> Result<OpenedDevice, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(canvas));
     let surface = surface.map_err(|error| pelage_error("device", &format!("canvas: {error}")))?;
-    let gpu = Gpu::request(&instance, Some(&surface), wanted_features(), None).await.map_err(stage_error)?;
+    let gpu = Gpu::request(&instance, Some(&surface), wanted_features(), None).await.map_err(open_error)?;
     Ok(OpenedDevice { screen: Some(Screen::new(&gpu, surface)), gpu })
 }
 
@@ -54,8 +54,20 @@ pub async fn open(canvas: HtmlCanvasElement) -> Result<OpenedDevice, JsValue> {
 #[wasm_bindgen]
 pub async fn open_shared() -> Result<OpenedDevice, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let gpu = Gpu::request(&instance, None, wanted_features(), None).await.map_err(stage_error)?;
+    let gpu = Gpu::request(&instance, None, wanted_features(), None).await.map_err(open_error)?;
     Ok(OpenedDevice { screen: None, gpu })
+}
+
+/// Converts an error of opening a device. Replaces the description of wgpu, which means nothing to the user of a page.
+fn open_error(error: StageError) -> JsValue {
+    match error {
+        StageError::NoAdapter(_) => pelage_error(
+            "no-adapter",
+            "the browser has WebGPU but offers no graphics adapter; turn on hardware acceleration in its settings, and \
+             update browser and graphics driver (chrome://gpu or about:support shows what is blocked)",
+        ),
+        other => stage_error(other),
+    }
 }
 
 /// Returns the wanted features: block compression if available, which fits four times the texels into the same memory.

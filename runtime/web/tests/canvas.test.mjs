@@ -1,12 +1,12 @@
 // Tests of the npm package's API on a canvas: images, memory, devices.
 
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { after, before } from "node:test";
 import { inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
 import { assertOther, assertSame, bare, bytesOf, colorAt, isFur, open, OUT } from "./stage.mjs";
-import { page, picture, rendered } from "./stage.mjs";
+import { page, picture, rendered, SITE } from "./stage.mjs";
 
 const SIZE = [320, 240];
 /** A cheap look whose shadow maps are redrawn for every pose. */
@@ -85,7 +85,7 @@ radiance = [0.4, 0.8, 1.6]
   await close();
 });
 
-inBrowser("html_in_place_of_the_module_is_reported", async () => {
+inBrowser("module_of_another_kind_or_build_is_reported", async () => {
   const { page: shown, faults, close } = await page(opened, { path: "/blank" });
   const create = (wasm) =>
     shown.evaluate(async (wasm) => {
@@ -97,6 +97,13 @@ inBrowser("html_in_place_of_the_module_is_reported", async () => {
   assert.match(await create("/blank"), html);
   assert.match(await create("/none.wasm"), /^module: .*\/none\.wasm: found status 404, .*\{ wasm \}/);
   assert.match(await create("http://127.0.0.1:1/"), /^module: .*http:\/\/127\.0\.0\.1:1\//);
+  const module = readFileSync(`${SITE}/pelage/pelage_web_bg.wasm`);
+  const [, build] = /pelage_build(.*)$/.exec(module.subarray(-60).toString("latin1"));
+  const other = Buffer.from(module);
+  other.write("f".repeat(8), module.length - 8);
+  await shown.route("**/other.wasm", (route) => route.fulfill({ body: other, contentType: "application/wasm" }));
+  const builds = new RegExp(`^module: .*found build ${build.slice(0, -8)}ffffffff, expected ${build}, .*caches`);
+  assert.match(await create("/other.wasm"), builds);
   assert.equal(await create("/pelage/pelage_web_bg.wasm"), "created", "a failure leaves canvas and package usable");
   assert.deepEqual(faults.filter((fault) => !/ERR_/.test(fault)), []);
   await close();
@@ -367,5 +374,7 @@ inBrowser("lost_device_is_replaced_without_changes", async () => {
     devices.at(-1).destroy();
   });
   await page.waitForFunction(() => happened.some(([type]) => type === "error"), null, { timeout: LONG_MS });
+  const [, message] = await page.evaluate(() => happened.find(([type]) => type === "error"));
+  assert.match(message, /could not be replaced.*offers no graphics adapter; turn on hardware acceleration/);
   await close();
 });
