@@ -174,6 +174,8 @@ fn command_line_values_are_parsed_leniently() {
         ("light.position=1,2,3", "did you mean light.position_m?"),
         ("picture.strength=1", "did you mean light.strength?"),
         ("lihgt.strenght=1", "did you mean light.strength?"),
+        ("light.xyz=1", "light.xyz: unknown key; light has direction, position_m, strength, color, "),
+        ("xyz.xyz=1", "unknown key, expected one such as light.strength"),
     ] {
         let error = set(&mut Look::default(), word).unwrap_err().to_string();
         assert!(error.contains(message), "{word}: {error}");

@@ -178,8 +178,8 @@ fn unknown_key<S: Tables>(name: &str) -> String {
     // First try the name as a key without its unit, then as a key under the wrong table.
     let whole = knobs::<S>().find(|k| k.name.strip_prefix(name).is_some_and(|rest| rest.starts_with('_')));
     let moved = knobs::<S>().find(|k| k.key() == key);
+    let known = S::TABLES.iter().find(|info| info.name == table);
     let near = whole.or(moved).map(|k| k.name).or_else(|| {
-        let known = S::TABLES.iter().find(|info| info.name == table);
         match known {
             Some(info) => nearest(key, info.knobs.iter().map(Knob::key))
                 .and_then(|near| info.knobs.iter().find(|k| k.key() == near))
@@ -191,8 +191,14 @@ fn unknown_key<S: Tables>(name: &str) -> String {
             }),
         }
     });
-    match near {
-        Some(near) => format!("unknown key; did you mean {near}?"),
-        None => format!("unknown key, expected one such as {}", S::EXAMPLE.split('=').next().unwrap_or_default()),
+    match (near, known) {
+        (Some(near), _) => format!("unknown key; did you mean {near}?"),
+        (None, Some(info)) => {
+            let keys: Vec<_> = info.knobs.iter().map(Knob::key).collect();
+            format!("unknown key; {table} has {}", keys.join(", "))
+        }
+        (None, None) => {
+            format!("unknown key, expected one such as {}", S::EXAMPLE.split('=').next().unwrap_or_default())
+        }
     }
 }
