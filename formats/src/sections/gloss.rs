@@ -40,6 +40,8 @@ pub struct Gloss {
 impl Gloss {
     /// Range of roughness.
     pub const ROUGHNESS: RangeInclusive<f32> = 0.04..=1.0;
+    /// Squared width α² by which lights without size widen highlights: they count as discs with a radius of 8°.
+    pub const OF_LIGHTS: f32 = 0.005;
 
     /// Returns an error message if a number is out of its range.
     fn fault(&self) -> Option<String> {
