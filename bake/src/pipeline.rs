@@ -120,7 +120,7 @@ pub const STEPS: &[Step] = &[
         stage: "textures",
         makes: Skin,
         reads: &[Model, Layout, Hair, Groomed],
-        tables: &["pack", "detail"],
+        tables: &["pack", "detail", "shading.gloss", "shading.material"],
         run: run_step::skin,
     },
     Step {

@@ -35,7 +35,7 @@ pub use ink::{InkFill, InkParams, MaterialInk};
 pub use joint_groom::JointGroom;
 pub use key_pictures::{KEY_PICTURES, KeyPicture};
 pub use maps::{Channel, ColorMap, FilePath, ScalarMap, VectorMap};
-pub use material_groom::MaterialGroom;
+pub use material_groom::{MaterialGloss, MaterialGroom};
 pub use named_table::NamedTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomCoordinates,

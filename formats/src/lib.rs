@@ -59,6 +59,7 @@ pub use sections::animation::{
 pub use sections::bare_normals::stored_bare_normals;
 pub use sections::fibres::{FIBRE_LAYERS, FibreInfo, FibreOptics};
 pub use sections::fins::{Fin, FinData, FinsView};
+pub use sections::gloss::Gloss;
 pub use sections::hair::{HairGroup, TrianglePoint};
 pub use sections::hair_motion::{BodyCollider, GroupMotion, HairMotion};
 pub use sections::ink::{InkData, InkInfo, InkShading, InkTextures, InkVertex, InkView};

@@ -18,6 +18,7 @@ use crate::shared::{frame, receiver, scattering, soft_shadow};
 use crate::surface::{ATTRIBUTE_ATTRIBUTES, GEOMETRY_ATTRIBUTES, MaterialUniform, SCAN_WORKGROUP};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{ScalarKind, TypeInner, VectorSize};
+use pelage_formats::meaning::environment::Environment;
 use pelage_formats::meaning::{FIN_CORNERS, LEANING_ROWS};
 use pelage_formats::{AttributeVertex, Fin, GeometryVertex, MorphDelta, SkinVertex};
 use std::collections::BTreeMap;
@@ -208,6 +209,8 @@ fn uniform_structs_match_wgsl() {
             fill_lights,
             hair_density,
             environment_most,
+            environment_even,
+            environment_lobes,
         )
     );
     assert_eq!(
@@ -339,10 +342,11 @@ fn uniform_structs_match_wgsl() {
         rim,
         hair_tiles,
         hair_color,
+        gloss,
         asides,
         reserved
     );
-    assert_eq!((&members[..], size), (&fields[..9], rust_size));
+    assert_eq!((&members[..], size), (&fields[..10], rust_size));
 }
 
 #[test]
@@ -521,16 +525,7 @@ fn workgroup_sizes_match_wgsl() {
     assert!(gather.entry_points.iter().all(|entry| entry.workgroup_size == [WORKGROUP, 1, 1]));
     assert_eq!(WORKGROUP, TILE * TILE, "a workgroup is a tile of pixels");
     let module = parse("fins", &fins::SHADER.wgsl());
-    let lights = |source| {
-        let module = parse("lights", source);
-        let (_, constant) =
-            module.constants.iter().find(|(_, c)| c.name.as_deref() == Some("MAX_FILL_LIGHTS")).unwrap();
-        module.global_expressions[constant.init].clone()
-    };
-    let naga::Expression::Literal(naga::Literal::U32(found)) = lights(&shells::SHADER.wgsl()) else {
-        panic!("not a number")
-    };
-    assert_eq!(found as usize, crate::MAX_FILL_LIGHTS);
+    let lights = parse("lights", &shells::SHADER.wgsl());
     let module_of_strokes = parse("ink_fur", &ink_fur::SHADER.wgsl());
     let (_, shells) =
         module_of_strokes.constants.iter().find(|(_, c)| c.name.as_deref() == Some("STROKE_SHELLS")).unwrap();
@@ -540,7 +535,9 @@ fn workgroup_sizes_match_wgsl() {
     assert_eq!(found, ink_fur::SHELLS);
     let of_fins = [("CORNERS", FIN_CORNERS), ("LEANING_ROWS", LEANING_ROWS)].map(|named| (&module, named));
     let of_lists = [("NEAREST", NEAREST), ("TILE", TILE)].map(|named| (&gather, named));
-    for (module, (name, expected)) in of_fins.into_iter().chain(of_lists) {
+    let of_lights = [("MAX_FILL_LIGHTS", crate::MAX_FILL_LIGHTS), ("MAX_LOBES", Environment::MOST_LOBES)];
+    let of_lights = of_lights.map(|(name, count)| (&lights, (name, count as u32)));
+    for (module, (name, expected)) in of_fins.into_iter().chain(of_lists).chain(of_lights) {
         let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();
         let naga::Expression::Literal(naga::Literal::U32(found)) = module.global_expressions[constant.init] else {
             panic!("{name} is not a number")

@@ -4,7 +4,7 @@ use crate::support::ktx2;
 use pelage_bake::recipe::FibreParams;
 use pelage_bake::stages::scatter;
 use pelage_runtime::formats::{
-    Fin, FinData, FinInfo, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
+    Fin, FinData, FinInfo, Gloss, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
     TextureFormat,
 };
 
@@ -26,6 +26,12 @@ pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8
     let mut manifest = package.manifest().clone();
     change(&mut manifest);
     writer_with_sections(&package, manifest).finish().expect("a valid package")
+}
+
+/// Returns the package with gloss for each of its materials.
+pub fn with_gloss(bytes: &[u8], gloss: &[Option<Gloss>]) -> Vec<u8> {
+    let package = open_package(bytes);
+    writer_with_sections(&package, package.manifest().clone()).gloss(gloss).finish().expect("a valid package")
 }
 
 /// Returns the package with the given tile strands.

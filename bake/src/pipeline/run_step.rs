@@ -218,6 +218,8 @@ pub(super) fn skin(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
     let (hair, groomed, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.groomed, Groomed)?, input.recipe);
     let images = SkinImages { groomed: groomed.clone(), pack: recipe.pack.clone() };
     let files = outputs.kept.skin.make(images, SkinFiles::encode)?;
+    let mut warnings = [&laid.warnings[..], &groomed.warnings].concat();
+    let gloss = groom::gloss(model, &laid.furred, &recipe.shading, &mut warnings);
     let pieces = ModelResults {
         name: input.name,
         model,
@@ -239,8 +241,9 @@ pub(super) fn skin(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
         base_colors: &files.base_colors,
         groom_textures: &files.grooms,
         groom_of_material: &groomed.grooms.of_material,
+        gloss: &gloss,
         simplified: recipe.detail.has_lists(),
-        warnings: &[&laid.warnings[..], &groomed.warnings].concat(),
+        warnings: &warnings,
     };
     outputs.skin = Some(pack::model_part(&pieces, &mut outputs.kept.of_skin));
     Ok(())

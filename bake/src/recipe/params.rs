@@ -5,7 +5,7 @@ use super::comb_marks::CombMarkParams;
 use super::hair_group::{HairColliderParams, HairGroupParams, TuftParams};
 use super::joint_groom::JointGroom;
 use super::maps::{ColorMap, FilePath, ScalarMap, VectorMap};
-use super::material_groom::{DENSITY, MaterialGroom, SHARE};
+use super::material_groom::{DENSITY, MaterialGloss, MaterialGroom, SHARE};
 use super::style::Style;
 use pelage_import::ImportOptions;
 use pelage_params::{PowerOfTwo, SrgbColor, params, words};
@@ -434,6 +434,12 @@ params! {
         ambient_floor: f32 = pelage_formats::Shading::default().ambient_floor, in 0.0..=0.999;
         /// Range of −N·L over which light reaches beyond the terminator. Small values give a hard edge.
         back_light_range: f32 = pelage_formats::Shading::default().back_light_range, in 0.001..=0.999;
+        /// Whether bare surface is glossy: eyes are wet, noses moist, and other bare materials have the roughness and
+        /// metalness of the model. A roughness of 1, the default of glTF, gives no gloss.
+        gloss: bool = true;
+        /// Gloss of single materials: `[[shading.material]]` with a `name`, in which `*` matches any characters and
+        /// `?` one, and any of `roughness` and `reflectance`. Later tables take precedence.
+        material: Vec<MaterialGloss> = Vec::new(), needs "shading.gloss=true";
     }
 }
 

@@ -3,8 +3,8 @@
 use super::slice::ShellTextures;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
-    Animation, FibreInfo, FinData, FormatError, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs, Package,
-    PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
+    Animation, FibreInfo, FinData, FormatError, Gloss, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs,
+    Package, PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub enum Content<'a> {
     Openness(Arc<[Openness]>),
     /// Stored normals of bare surface at each vertex.
     BareNormals(Arc<[[i16; 2]]>),
+    /// Gloss of the bare surface of each material.
+    Gloss(Vec<Option<Gloss>>),
     /// Lateral displacement of hair from its root.
     Roots(RootsInfo),
     /// Colour of the hair on each material, if it differs from that of the skin.
@@ -86,6 +88,7 @@ pub fn assemble<'a>(
         Content::Visibility(info) => writer.visibility(&info),
         Content::Openness(vertices) => writer.openness(&vertices),
         Content::BareNormals(vertices) => writer.bare_normals(&vertices),
+        Content::Gloss(materials) => writer.gloss(&materials),
         Content::Roots(info) => writer.roots(&info),
         Content::HairColors(colors) => writer.hair_colors(&colors),
         Content::Texture(file) => writer.texture(file),

@@ -5,7 +5,7 @@ use crate::memo::Memo;
 use crate::recipe::{HairColors, Recipe};
 use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
-use crate::stages::groom::{Colors, Lengths, VertexGroom};
+use crate::stages::groom::{Colors, Lengths, VertexGroom, cornea_normals};
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::hair_motion;
 use crate::stages::ink::{InkFiles, VertexInk};
@@ -18,9 +18,9 @@ use crate::stages::surface::Surface;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::meaning::{encode_bare_normal, groom_bytes, tile_frame, to_tile};
 use pelage_formats::{
-    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, HairMotion,
-    InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure, RootsInfo,
-    Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
+    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, Gloss,
+    HairMotion, InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure,
+    RootsInfo, Shading, SimplifiedLevel, StrandsData, Tag, VisibilityInfo,
 };
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
@@ -102,6 +102,8 @@ pub struct ModelResults<'a> {
     pub groom_textures: &'a [Vec<u8>],
     /// Index into `groom_textures` for each material.
     pub groom_of_material: &'a [Option<usize>],
+    /// Gloss of the bare surface of each material; empty if all is matt.
+    pub gloss: &'a [Option<Gloss>],
     /// Whether simplified triangle lists are added to the mesh.
     pub simplified: bool,
     /// Warnings of earlier stages.
@@ -201,7 +203,8 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
             .chain(roots)
             .chain(of_hair)
             .chain([Content::Openness(opened)])
-            .chain(bare_normals(surface).map(|normals| Content::BareNormals(normals.into())))
+            .chain(bare_normals(surface, pieces.gloss).map(|normals| Content::BareNormals(normals.into())))
+            .chain((!pieces.gloss.is_empty()).then(|| Content::Gloss(pieces.gloss.to_vec())))
             .collect(),
         images: textures,
         lengths: Some(pieces.lengths),
@@ -498,12 +501,14 @@ fn mesh_data(pieces: &ModelResults<'_>) -> MeshData {
 }
 
 /// Returns the stored normals of bare surface; `None` if they are those of the hair.
-fn bare_normals(surface: &Surface) -> Option<Vec<[i16; 2]>> {
+fn bare_normals(surface: &Surface, gloss: &[Option<Gloss>]) -> Option<Vec<[i16; 2]>> {
     let (mesh, tangents) = (&surface.mesh, &surface.tangents);
-    let stored = mesh.bare_normals.iter().zip(&mesh.normals).zip(tangents).map(|((bare, normal), tangent)| {
+    let of_corneas = cornea_normals(mesh, gloss);
+    let bare_normals = of_corneas.as_ref().unwrap_or(&mesh.bare_normals);
+    let stored = bare_normals.iter().zip(&mesh.normals).zip(tangents).map(|((bare, normal), tangent)| {
         encode_bare_normal(to_tile(tile_frame(*normal, tangent.truncate(), tangent.w), *bare))
     });
-    (!mesh.bare_normals.is_empty()).then(|| stored.collect())
+    (!bare_normals.is_empty()).then(|| stored.collect())
 }
 
 fn quality(surface: &Surface) -> Vec<QualityFigure> {

@@ -6,7 +6,7 @@ use crate::stages::slice::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{PlantingMesh, same_places};
 use pelage_formats::meaning::{decode_bare_normal, groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
-use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Package, Pose, SkinVertex, stored_bare_normals};
+use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Gloss, Package, Pose, SkinVertex, stored_bare_normals};
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
 
@@ -68,6 +68,8 @@ pub struct PosedMaterial {
     pub groom: Option<Image>,
     /// Opacity below which the mesh surface is cut away.
     pub alpha_cutoff: Option<f32>,
+    /// Gloss of bare surface; `None` for matt surface.
+    pub gloss: Option<Gloss>,
     /// Whether hair grows on the material.
     pub furred: bool,
     /// Whether back faces are visible.
@@ -137,6 +139,7 @@ impl PosedMesh {
             out.material_of.extend(std::iter::repeat_n(part.material, part.index_count as usize / 3));
         }
         let fibres = package.fibres().map_err(fault)?;
+        let gloss = package.gloss().map_err(fault)?;
         let hair_colors = package.hair_colors().map_err(fault)?;
         for (index, material) in package.manifest().materials.iter().enumerate() {
             let read = |view: Option<pelage_formats::TextureView<'_>>| {
@@ -153,6 +156,7 @@ impl PosedMesh {
                 texture: read(package.base_color_texture(index).map_err(fault)?)?,
                 groom: read(package.groom_texture(index).map_err(fault)?)?,
                 alpha_cutoff: material.alpha_cutoff,
+                gloss: gloss.get(index).copied().flatten(),
                 furred: material.furred,
                 double_sided: material.double_sided,
                 fibre: fibres.as_ref().and_then(|info| info.of_materials.get(index)).copied().unwrap_or(0),

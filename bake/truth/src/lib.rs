@@ -17,6 +17,7 @@ mod capsules;
 pub mod compare;
 pub mod decide;
 pub mod doctor;
+mod gloss;
 mod lighting;
 pub mod likeness;
 mod part_file;

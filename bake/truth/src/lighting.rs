@@ -11,9 +11,10 @@
 //! in any package.
 //!
 //! **Bare surface** follows Lambert's law with the same constants, so that it is as bright as the fur beside it: ka · C
-//! + kd · C · max(N·L, 0) · V.
+//! + kd · C · max(N·L, 0) · V. Glossy surface mirrors a share F of that light, and 1 − F enters it.
 
 use super::disc;
+use super::gloss::GlossyPoint;
 use super::scattering::TrueScattering;
 use super::sky::TrueSky;
 use super::tracer::{Hit, RayOrigin, Tracer};
@@ -23,6 +24,7 @@ use pelage_bake::stages::simulate::Strands;
 use pelage_bake::strands::{PosedMesh, PosedVertex};
 use pelage_formats::Shading;
 use pelage_formats::meaning::tile_axes_f64;
+use std::f64::consts::PI;
 
 /// A light of a ray-traced picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,7 +197,9 @@ impl Sample<'_> {
         let side = if front { 1.0 } else { -1.0 };
         let start = RayOrigin { strand: None, triangle: Some(triangle) };
         let visible = self.visibility(place_ws, start, shadow_rays);
-        let bare = self.bare(base, bare_normal(skin, triangle, weights) * side, place_ws, visible, start);
+        let bare_normal = bare_normal(skin, triangle, weights) * side;
+        let gloss = skin.material(triangle).gloss.map(|of| GlossyPoint::new(&of, base, bare_normal, to_eye));
+        let bare = self.bare(base, bare_normal, gloss, place_ws, visible, start);
         if !self.has_undercoat(triangle) {
             return bare;
         }
@@ -273,22 +277,56 @@ impl Sample<'_> {
         Some((TrueLight::Directional { towards_light_ws: way.as_vec3(), color }, f64::from(visible)))
     }
 
-    fn bare(&self, color: DVec3, normal: DVec3, place_ws: DVec3, visible: f64, start: RayOrigin) -> DVec3 {
+    fn bare(
+        &self,
+        color: DVec3,
+        normal: DVec3,
+        gloss: Option<GlossyPoint>,
+        place_ws: DVec3,
+        visible: f64,
+        start: RayOrigin,
+    ) -> DVec3 {
         let k = &self.material.dry;
         let key = self.lighting.key;
-        let mut sum = vector(k.ambient) * self.ambient();
-        let mut full = sum;
+        let mut full = vector(k.ambient) * self.ambient();
+        // A sample of the mirrored directions estimates the share of ambient light that is mirrored.
+        let mirrored = gloss.map(|point| {
+            let way = point.sample([self.random(6), self.random(7)]);
+            (point, way, point.value(way) / point.pdf(way).max(1e-12))
+        });
+        let (mut sum, mut mirrored) = match mirrored {
+            Some((point, way, share)) => {
+                let lit =
+                    share.max_element() > 0.0 && self.tracer.is_lit(place_ws, way, f64::INFINITY, start, (true, true));
+                let sky = self.lighting.sky.as_ref().map_or(full, |sky| vector(k.diffuse) * sky.radiance(way));
+                let mirrored = if lit { share * sky } else { DVec3::ZERO };
+                (full * (DVec3::ONE - share) * point.scattering(), mirrored)
+            }
+            None => (full, DVec3::ZERO),
+        };
         let sky = self.sample_sky(place_ws, start);
         let sky = sky.iter().map(|(light, visible)| (light, *visible));
         let lights = std::iter::once((&key, visible)).chain(self.lighting.fill.iter().map(|l| (l, 1.0))).chain(sky);
-        for (light, visible) in lights {
-            let cosine = normal.dot(light.direction_and_distance(place_ws).0).max(0.0);
-            sum += vector(k.diffuse) * cosine * visible * light.color();
-            full += vector(k.diffuse) * light.color();
+        // The sky, which is last, is mirrored above.
+        let without_size = 1 + self.lighting.fill.len();
+        for (i, (light, visible)) in lights.enumerate() {
+            let way = light.direction_and_distance(place_ws).0;
+            let light = vector(k.diffuse) * light.color();
+            let enters = gloss.map_or(DVec3::ONE, |point| point.enters(way));
+            sum += light * enters * normal.dot(way).max(0.0) * visible;
+            if let Some(point) = gloss.filter(|_| i < without_size) {
+                mirrored += light * point.value_of_light(way) * (visible * PI);
+            }
+            full += light;
         }
         let full = full.max_element();
         let rolled = if self.lighting.rolled_off && full > 1.0 { sum.max_element() * (full - 1.0) / full } else { 0.0 };
-        color * sum / (1.0 + rolled)
+        let scattered = color * sum / (1.0 + rolled);
+        if !self.lighting.rolled_off {
+            return scattered + mirrored;
+        }
+        // Highlights fill the range that the scattered light leaves.
+        scattered + mirrored / (1.0 + mirrored.max_element()) * (DVec3::ONE - scattered).max(DVec3::ZERO)
     }
 
     /// Returns the visibility of the point of the key light that this sample chose: 1 or 0.

@@ -1,5 +1,5 @@
 //! Path tracing of light between hairs. Fibres scatter as in [`pelage_formats::meaning::scattering::near`], the mesh
-//! surface by Lambert's law.
+//! surface by Lambert's law, below gloss if it has any.
 //!
 //! A light of colour 1 causes an irradiance of π, so that a white surface facing it has radiance 1, as in the lighting
 //! equation. Without an environment map, every path that leaves the scene meets ambient light: a uniform sky whose
@@ -8,6 +8,7 @@
 //! A fibre's absorption gives dense fur its colour ([`colour::absorption`]). Light enters and leaves a strand at the
 //! same point, because strands are thin compared with their surroundings.
 
+use super::gloss::GlossyPoint;
 use super::lighting::{Sample, TrueLight, bare_normal, frame, vector};
 use super::scattering::TrueScattering;
 use super::sky::TrueSky;
@@ -25,8 +26,17 @@ const MAX_SURFACE_ALBEDO: f64 = 0.98;
 
 /// Scattering at a hit point.
 enum Scatterer<'a> {
-    Hair { hit: near::FibreHit<'a>, tip: DVec3, to_eye: DVec3 },
-    Skin { albedo: DVec3, normal: DVec3 },
+    Hair {
+        hit: near::FibreHit<'a>,
+        tip: DVec3,
+        to_eye: DVec3,
+    },
+    /// `gloss`: glossy point, and the share of the surface that is bare there.
+    Skin {
+        albedo: DVec3,
+        normal: DVec3,
+        gloss: Option<(GlossyPoint, f64)>,
+    },
 }
 
 impl Sample<'_> {
@@ -55,7 +65,7 @@ impl Sample<'_> {
                 let aside = [draw(10), draw(11)];
                 let (way, seen) = self.light_visibility(light, i == 0, place, start, aside);
                 if seen {
-                    sum += left * met.value(way) * light.color() * PI;
+                    sum += left * met.value_of_light(way) * light.color() * PI;
                 }
             }
             if let Some(sky) = &self.lighting.sky {
@@ -162,7 +172,10 @@ impl Sample<'_> {
                 let [dry, wet] = self.material.root_colors;
                 let roots = dry.lerp(wet, wetness);
                 let albedo = base * DVec3::ONE.lerp(roots, coat) + (hair_base - base) * roots * coat;
-                Scatterer::Skin { albedo: albedo.clamp(DVec3::ZERO, DVec3::splat(MAX_SURFACE_ALBEDO)), normal }
+                let albedo = albedo.clamp(DVec3::ZERO, DVec3::splat(MAX_SURFACE_ALBEDO));
+                let gloss = skin.material(triangle).gloss.filter(|_| coat < 1.0);
+                let gloss = gloss.map(|of| (GlossyPoint::new(&of, base, normal, to_eye), 1.0 - coat));
+                Scatterer::Skin { albedo, normal, gloss }
             }
         }
     }
@@ -177,8 +190,25 @@ impl Scatterer<'_> {
                 // The fibre expects the azimuth of the light relative to the eye's.
                 hit.value(angles.from, -angles.phi).0.into()
             }
-            Self::Skin { albedo, normal } => *albedo * (normal.dot(way).max(0.0) / PI),
+            Self::Skin { gloss, .. } => {
+                self.below_gloss(way) + gloss.map_or(DVec3::ZERO, |(point, bare)| point.value(way) * bare)
+            }
         }
+    }
+
+    /// Returns the same as [`Self::value`] for a light, whose highlight has the size of the light.
+    fn value_of_light(&self, way: DVec3) -> DVec3 {
+        match self {
+            Self::Skin { gloss: Some((point, bare)), .. } => self.below_gloss(way) + point.value_of_light(way) * *bare,
+            _ => self.value(way),
+        }
+    }
+
+    /// Returns the scattering below a glossy surface, per steradian, cosine included; 0 for hair.
+    fn below_gloss(&self, way: DVec3) -> DVec3 {
+        let Self::Skin { albedo, normal, gloss } = self else { return DVec3::ZERO };
+        let enters = gloss.map_or(DVec3::ONE, |(point, bare)| DVec3::ONE.lerp(point.enters(way), bare));
+        *albedo * enters * (normal.dot(way).max(0.0) / PI)
     }
 
     /// Returns the probability density with which [`Self::sample`] chooses the direction `way`, per steradian.
@@ -188,7 +218,10 @@ impl Scatterer<'_> {
                 let angles = Angles::between(*tip, way, *to_eye);
                 hit.value(angles.from, -angles.phi).1
             }
-            Self::Skin { normal, .. } => normal.dot(way).max(0.0) / PI,
+            Self::Skin { normal, gloss, .. } => {
+                let below = normal.dot(way).max(0.0) / PI;
+                gloss.map_or(below, |(point, _)| below.midpoint(point.pdf(way)))
+            }
         }
     }
 
@@ -202,11 +235,16 @@ impl Scatterer<'_> {
                 let way = (*tip * drawn.from.0 + around * drawn.from.1).normalize_or(around);
                 (way, drawn.weight.into())
             }
-            Self::Skin { albedo, normal } => {
+            Self::Skin { gloss: Some((point, _)), .. } if even[2] < 0.5 => {
+                let way = point.sample([even[0], even[1]]);
+                (way, self.value(way) / self.pdf(way).max(1e-12))
+            }
+            Self::Skin { albedo, normal, gloss } => {
                 let (side, up) = normal.any_orthonormal_pair();
                 let (radius, turn) = (even[0].sqrt(), TAU * even[1]);
                 let flat = side * (radius * libm::cos(turn)) + up * (radius * libm::sin(turn));
-                ((flat + *normal * (1.0 - even[0]).max(0.0).sqrt()).normalize_or(*normal), *albedo)
+                let way = (flat + *normal * (1.0 - even[0]).max(0.0).sqrt()).normalize_or(*normal);
+                (way, if gloss.is_some() { self.value(way) / self.pdf(way).max(1e-12) } else { *albedo })
             }
         }
     }

@@ -7,6 +7,7 @@ pub(crate) mod animation;
 pub(crate) mod bare_normals;
 pub(crate) mod fibres;
 pub(crate) mod fins;
+pub(crate) mod gloss;
 pub(crate) mod hair;
 pub(crate) mod hair_colors;
 pub(crate) mod hair_motion;
@@ -41,6 +42,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &hair_colors::KIND,
     &openness::KIND,
     &bare_normals::KIND,
+    &gloss::KIND,
     &simplified::KIND,
     &strands::KIND,
     &hair::KIND,

@@ -10,6 +10,7 @@ mod allocation;
 mod bare_normals;
 mod damage;
 mod fibres;
+mod gloss;
 mod golden;
 mod hair;
 mod hair_colors;

@@ -1,6 +1,6 @@
-//! uses light/baked, light/fibre, light/fills, light/point, light/scatter, light/visibility, shared/environment,
-//! shared/frame, shared/kajiya_kay, shared/scattering, shared/skinning, shared/tile_frame, shared/visibility,
-//! surface/place
+//! uses light/baked, light/fibre, light/fills, light/gloss, light/point, light/scatter, light/visibility,
+//! shared/environment, shared/frame, shared/kajiya_kay, shared/scattering, shared/skinning, shared/tile_frame,
+//! shared/visibility, surface/place
 // Light from an environment map (formulas 4.15). The light from above the surface's horizon is treated as one light
 // that is spread about its mean direction.
 
@@ -313,14 +313,15 @@ fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
 }
 
 // Returns the environment light on a bare surface, by Lambert's law. `side`: -1 for the back of a double-sided part.
-fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
+fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32, gloss: GlossPoint) -> vec3<f32> {
     if !ENVIRONMENT {
         return vec3(0.0);
     }
+    let enters = instance.diffuse_constant * past_gloss_around(gloss);
     if side < 0.0 {
         // The openness of a body is known only for its outer side.
         let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
-        return color * instance.diffuse_constant * environment_texel(environment_place(normal), 2u);
+        return color * enters * environment_texel(environment_place(normal), 2u);
     }
-    return color * instance.diffuse_constant * around_at(spot, color).irradiance;
+    return color * enters * around_at(spot, color).irradiance;
 }

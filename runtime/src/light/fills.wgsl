@@ -1,11 +1,14 @@
-//! uses light/baked, light/fibre, light/point, light/scatter, shared/frame, shared/kajiya_kay, shared/skinning,
-//! shared/tile_frame, surface/place
+//! uses light/baked, light/fibre, light/gloss, light/point, light/scatter, shared/frame, shared/kajiya_kay,
+//! shared/skinning, shared/tile_frame, surface/place
 // Fill lights, which cast no shadows.
 
 // Maximum number of fill lights per frame.
 const MAX_FILL_LIGHTS: u32 = 32u;
+// Maximum number of lobes of an environment.
+const MAX_LOBES: u32 = 32u;
 
-@group(0) @binding(2) var<uniform> fill_lights: array<FillLight, MAX_FILL_LIGHTS>;
+// Fill lights; then, from MAX_FILL_LIGHTS, the lobes of the environment.
+@group(0) @binding(2) var<uniform> fill_lights: array<FillLight, MAX_FILL_LIGHTS + MAX_LOBES>;
 
 // Whether the frame has fill lights.
 override FILL_LIGHTS: bool = false;
@@ -54,7 +57,7 @@ fn fill_lights_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
 
 // Returns the fill light on a bare surface, by Lambert's law (formulas 4.1). `side`: -1 for the back of a double-sided
 // part.
-fn fill_lights_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
+fn fill_lights_on_bare(color: vec3<f32>, spot: Spot, side: f32, gloss: GlossPoint) -> vec3<f32> {
     var sum = vec3(0.0);
     if !FILL_LIGHTS {
         return sum;
@@ -62,7 +65,8 @@ fn fill_lights_on_bare(color: vec3<f32>, spot: Spot, side: f32) -> vec3<f32> {
     let normal = normalize_or(spot.normal_ws, vec3(0.0, 1.0, 0.0)) * side;
     for (var i = 0u; i < frame.fill_lights; i++) {
         let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
-        sum += color * instance.diffuse_constant * max(dot(normal, towards), 0.0) * fill_lights[i].color.rgb;
+        let enters = past_gloss(gloss, towards) * max(dot(normal, towards), 0.0);
+        sum += color * instance.diffuse_constant * enters * fill_lights[i].color.rgb;
     }
     return sum;
 }

@@ -1,5 +1,5 @@
-//! uses light/baked, light/forms, light/point, light/scatter, light/visibility, shared/kajiya_kay, shared/skinning,
-//! surface/place
+//! uses light/baked, light/forms, light/gloss, light/point, light/scatter, light/visibility, shared/frame,
+//! shared/kajiya_kay, shared/skinning, surface/place
 // Key light and ambient light on hair: Yang 2006, eqs. (2) and (3) (formulas 4.1).
 
 // Light that reaches a point. Geometries may compute parts of it per vertex.
@@ -65,7 +65,13 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
 
 // Returns the key light on a bare surface, by Lambert's law with the package's constants (formulas 4.1). Bare parts are
 // as bright as the fur beside them.
-fn key_light_on_bare(color: vec3<f32>, n_dot_l: f32, visible: f32) -> vec3<f32> {
-    let light = select(instance.diffuse, instance.specular, SCATTERING);
-    return color * (instance.ambient + light * (max(n_dot_l, 0.0) * visible));
+fn key_light_on_bare(color: vec3<f32>, n_dot_l: f32, visible: f32, spot: Spot, gloss: GlossPoint) -> vec3<f32> {
+    let enters = past_gloss(gloss, direction_to(frame.light_ws, spot.position_ws));
+    let light = key_on_bare() * enters * (max(n_dot_l, 0.0) * visible);
+    return color * (instance.ambient * past_gloss_around(gloss) + light);
+}
+
+// Returns the colour of the key light on bare surface.
+fn key_on_bare() -> vec3<f32> {
+    return select(instance.diffuse, instance.specular, SCATTERING);
 }

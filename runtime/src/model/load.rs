@@ -112,6 +112,8 @@ pub(crate) fn load(
     let roots = package.roots()?;
     let hair_colors = package.hair_colors()?;
     let hair_color = |material: usize| hair_colors.get(material).copied().flatten();
+    let gloss = package.gloss()?;
+    let gloss_of = |material: usize| gloss.get(material).copied().flatten();
     for (i, material) in manifest.materials.iter().enumerate() {
         let mut view = |index: Option<u32>, texture: Option<TextureView<'_>>| {
             let (Some(index), Some(texture)) = (index, texture) else { return Ok(surfaces.white.clone()) };
@@ -134,6 +136,8 @@ pub(crate) fn load(
             hair_tiles: manifest.fur.height_m / manifest.fur.tile_size_m.max(f32::MIN_POSITIVE),
             reserved: [0.0; 2],
             hair_color: hair_color(i).map_or([0.0; 4], |[r, g, b]| [r, g, b, 0.0]),
+            gloss: gloss_of(i)
+                .map_or([0.0; 4], |of| [of.roughness, of.reflectance, of.metalness, f32::from(u8::from(of.wet))]),
             fibre: fibres.as_ref().and_then(|info| info.of_materials.get(i)).copied().unwrap_or(0).into(),
             asides: root_offsets(roots.as_ref(), i),
         };
@@ -169,6 +173,7 @@ pub(crate) fn load(
                     at_root: uv_per_tile(roots.as_ref(), part.material as usize) > 0.0,
                     has_hair_color: hair_color(part.material as usize).is_some(),
                     has_groom_texture: material.groom_texture.is_some(),
+                    glossy: gloss_of(part.material as usize).is_some(),
                     cutout: material.alpha_cutoff.is_some(),
                     furred: material.furred && fur.is_some(),
                     double_sided: material.double_sided,

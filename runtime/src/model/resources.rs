@@ -104,6 +104,8 @@ pub(crate) struct Part {
     /// Whether hair has a colour of its own in place of the base colour.
     pub(crate) has_hair_color: bool,
     pub(crate) has_groom_texture: bool,
+    /// Whether bare surface is glossy.
+    pub(crate) glossy: bool,
     pub(crate) cutout: bool,
     pub(crate) furred: bool,
     pub(crate) double_sided: bool,

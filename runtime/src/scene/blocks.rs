@@ -8,6 +8,7 @@ use crate::params::{FrameParams, MAX_FILL_LIGHTS};
 use crate::shared::kajiya_kay::BACK_ATTENUATION_OFF;
 use crate::shared::{detail, frame as blocks, skinning};
 use crate::study;
+use crate::surface::Lights;
 use glam::{Mat3, Mat4, Vec3, Vec4};
 use pelage_formats::{FarLayerInfo, Shading};
 
@@ -35,17 +36,26 @@ pub(super) fn frame_block(
         // This value also applies to far fur layers, which have no shadow maps.
         hair_density: if params.self_shadow() { params.shadows.density } else { 0.0 },
         environment_most: sky_most,
+        environment_even: params.environment.as_ref().map_or([0.0; 3], |environment| environment.even),
+        environment_lobes: params.environment.as_ref().map_or(0, |environment| environment.lobes.len() as u32),
     }
 }
 
-/// Returns the fill lights in shader layout.
-pub(super) fn fill_lights(params: &FrameParams) -> Result<[blocks::FillLight; MAX_FILL_LIGHTS], RuntimeError> {
-    let mut lights = [blocks::FillLight::default(); MAX_FILL_LIGHTS];
+/// Returns the fill lights in shader layout, followed by the lobes of the environment.
+pub(super) fn fill_lights(params: &FrameParams) -> Result<Lights, RuntimeError> {
+    let mut lights: Lights = [Default::default(); _];
     for (slot, light) in lights.iter_mut().zip(&params.fill_lights) {
         *slot = blocks::FillLight {
             light_ws: light.homogeneous("FrameParams::fill_lights")?.to_array(),
             color: light.color().extend(0.0).to_array(),
         };
+    }
+    let lobes = params.environment.iter().flat_map(|environment| &environment.lobes);
+    for (slot, lobe) in lights.iter_mut().skip(MAX_FILL_LIGHTS).zip(lobes) {
+        let light = lobe.light();
+        let axis = light.towards.as_vec3().extend(light.sharpness as f32);
+        *slot =
+            blocks::FillLight { light_ws: axis.to_array(), color: Vec3::from(lobe.radiance).extend(0.0).to_array() };
     }
     Ok(lights)
 }

@@ -13,8 +13,9 @@ use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
 use crate::instance::Instance;
 use crate::light::{Casters, DeepMapHair, InstanceKey, ShadowKey, ShadowMaps, get_or_create};
 use crate::motion::PosedInstance;
-use crate::params::{FrameParams, MAX_FILL_LIGHTS, SelfShadow, StrandEdges};
+use crate::params::{FrameParams, SelfShadow, StrandEdges};
 use crate::shared::frame as blocks;
+use crate::surface::Lights;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -184,7 +185,7 @@ pub(crate) fn begin<'f>(
         let entries = vec![
             (0, BindingResource::block::<blocks::Frame>(&frame.buffer, frame.offset)),
             (1, BindingResource::block::<blocks::Instance>(&places.buffer, 0)),
-            (2, BindingResource::block::<[blocks::FillLight; MAX_FILL_LIGHTS]>(&fills.buffer, fills.offset)),
+            (2, BindingResource::block::<Lights>(&fills.buffer, fills.offset)),
             (3, BindingResource::View(layers.clone())),
             (4, BindingResource::View(width.clone())),
             (5, BindingResource::Sampler(surfaces.map_sampler.clone())),

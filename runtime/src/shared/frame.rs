@@ -17,6 +17,8 @@ pub(crate) struct Frame {
     pub fill_lights: u32,
     pub hair_density: f32,
     pub environment_most: f32,
+    pub environment_even: [f32; 3],
+    pub environment_lobes: u32,
 }
 
 /// Fill light, which casts no shadow, in shader layout.

@@ -1,6 +1,6 @@
 // Uniform blocks that all passes use.
 
-// Uniform block, one per frame. Size: 192 bytes.
+// Uniform block, one per frame. Size: 208 bytes.
 struct Frame {
     clip_from_world: mat4x4<f32>,
     // Eye position with w = 1; for an orthographic camera, the direction towards the eye with w = 0.
@@ -19,13 +19,17 @@ struct Frame {
     hair_density: f32,
     // Peak irradiance of the environment divided by pi, in its strongest channel.
     environment_most: f32,
+    // Uniform radiance of the environment.
+    environment_even: vec3<f32>,
+    // Number of lobes of the environment, which follow the fill lights.
+    environment_lobes: u32,
 }
 
-// Fill light, which casts no shadow. Size: 32 bytes.
+// Fill light, which casts no shadow, or a lobe of the environment. Size: 32 bytes.
 struct FillLight {
-    // Position or direction, in the form of Frame.light_ws.
+    // Position or direction, in the form of Frame.light_ws. For a lobe, its axis, with the sharpness in w.
     light_ws: vec4<f32>,
-    // Linear RGB; w is 0.
+    // Linear RGB, for a lobe the radiance at its centre; w is 0.
     color: vec4<f32>,
 }
 

@@ -14,6 +14,8 @@ pub mod environment;
 pub mod fins;
 /// Uniform blocks that all passes use: camera, light and drawn instance.
 pub mod frame;
+/// Gloss of bare surface: highlights and mirrored light (formulas 4.16).
+pub mod gloss;
 /// Ink-wash style: sphere map, features, lines, wash (Fang 2006; formulas 5.1, 5.2, 5.3).
 pub mod ink;
 /// Kajiya-Kay shading, Yang 2006, eq. (1), and the attenuations of eqs. (2) and (3) that need no map (formulas 4.1).

@@ -5,9 +5,13 @@ use crate::params::MAX_FILL_LIGHTS;
 use crate::shared::frame;
 use crate::shared::scattering::Fibre;
 use bytemuck::{Pod, Zeroable};
+use pelage_formats::meaning::environment::Environment;
 use pelage_formats::{AttributeVertex, FibreInfo, Fin, GeometryVertex, ROOT_HEIGHTS};
 use std::mem::offset_of;
 use wgpu::util::DeviceExt;
+
+/// Fill lights, then the lobes of the environment.
+pub(crate) type Lights = [frame::FillLight; MAX_FILL_LIGHTS + Environment::MOST_LOBES];
 
 /// Uniform block of a material.
 #[repr(C)]
@@ -28,6 +32,8 @@ pub(crate) struct MaterialUniform {
     pub(crate) reserved: [f32; 2],
     /// Linear RGB of hair in place of `base_color`, then 0; unused if hair has the base colour.
     pub(crate) hair_color: [f32; 4],
+    /// Roughness, reflectance and metalness of bare surface; then 1 if it is wet, else 0. All 0 for matt surface.
+    pub(crate) gloss: [f32; 4],
     /// Per height: the values `mean` and `along` of `RootsInfo::asides`, in texture coordinates of the base colour,
     /// then 0.
     pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
@@ -127,7 +133,7 @@ impl Surfaces {
         let frame = [
             uniform::<frame::Frame>(0, false),
             uniform::<frame::Instance>(1, true),
-            uniform::<[frame::FillLight; MAX_FILL_LIGHTS]>(2, false),
+            uniform::<Lights>(2, false),
             texture(3, D2Array),
             texture(4, D2),
             sampler(5),

@@ -31,6 +31,8 @@ struct Material {
     hair_tiles: f32,
     // Colour of hair in place of the base colour, if HAIR_COLOR.
     hair_color: vec4<f32>,
+    // Roughness, reflectance and metalness of bare surface; then 1 if it is wet, else 0. Used if GLOSS.
+    gloss: vec4<f32>,
     // Sideways offsets of hair from its root, in texture coordinates of the base colour, in the form that root_aside
     // expects. They are sampled at evenly spaced heights from the mesh surface to the outermost layer.
     asides: array<vec4<f32>, 8>,

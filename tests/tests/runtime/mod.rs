@@ -6,6 +6,7 @@ mod drawable;
 mod false_colors;
 mod fins;
 mod frames;
+mod gloss;
 mod groom;
 mod hair_motion;
 mod ink;

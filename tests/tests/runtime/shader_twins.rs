@@ -18,11 +18,11 @@ use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
 use pelage_tests::support::sphere::Random;
 
-type Case<const N: usize> = [[f32; 4]; N];
+pub(super) type Case<const N: usize> = [[f32; 4]; N];
 
 /// Checks twin and GPU against the f64 reference for every case. `tolerance` returns the absolute tolerance per
 /// component, as a function of the reference value.
-fn assert_truth_twin_and_shader_agree<const N: usize>(
+pub(super) fn assert_truth_twin_and_shader_agree<const N: usize>(
     name: &str,
     library: &str,
     expression: &str,

@@ -1,5 +1,6 @@
 //! Tests of the stages of a bake, individually and in sequence.
 
+mod gloss;
 mod pipeline;
 mod rebake;
 mod reference;

@@ -1,7 +1,7 @@
 //! Interpretation of the names of materials, nodes and meshes: whether they stand for furred or bare parts.
 
 use super::words::{
-    BARE, BareWords, EYES, FURRED, FURRED_WITHIN, INSIDE, MOUTH, POSITION_CHARACTERS, POSITION_WORDS, SNOUT,
+    BARE, BareWords, EYES, FURRED, FURRED_WITHIN, INSIDE, MOUTH, NOSE, POSITION_CHARACTERS, POSITION_WORDS, SNOUT,
 };
 
 /// Meaning of a name.
@@ -123,6 +123,12 @@ pub(super) fn meaning_of_words<W: AsRef<str>>(words: &[W]) -> NameMeaning {
 pub(super) fn are_names_of_eyes(words: &[String]) -> bool {
     let is_eye = |word: &String| bare_word_kind(word).is_some_and(|kind| kind.words == EYES);
     matches!(meaning_of_words(words), NameMeaning::Bare { .. }) && words.iter().any(is_eye)
+}
+
+/// Whether words from [`words`] name a bare nose or snout.
+pub(super) fn are_names_of_nose(words: &[String]) -> bool {
+    let is_nose = |word: &String| bare_word_kind(word).is_some_and(|kind| kind.most == NOSE);
+    meaning_of_words(words) != NameMeaning::Furred && (words.iter().any(is_nose) || are_names_of_snout(words))
 }
 
 /// Whether one of the words names a snout, which may be furred or bare.

@@ -16,7 +16,7 @@ pub(super) struct BareWords {
 /// Limit for body parts. A cartoon's eyes, a stag's antlers and a calf's hooves are large.
 const PART: f32 = 0.3;
 /// Limit for noses. A nose that covers more is the furred snout around it.
-const NOSE: f32 = 0.1;
+pub(super) const NOSE: f32 = 0.1;
 /// Limit for clothes, which may cover most of a body, but hardly all of it.
 const WORN: f32 = 0.7;
 

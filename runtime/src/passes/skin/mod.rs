@@ -32,6 +32,7 @@ pub(crate) const PASS: Pass = Pass {
 fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part, furred: bool) -> RenderSpec {
     let (model, look) = (&seen.model, &seen.look);
     let mut constants = material_constants(part);
+    constants.push(flag("GLOSS", part.glossy));
     constants.extend(look.lit_surface_constants());
     let sides = [look.mirrored, part.double_sided];
     let bare_normals = model.bare_normals().is_some();

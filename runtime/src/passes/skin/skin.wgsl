@@ -1,6 +1,7 @@
 //! uses debug/false_color, hair/coat, hair/hair, hair/vertex, light/baked, light/environment, light/fills, light/forms,
-//! light/key, light/point, light/visibility, shared/frame, shared/kajiya_kay, shared/tile_frame, surface/place
-// Opaque base mesh. Furred parts show the innermost hair layer; bare parts (eyes, hooves) are diffuse.
+//! light/gloss, light/key, light/point, light/visibility, shared/frame, shared/kajiya_kay, shared/tile_frame,
+//! surface/place
+// Opaque base mesh. Furred parts show the innermost hair layer; bare parts (eyes, hooves) are diffuse or glossy.
 
 // Whether light is compressed so that no channel exceeds white, as in the bare style.
 override ROLL_OFF: bool = false;
@@ -101,10 +102,10 @@ fn side_of(front: bool) -> f32 {
     return select(-1.0, 1.0, front);
 }
 
-// Returns the light that a bare surface sends to the eye, summed over all lights.
-fn bare_color(base: vec3<f32>, n_dot_l: f32, visible: f32, spot: Spot, side: f32) -> vec3<f32> {
-    return key_light_on_bare(base, n_dot_l, visible) + fill_lights_on_bare(base, spot, side)
-        + environment_on_bare(base, spot, side);
+// Returns the light that a bare surface scatters to the eye, summed over all lights.
+fn bare_color(base: vec3<f32>, n_dot_l: f32, visible: f32, spot: Spot, side: f32, gloss: GlossPoint) -> vec3<f32> {
+    return key_light_on_bare(base, n_dot_l, visible, spot, gloss) + fill_lights_on_bare(base, spot, side, gloss)
+        + environment_on_bare(base, spot, side, gloss);
 }
 
 @fragment
@@ -117,11 +118,17 @@ fn fs_bare(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) 
     let n_dot_l = in.light_ts.z * side;
     let visible = visible_on_bare(Receiver(in.place, 0.0, false, n_dot_l));
     let spot = Spot(in.position_ws, in.normal_ws, in.tangent, in.open);
+    let gloss = gloss_point(base.rgb, spot, side);
+    let mirrored = gloss_color(gloss, visible, spot, side);
     if ROLL_OFF {
-        let light = rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side), brightest_light());
-        return false_color(vec4(base.rgb * light, 1.0), 0u, 0.0);
+        let light = rolled_off(bare_color(vec3(1.0), n_dot_l, visible, spot, side, gloss), brightest_light());
+        let scattered = base.rgb * light;
+        // Highlights fill the range that the scattered light leaves.
+        let share = mirrored / (1.0 + max(mirrored.r, max(mirrored.g, mirrored.b)));
+        return false_color(vec4(scattered + share * max(1.0 - scattered, vec3(0.0)), 1.0), 0u, 0.0);
     }
-    return false_color(vec4(bare_color(base.rgb, n_dot_l, visible, spot, side), 1.0), 0u, 0.0);
+    let color = bare_color(base.rgb, n_dot_l, visible, spot, side, gloss) + mirrored;
+    return false_color(vec4(color, 1.0), 0u, 0.0);
 }
 
 // Returns the maximum light on a bare surface, with all lights along its normal: F of formulas 4.1.
@@ -191,7 +198,10 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
         bare_spot.normal_ws = in.bare_normal_ws;
         n_dot_l = dot(in.bare_normal_ws, direction_to(frame.light_ws, in.position_ws)) * side;
     }
-    let bare = bare_color(base.rgb, n_dot_l, visible * visible_past_strands(baked, light), bare_spot, side);
+    let reached = visible * visible_past_strands(baked, light);
+    let gloss = gloss_point(base.rgb, bare_spot, side);
+    let bare = bare_color(base.rgb, n_dot_l, reached, bare_spot, side, gloss)
+        + gloss_color(gloss, reached, bare_spot, side);
     // The bake writes an opaque innermost layer. If a package's layer is not opaque, the bare surface shows between the
     // hairs.
     let ambient = ambient_attenuation(0.0, instance.ambient_floor);
