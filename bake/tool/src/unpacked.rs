@@ -282,9 +282,10 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
         fail(file, "contents", reason)
     };
     if let Some((index, described, found)) = guides {
-        // Guides are read with the mesh surface at rest, taken from the package without guides. Their motion is left
-        // out too, because it requires guides.
-        let skin = sections.iter().filter(|section| !matches!(section, Content::Bytes(Tag::HAIR_MOTION, _)));
+        // Guides are read with the mesh surface at rest, taken from the package without guides. Their motion and the
+        // fibres are left out too, because they require guides.
+        let needs_guides = |section: &Content<'_>| matches!(section, Content::Bytes(Tag::HAIR_MOTION | Tag::FIBRES, _));
+        let skin = sections.iter().filter(|section| !needs_guides(section));
         let without = assemble(version, manifest.clone(), skin.map(Content::borrowed)).map_err(faulty)?;
         let skin = Package::open(&without, &Limits::default()).and_then(|package| RestMesh::of(&package));
         let groups = hair::read(&described, &found, &skin.map_err(faulty)?)?;
