@@ -86,12 +86,12 @@ fn mirrored_light_is_conserved() {
         let mean = |light: &dyn Fn(Vec3) -> f64| {
             let count = 400_000;
             let sum = (0..count).map(|i| {
-                let (z, turn) = ((i as f64 + 0.5) / count as f64, 2.399_963_229_728_653 * i as f64);
+                let (z, turn) = ((f64::from(i) + 0.5) / f64::from(count), 2.399_963_229_728_653 * f64::from(i));
                 let way = DVec3::new((1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z);
                 lobe(way.as_vec3()) * light(way.as_vec3())
             });
             // A light of colour 1 has an irradiance of π, and the hemisphere 2 π steradians.
-            sum.sum::<f64>() / count as f64 * 2.0
+            sum.sum::<f64>() / f64::from(count) * 2.0
         };
         let whole = mean(&|_| 1.0);
         let fit = f64::from(gloss::gloss_albedo(Vec3::ONE, roughness, e).x);
@@ -173,7 +173,7 @@ fn glossy_sphere_matches_the_path_tracer() {
             let picture = drawn(gpu, &bytes, &params);
             let skin = PosedMesh::posed("sphere", &opened, &[]).unwrap();
             let scene = TrueScene::new(Curves::default(), skin, None, opened.manifest().shading).unwrap();
-            let lens = Lens::Orthographic { height_m: HEIGHT_M.into() };
+            let lens = Lens::Orthographic { height_m: HEIGHT_M };
             let eye = TrueCamera { eye_ws: Vec3::Z, target_ws: Vec3::ZERO, up_ws: Vec3::Y, lens };
             let traced = scene.picture(&eye, &lighting, (SIZE, SIZE), 64, &mut |_, _| ());
             // The alpha of texels is linear.
@@ -215,7 +215,7 @@ fn light_paths_see_the_same_gloss() {
         let scattering = paths.then(|| TrueScattering::new(fibre, 4).unwrap());
         let sky = Some(TrueSky::of_environment(room.clone()));
         let lighting = TrueLighting { scattering, sky, skin_shadows: false, ..TrueLighting::of(key) };
-        let lens = Lens::Orthographic { height_m: HEIGHT_M.into() };
+        let lens = Lens::Orthographic { height_m: HEIGHT_M };
         let eye = TrueCamera { eye_ws: Vec3::Z, target_ws: Vec3::ZERO, up_ws: Vec3::Y, lens };
         let traced = scene.picture(&eye, &lighting, (48, 48), 64, &mut |_, _| ());
         traced.pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / traced.covered() as f64
