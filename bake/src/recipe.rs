@@ -149,12 +149,14 @@ impl Recipe {
     }
 
     /// Parses the recipe recorded in a package; `file` is its name for messages. Packages written before coats existed
-    /// may omit keys. Such keys get the values of [`Coat::Natural`], which were the defaults then.
+    /// may omit keys. Such keys get the values of [`Coat::Natural`] and the shading model `kajiya-kay`, which were the
+    /// defaults then.
     ///
     /// # Errors
     /// The errors of [`Recipe::parse`].
     pub fn parse_recorded(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::of_coat(Coat::Natural)?;
+        recipe.shading.model = ShadingModel::KajiyaKay;
         recipe.merge(file, text)?;
         Ok(recipe)
     }
@@ -197,6 +199,7 @@ impl Recipe {
     ) -> Result<(), BakeError> {
         let before = self.hair.coat;
         change(self).map_err(|fault| input(file, fault))?;
+        self.shading.settle();
         let coat = self.hair.coat;
         if coat == before {
             return Ok(());
@@ -204,7 +207,9 @@ impl Recipe {
         coats::change(self, before, coat)
             .map_err(|fault| BakeError::Internal(format!("the coat {:?}: {fault}", coat.word())))?;
         // Apply the change again: a key that it sets may have had the previous coat's value.
-        change(self).map_err(|fault| input(file, fault))
+        change(self).map_err(|fault| input(file, fault))?;
+        self.shading.settle();
+        Ok(())
     }
 
     /// Returns the recipe as TOML, with every key that has a value, in the order of [`keys`]. Parsing it gives an equal
@@ -294,10 +299,13 @@ impl Recipe {
     }
 }
 
-/// Returns the recipe of the coat `natural`, for tests. Its strands are few, thick and of one kind.
+/// Returns the recipe of the coat `natural` with the shading model `kajiya-kay`, for tests. Its strands are few, thick
+/// and of one kind, and no table is computed for their fibres.
 #[doc(hidden)]
 pub fn natural() -> Recipe {
-    Recipe::of_coat(Coat::Natural).unwrap_or_else(|error| panic!("{error}"))
+    let mut recipe = Recipe::of_coat(Coat::Natural).unwrap_or_else(|error| panic!("{error}"));
+    recipe.shading.model = ShadingModel::KajiyaKay;
+    recipe
 }
 
 #[cfg(test)]

@@ -89,7 +89,7 @@ pub use params::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraFor
 pub use params::{
     DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams, InkBackground,
     InkDebugView, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering, SelfShadow, ShadowParams,
-    StrandEdges, Style, StyleKind, Wind,
+    StrandEdges, Style, StyleKind, ToneMapping, Wind,
 };
 pub use passes::{PassId, PassStage};
 pub use renderer::Renderer;

@@ -2,9 +2,7 @@
 //! in the model. It records the values that it chooses because the recipe leaves them open.
 
 use crate::decision::Decision;
-use crate::recipe::{
-    self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, ShadingModel, SrgbColor, SurfaceSource,
-};
+use crate::recipe::{self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, SrgbColor, SurfaceSource};
 use crate::stages::groom::{
     self, Body, BodyGroom, FurredMaterials, ImageCoordinates, JointValues, LayoutMaps, Lengths, MapImages, Maps,
     MarkValues, ModelAtlas,
@@ -119,9 +117,9 @@ pub fn lay_out_model<'a>(
             line: format!("groom.color = {}", in_toml(HairColors::PLAIN)),
         });
     }
-    let open = match (colored, recipe.shading.model) {
-        (true, ShadingModel::KajiyaKay) => HairColors::NEUTRAL,
-        (true, ShadingModel::Marschner) => HairColors::SCATTERING,
+    let open = match (colored, recipe.shading.scatters()) {
+        (true, false) => HairColors::NEUTRAL,
+        (true, true) => HairColors::SCATTERING,
         (false, _) => HairColors::BROWN,
     };
     let pigmented = recipe.fibre.pigmented();

@@ -4,7 +4,7 @@ use super::layout::{Layout, lay_out_model};
 use super::outputs::{
     BakeInput, Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required,
 };
-use crate::recipe::{ColorParams, HairColors, Recipe, ShadingModel};
+use crate::recipe::{ColorParams, HairColors, Recipe};
 use crate::stages::detail;
 use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
@@ -177,7 +177,7 @@ pub(super) fn scatter(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Resul
     let (skin, guided) = (required(&outputs.skin, Skin)?, required(&outputs.guided, Guided)?);
     let materials = skin.manifest.materials.iter().map(|material| material.name.as_str());
     let groups = guided.groups.iter().map(|group| group.name.as_str());
-    let scatters = input.recipe.shading.model == ShadingModel::Marschner;
+    let scatters = input.recipe.shading.scatters();
     outputs.fibres = Some(scatters.then(|| scatter::tables(&input.recipe.fibre, materials, groups)).transpose()?);
     Ok(())
 }

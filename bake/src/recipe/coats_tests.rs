@@ -97,7 +97,8 @@ fn coats_page_lists_every_coat_and_existing_pictures() {
 #[test]
 fn recorded_recipes_without_a_coat_keep_the_old_defaults() {
     let recorded = Recipe::parse_recorded("old", "[hair]\nlean = 0.7\n").unwrap();
-    let natural = of(Coat::Natural);
+    let mut natural = of(Coat::Natural);
+    natural.shading.model = crate::recipe::ShadingModel::KajiyaKay;
     assert_eq!(recorded, Recipe { hair: crate::recipe::HairParams { lean: 0.7, ..natural.hair.clone() }, ..natural });
     assert_eq!((recorded.underfur.density, recorded.hair.density, recorded.groom.by_body), (0, 700, 0.0));
     // Recipes that are recorded today name every key.

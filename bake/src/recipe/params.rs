@@ -402,8 +402,10 @@ words! {
 words! {
     /// Shading model of hair.
     ShadingModel {
-        /// Two lobes with constant coefficients (Kajiya and Kay).
+        /// `marschner`; `kajiya-kay` if the recipe changes a constant that only `kajiya-kay` uses.
         #[default]
+        Auto = "auto",
+        /// Two lobes with constant coefficients (Kajiya and Kay).
         KajiyaKay = "kajiya-kay",
         /// Scattering by fibres (Marschner et al.).
         Marschner = "marschner",
@@ -416,7 +418,7 @@ params! {
         /// Shading model: `kajiya-kay` uses two lobes and the constants below (Yang 2006). `marschner` uses scattering
         /// tables of the fibres in `[fibre]`, with multiple scattering between hairs. With `marschner`, hair colours
         /// are those of deep fur in uniform light, without a gain for shadows, and only the ambient constants are used.
-        model: ShadingModel = ShadingModel::KajiyaKay;
+        model: ShadingModel = ShadingModel::Auto;
         /// Ambient coefficient ka, multiplied by the hair's colour.
         ambient: [f32; 3] = pelage_formats::Shading::default().ambient, in 0.0..=100.0;
         /// Diffuse coefficient kd.
@@ -440,6 +442,22 @@ params! {
         /// Gloss of single materials: `[[shading.material]]` with a `name`, in which `*` matches any characters and
         /// `?` one, and any of `roughness` and `reflectance`. Later tables take precedence.
         material: Vec<MaterialGloss> = Vec::new(), needs "shading.gloss=true";
+    }
+}
+
+impl ShadingParams {
+    /// Returns whether hair is shaded by the scattering of its fibres.
+    pub fn scatters(&self) -> bool {
+        self.model != ShadingModel::KajiyaKay
+    }
+
+    /// Sets the automatic model to `kajiya-kay` if a constant that only this model uses has been changed.
+    pub(super) fn settle(&mut self) {
+        let default = Self::default();
+        let lobes = |s: &Self| (s.diffuse, s.specular, s.diffuse_exponent, s.specular_exponent, s.back_light_range);
+        if self.model == ShadingModel::Auto && lobes(self) != lobes(&default) {
+            self.model = ShadingModel::KajiyaKay;
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use super::view::PictureView;
 use pelage_bake::io;
 use pelage_bake::pipeline::{self, BakeInput, Baked};
 use pelage_bake::stages::groom::MapImages;
-use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Rgb, Samples, find_clip};
+use pelage_stage::{Background, Gpu, LookStyle, NamedPackage, Samples, find_clip};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -35,9 +35,6 @@ const MODELS: [(BuiltIn, Option<(&str, f32)>); 2] = [(HARE, Some(("EarBreath", 0
 
 /// Clip of the hare that is drawn in ink, and the number of pictures in one loop.
 const GAIT: (&str, u32) = ("Walk", 16);
-
-/// Background, a neutral studio grey; sRGB-encoded.
-const BACKGROUND: [u8; 3] = [204, 209, 217];
 
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
@@ -103,7 +100,7 @@ fn gait(file: &NamedPackage<'_>, gpu: &Gpu, folder: &Path, output: &mut Output) 
 fn views(moment: Option<(&str, f32)>) -> Vec<(&'static str, PictureView)> {
     let furry = PictureView::sized((834, 834)).with(|look| {
         look.picture.samples = Samples(4);
-        look.picture.background = Some(Background::Color(Rgb(BACKGROUND)));
+        look.picture.background = Some(Background::Studio);
     });
     let bare = furry.clone().with(|look| look.picture.style = LookStyle::Bare);
     let inked = furry.clone().with(|look| {

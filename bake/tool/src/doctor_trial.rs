@@ -4,7 +4,7 @@
 use super::exit::Failure;
 use super::output::Output;
 use super::stages::{pixels, stage_of};
-use super::truth::{self, ReferenceTracer};
+use super::truth::ReferenceTracer;
 use super::view::PictureView;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
@@ -43,7 +43,7 @@ pub fn try_advice(
     let samples = samples.min(u64::from(recipe.judge.samples)) as u32;
     let mut show =
         |done: u64, all: u64| output.progress_of(done as usize, all as usize, "pixels of the reference image");
-    let traced = Picture::from(&truth::encode(&truth.picture(view, samples, &mut show), view.look.background()));
+    let traced = Picture::from(&truth.encode(&truth.picture(view, samples, &mut show), view));
     let fur_px = truth.fur_px(view);
     let error = |file: &NamedPackage<'static>| -> Result<f64, Failure> {
         let mut stage = stage_of(file, view, || Ok(gpu.clone()))?;

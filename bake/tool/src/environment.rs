@@ -56,7 +56,7 @@ impl Sky {
         let Some(source) = &look.environment.sky else { return Ok(None) };
         let of = match &source.kind {
             SkyKind::File(path) => read(Path::new(path), look.environment.lobes, look.environment.ground_color())?,
-            _ => EnvironmentFile::Lights(look.environment.from_colors().unwrap_or_default()),
+            _ => EnvironmentFile::Lights(look.environment.built_in().unwrap_or_default()),
         };
         let (yaw_deg, strength) = (source.yaw_deg, look.environment.strength);
         let lobes = look.environment.lobes as usize;

@@ -102,8 +102,8 @@ impl PictureSeries {
         if self.turn_light {
             self.scene.params.light = turned(self.light, angle_rad);
             let sky = self.view.sky.as_ref().map(|sky| sky.environment().turned(turn_deg));
-            if sky.is_some() {
-                self.scene.params.environment = sky;
+            if let Some(sky) = sky {
+                self.scene.params.environment = Some(sky.scaled(self.view.look.exposure()));
             }
         }
         let (drawn, mut pixels) = picture(&mut self.scene)?;

@@ -12,7 +12,7 @@ use super::picture_args::positive;
 use super::progress::span;
 use super::share::share;
 use super::threads;
-use super::truth::{ReferenceTracer, encode};
+use super::truth::ReferenceTracer;
 use super::view::PictureView;
 use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS, ViewArgs};
 use glam::DMat4;
@@ -157,6 +157,10 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
             "--background: found with an .exr, which stores transparency; expected no --background".into(),
         ));
     }
+    if view.look.picture.background == Some(Background::Studio) || view.look.picture.ground_shadow {
+        let text = "a ground with shadow is drawn by `render` only: expected another --background, or none";
+        return Err(Failure::Usage(text.into()));
+    }
     require_parent(&args.output)?;
     let file = package_file::read(&args.package)?;
     let pool = threads::pool(args.threads)?;
@@ -167,6 +171,7 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
     if args.fibre == FibreLighting::Exact || args.bounces.is_some() {
         truth.scatter(args.bounces.unwrap_or(TrueScattering::BOUNCES))?;
     }
+    let view = truth.resolved(&view);
     let grown_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let sums = pool.install(|| trace(args, &truth, &view, output));
@@ -186,10 +191,10 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
                 primary_rays: picture.rays.primary,
                 shadow_rays: picture.rays.shadow,
             };
-            let shown = png_pixels(&picture, &view, &camera);
+            let shown = png_pixels(&truth, &picture, &view, &camera);
             TracedPart { of, traced: picture.clone(), shown }.encode()
         }
-        Format::Png => png(&png_pixels(&picture, &view, &camera))?,
+        Format::Png => png(&png_pixels(&truth, &picture, &view, &camera))?,
         Format::Exr => exr(&picture)?,
     };
     io::write_atomic(&args.output, &bytes)?;
@@ -275,8 +280,8 @@ impl ReferenceArgs {
 }
 
 /// Returns the pixels to write as PNG.
-fn png_pixels(picture: &TracedPicture, view: &PictureView, camera: &TrueCamera) -> RgbaImage {
-    let mut pixels = encode(picture, view.look.background());
+fn png_pixels(truth: &ReferenceTracer, picture: &TracedPicture, view: &PictureView, camera: &TrueCamera) -> RgbaImage {
+    let mut pixels = truth.encode(picture, view);
     lay_over_sky(&view.look, view.sky.as_deref(), &mut pixels, camera, 0.0);
     pixels
 }

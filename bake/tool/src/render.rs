@@ -227,6 +227,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let first = args.view.frames.map_or(0, |range| range.first as usize);
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let cast = subject.cast(&view)?;
+    let view = view.resolved(cast.has_fibres()?);
     if view.look.picture.style == LookStyle::Ink {
         note_undrawn_hair(output, &cast.packages)?;
     }

@@ -2,7 +2,7 @@
 
 use super::exit::Failure;
 use super::stages::{pixels, stage_of};
-use super::truth::{self, ReferenceTracer};
+use super::truth::ReferenceTracer;
 use super::view::PictureView;
 use pelage_bake::picture::Picture;
 use pelage_bake::pipeline::{self, BakeInput};
@@ -125,7 +125,7 @@ impl<'a> ShellJudge<'a> {
                 doing(&format!("reference image {} of {}, {} %", i + 1, cameras.len(), 100 * done / all.max(1)));
             });
             // The reference image is quantised to 8 bits per channel, like the pictures compared with it.
-            let picture = Picture::from(&truth::encode(&picture, view.look.background()));
+            let picture = Picture::from(&truth.encode(&picture, &view));
             let fur_px = truth.fur_px(&view);
             views.push(ReferenceView { view, picture, fur_px });
         }

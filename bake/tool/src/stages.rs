@@ -22,6 +22,7 @@ pub fn stage(
     view: &PictureView,
     open_gpu: impl FnOnce() -> Result<Gpu, StageError>,
 ) -> Result<Stage, StageError> {
+    let view = view.resolved(cast.has_fibres()?);
     Stage::new(cast, &view.look.picture(), view.frame_params(), view.time_s, open_gpu)
 }
 

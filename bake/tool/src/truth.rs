@@ -6,11 +6,11 @@ use super::view::PictureView;
 use glam::Vec3;
 use pelage_bake::strands::{Curves, GroomReport, PosedMesh, grow_groups, grow_on, tile_hair};
 use pelage_formats::meaning::scattering::Fibre;
-use pelage_formats::meaning::up_of_view;
-use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
+use pelage_formats::meaning::tone::tone_mapped;
+use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear, up_of_view};
 use pelage_formats::{FibreInfo, FibreOptics, HairGroup};
 use pelage_import::BakeError;
-use pelage_stage::{KeyLight, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
+use pelage_stage::{KeyLight, Look, LookScattering, LookSelfShadow, LookStyle, NamedPackage, Viewpoint};
 use pelage_truth::{Lens, Portion, TracedPicture, TrueCamera, TrueLight, TrueLighting, TrueScattering, TrueScene};
 use std::ops::ControlFlow;
 
@@ -21,6 +21,8 @@ pub struct ReferenceTracer {
     /// Report about the growth of the tile's strands.
     pub report: GroomReport,
     scattering: Option<TrueScattering>,
+    /// Whether the package has fibre data.
+    fibres: bool,
     /// Whether hair is lit by scattering even if the look disables it.
     forced: bool,
     outline: Vec<Vec3>,
@@ -54,9 +56,11 @@ impl ReferenceTracer {
             skin.materials.iter_mut().for_each(|material| material.furred = false);
         }
         let info = package.fibres().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
+        let fibres = info.is_some();
         let scattering = info.map(|info| scattering(&info, &groups, &skin, &curves)).transpose()?;
         Ok(Self {
             scattering,
+            fibres,
             forced: false,
             scene: TrueScene::new(curves, skin, hair.as_ref(), manifest.shading)?,
             report,
@@ -131,6 +135,16 @@ impl ReferenceTracer {
         Ok(())
     }
 
+    /// Returns the view with the light that `render` uses for this package, as [`Look::resolved`] does.
+    pub fn resolved(&self, view: &PictureView) -> PictureView {
+        view.resolved(self.fibres)
+    }
+
+    /// Encodes a picture of [`Self::picture`] with the same view, as `render` does.
+    pub fn encode(&self, picture: &TracedPicture, view: &PictureView) -> image::RgbaImage {
+        encode(picture, &self.resolved(view).look)
+    }
+
     /// Returns the scattering of the fibres; `None` for a package without fibres.
     pub fn scattering(&self) -> Option<&TrueScattering> {
         self.scattering.as_ref()
@@ -138,6 +152,7 @@ impl ReferenceTracer {
 
     /// Returns the lights and lighting terms of a look, and the model of hair lighting.
     pub fn lighting(&self, view: &PictureView) -> TrueLighting {
+        let view = &self.resolved(view);
         let look = &view.look;
         let scattering = match look.fur.scattering {
             _ if self.forced => self.scattering.clone(),
@@ -207,11 +222,17 @@ pub fn true_camera(Viewpoint { eye, target, fov_deg }: Viewpoint) -> TrueCamera 
     }
 }
 
-/// Encodes a picture as `render` does: sRGB with straight alpha, or composited over `background` if given (sRGB).
-pub fn encode(picture: &TracedPicture, background: Option<[u8; 3]>) -> image::RgbaImage {
-    let behind = background.map(|rgb| rgb.map(srgb_to_linear));
+/// Encodes a picture as `render` does with the same look: exposed, tone-mapped, sRGB with straight alpha, or composited
+/// over the look's background colour.
+fn encode(picture: &TracedPicture, look: &Look) -> image::RgbaImage {
+    let behind = look.background().map(|rgb| rgb.map(srgb_to_linear));
+    let exposure = look.exposure();
+    let shown = |light: Vec3| if look.is_tone_mapped() { tone_mapped(light) } else { light };
     image::RgbaImage::from_fn(picture.width, picture.height, |x, y| {
         let [r, g, b, alpha] = picture.pixels[y as usize * picture.width as usize + x as usize];
+        // The runtime maps the colours of surfaces, before their coverage.
+        let light = exposure * Vec3::new(r, g, b);
+        let [r, g, b] = if alpha > 0.0 { (alpha * shown(light / alpha)).to_array() } else { light.to_array() };
         match behind {
             Some(behind) => {
                 let over = |color: f32, behind: f32| linear_to_srgb(color + (1.0 - alpha) * behind);
@@ -236,12 +257,14 @@ mod tests {
     fn traced_pixels_are_encoded_like_rendered_ones() {
         let pixels = vec![[0.0; 4], [0.5, 0.25, 0.0, 0.5], [2.0, 0.5, 0.0, 1.0], [0.1, 0.1, 0.1, 1.0]];
         let picture = TracedPicture { width: 2, height: 2, pixels, ..TracedPicture::default() };
-        let straight = encode(&picture, None);
+        let straight = encode(&picture, &Look::default());
         assert_eq!(straight.get_pixel(0, 0).0, [0; 4]);
         // Linear 0.5 is 188 in 8-bit sRGB.
         assert_eq!(straight.get_pixel(1, 0).0, [255, 188, 0, 128]);
         assert_eq!(straight.get_pixel(0, 1).0, [255, 188, 0, 255]);
-        let over = encode(&picture, Some([255, 0, 0]));
+        let mut look = Look::default();
+        look.set("picture.background=255,0,0").expect("a known key");
+        let over = encode(&picture, &look);
         assert_eq!(over.get_pixel(0, 0).0, [255, 0, 0, 255]);
         assert_eq!(over.get_pixel(1, 0).0, [255, linear_to_srgb(0.25), 0, 255]);
     }

@@ -78,6 +78,17 @@ impl PictureView {
         self
     }
 
+    /// Returns the view with its look's own light, as [`Look::resolved`] does.
+    pub fn resolved(&self, fibres: bool) -> Self {
+        let mut view = self.clone();
+        view.look = self.look.resolved(fibres);
+        if view.look.environment.sky != self.look.environment.sky {
+            // The studio is not a file, so it can always be read.
+            view.sky = Sky::of(&view.look).ok().flatten().map(Arc::new);
+        }
+        view
+    }
+
     /// Returns the default view with a picture size in pixels.
     pub fn sized((width, height): (u32, u32)) -> Self {
         Self::default().with(|look| look.picture.size = Size { width, height })

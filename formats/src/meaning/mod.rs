@@ -22,6 +22,7 @@ pub mod scattering;
 mod skinning;
 mod srgb;
 mod tile_frame;
+pub mod tone;
 mod view;
 mod visibility;
 

@@ -1,3 +1,4 @@
+//! uses shared/tone
 // False colours instead of lighting: the geometry type of a fragment, or the number of overlapping fragments.
 
 // Output of the fragment shaders. 0: lit colour; 1: false colour of the geometry type; 2: a constant per fragment, to
@@ -37,7 +38,7 @@ fn false_color_with(color: vec4<f32>, tint: vec3<f32>, is_opaque: bool) -> vec4<
     if SHOW_AS == 2u {
         return vec4(FRAGMENT_STEP, select(0.0, 1.0, is_opaque));
     }
-    return color;
+    return displayed(color);
 }
 
 // Returns the false colour of a geometry type, mixed with that of the next type by `share`, 0..1. `geometry`: 0 mesh

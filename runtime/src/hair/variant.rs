@@ -35,6 +35,7 @@ macro_rules! hair_wgsl {
             include_str!("../../light/fills.wgsl"),
             include_str!("../../light/environment.wgsl"),
             include_str!("../../light/gloss.wgsl"),
+            include_str!("../../shared/tone.wgsl"),
             include_str!("../../debug/false_color.wgsl"),
             $crate::study::form_wgsl!("light/forms.wgsl"),
             include_str!("../../light/key.wgsl"),

@@ -8,6 +8,7 @@ use super::shadows::ShadowParams;
 #[cfg(feature = "study")]
 use super::study::Study;
 use super::style::Style;
+use super::tone_mapping::ToneMapping;
 use crate::camera::{Camera, Light};
 use crate::error::RuntimeError;
 use glam::Vec3;
@@ -49,6 +50,8 @@ pub struct FrameParams {
     pub style: Style,
     /// Constants of the lighting model that replace the package's own (default `None`).
     pub shading: Option<Shading>,
+    /// Tone mapping (default off).
+    pub tone_mapping: ToneMapping,
     /// Debug view shown instead of the picture (default: none).
     pub debug: DebugView,
     /// Forms of the papers' formulas, for studies (default: pelage's own).
@@ -73,6 +76,7 @@ impl FrameParams {
             shadows: ShadowParams::default(),
             style: Style::default(),
             shading: None,
+            tone_mapping: ToneMapping::default(),
             debug: DebugView::default(),
             #[cfg(feature = "study")]
             study: Study::default(),

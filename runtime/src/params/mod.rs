@@ -11,6 +11,7 @@ mod shadows;
 #[cfg(feature = "study")]
 mod study;
 mod style;
+mod tone_mapping;
 
 pub use debug::{DebugView, FurDebugView, InkDebugView};
 pub use detail::Detail;
@@ -24,3 +25,4 @@ pub use shadows::ShadowParams;
 #[cfg(feature = "study")]
 pub use study::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use style::{Style, StyleKind};
+pub use tone_mapping::ToneMapping;

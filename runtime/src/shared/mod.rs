@@ -37,5 +37,7 @@ pub mod soft_shadow;
 pub mod srgb;
 /// Frame of the hair tile on the mesh surface, and directions in it (formulas 2.4, 2.5).
 pub mod tile_frame;
+/// Tone mapping of bright colours (formulas 1.4).
+pub mod tone;
 /// Baked visibility: share of light that other strands let through to hair (formulas 4.9).
 pub mod visibility;

@@ -25,6 +25,22 @@ pub struct Cast<'a> {
     pub camera: CameraTrack,
 }
 
+impl Cast<'_> {
+    /// Returns whether all packages have fibre data, so that hair scatters light as fibres do.
+    ///
+    /// # Errors
+    ///
+    /// [`StageError::Package`] for a damaged package.
+    pub fn has_fibres(&self) -> Result<bool, StageError> {
+        for (file, package) in &self.packages {
+            if package.fibres().map_err(|error| file.fault(error))?.is_none() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
 /// A copy of a package's model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actor {

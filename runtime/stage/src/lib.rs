@@ -22,6 +22,8 @@ mod extent;
 pub mod framing;
 #[cfg(feature = "draw")]
 mod gpu;
+#[cfg(feature = "draw")]
+mod ground;
 mod look;
 #[cfg(feature = "draw")]
 mod meter;
@@ -48,11 +50,13 @@ pub use extent::{no_match_error, outline};
 pub use framing::{Framing, Orbit};
 #[cfg(feature = "draw")]
 pub use gpu::Gpu;
+#[cfg(feature = "draw")]
+pub use ground::GroundKind;
 pub use look::{
     Background, CONDITIONS, FillLight, Interval, KeyLight, LightsRead, Look, LookDetail, LookEnvironment, LookFur,
     LookFurShow, LookHair, LookInk, LookLight, LookMotion, LookPicture, LookScattering, LookSelfShadow, LookShadow,
-    LookShow, LookStrandEdges, LookStyle, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size,
-    SkyKind, SkySource,
+    LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, ReadLights, Rgb, SAMPLES,
+    SHORT_FORMS, Samples, ShortForm, Size, SkyKind, SkySource,
 };
 #[cfg(feature = "study")]
 pub use look::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};

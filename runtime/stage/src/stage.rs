@@ -1,6 +1,7 @@
 //! Stage: draws a cast on a canvas.
 
 use crate::cast::Actor;
+use crate::ground::{Ground, GroundKind};
 use crate::{CameraTrack, Canvas, CanvasOptions, Cast, Gpu, NamedPackage, StageError, Viewpoint};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{ClipLayer, Package, Shading};
@@ -21,6 +22,8 @@ pub struct TargetSettings {
     pub samples: u32,
     /// Background colour, sRGB-encoded; `None` for transparent.
     pub background: Option<[u8; 3]>,
+    /// Ground below the models.
+    pub ground: GroundKind,
 }
 
 impl TargetSettings {
@@ -52,6 +55,7 @@ pub struct Stage {
     actors: Vec<Actor>,
     shot: CameraTrack,
     aspect: f32,
+    ground: Ground,
 }
 
 impl Stage {
@@ -93,7 +97,9 @@ impl Stage {
             actors: Vec::new(),
             shot: cast.camera.clone(),
             aspect: picture.aspect(),
+            ground: Ground::default(),
         };
+        stage.ground.kind = picture.ground;
         stage.load(cast, time_s)?;
         Ok(stage)
     }
@@ -129,6 +135,7 @@ impl Stage {
             self.canvas = Canvas::new(&self.gpu, picture.size, &options.into());
         }
         self.clear = clear_color(picture);
+        self.ground.kind = picture.ground;
         let (width, height) = picture.size;
         self.aspect = picture.aspect();
         self.params = params.with(|params| {
@@ -183,6 +190,7 @@ impl Stage {
             Instance::new(owner, model).morphing(actor.morphs.clone())
         };
         self.instances = (0..).zip(of_actors.zip(&cast.actors)).map(instance).collect();
+        self.ground.read(cast)?;
         self.actors = cast.actors.clone();
         self.shot = cast.camera.clone();
         self.set_time(time_s);
@@ -276,6 +284,9 @@ impl Stage {
             .prepare_with(encoder, &self.params, &self.instances, hooks)
             .map_err(|error| StageError::Params(error.to_string()))?;
         self.shadow_bytes = frame.shadows().map_or(self.shadow_bytes, ShadowMaps::gpu_bytes);
+        let options = self.renderer.options().into();
+        let posed = self.actors.iter().map(|actor| actor.package).zip(&self.instances);
+        self.ground.prepare((&self.gpu, &options), (&self.params, &frame), posed);
         Ok(frame)
     }
 
@@ -304,10 +315,14 @@ impl Stage {
         self.shadow_bytes
     }
 
-    /// Begins a pass on the canvas. With `clear` it is cleared to the background; otherwise it keeps the contents of
-    /// the previous pass.
+    /// Begins a pass on the canvas. With `clear` it is cleared to the background, and the ground of the most recently
+    /// prepared frame is drawn; otherwise it keeps the contents of the previous pass.
     pub fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, label: &str, clear: bool) -> wgpu::RenderPass<'e> {
-        self.canvas.pass(encoder, label, clear.then_some(self.clear))
+        let mut pass = self.canvas.pass(encoder, label, clear.then_some(self.clear));
+        if clear {
+            self.ground.draw(&mut pass);
+        }
+        pass
     }
 
     /// Draws one frame, waits for the device, and returns the frame.

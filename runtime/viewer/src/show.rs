@@ -23,6 +23,8 @@ pub struct Show {
     clip: Option<usize>,
     /// Look; its picture size is replaced by that of the window.
     look: Look,
+    /// Whether all packages of the subject have fibre data.
+    fibres: bool,
     /// The subject's own camera over time, if any.
     shot: Option<CameraTrack>,
     navigator: Option<Navigator>,
@@ -69,6 +71,7 @@ impl Show {
             clips: Vec::new(),
             clip: None,
             look: Look::of_picture(),
+            fibres: false,
             shot: None,
             navigator: None,
             framed: Cell::new(None),
@@ -172,9 +175,10 @@ impl Show {
     }
 
     fn load(&mut self, subject: &Subject, clip: Option<&ClipInfo>, size: (u32, u32)) -> Result<(), StageError> {
-        let (look, time_s) = (self.sized(size), self.time_s);
-        let cast = subject.cast(clip.map(|clip| clip.name.as_str()), None, look.aspect())?;
-        self.drawn = None;
+        let cast = subject.cast(clip.map(|clip| clip.name.as_str()), None, size.0 as f32 / size.1 as f32)?;
+        let fibres = cast.has_fibres()?;
+        let (look, time_s) = (self.sized(size).resolved(fibres), self.time_s);
+        (self.fibres, self.drawn) = (fibres, None);
         self.framed.set(None);
         match &mut self.stage {
             Some(stage) => {
@@ -302,7 +306,7 @@ impl Show {
     /// [`StageError::Params`] for a look that the device or the package does not support. [`StageError::Device`] if the
     /// device is lost.
     pub fn draw(&mut self, size: (u32, u32), draft: bool) -> Result<bool, StageError> {
-        let mut look = self.sized(size);
+        let mut look = self.sized(size).resolved(self.fibres);
         if draft {
             // Strands cost the same at any size, but layers a quarter at half the size.
             look.fur.hair = LookHair::Shells;

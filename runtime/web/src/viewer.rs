@@ -25,6 +25,7 @@ const INITIAL_VIEW: Viewpoint = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO, fo
 struct LoadedPackage {
     file: NamedPackage<'static>,
     has_ink: bool,
+    has_fibres: bool,
     stage: Stage,
 }
 
@@ -89,7 +90,8 @@ impl Viewer {
         self.navigator.frame(view);
         self.player = Player::at_rest();
         let info = report::package(name, file.bytes.len(), stage.model(), has_ink);
-        self.loaded = Some(LoadedPackage { file, has_ink, stage });
+        let has_fibres = package.fibres().map_err(|error| stage_error(file.fault(error)))?.is_some();
+        self.loaded = Some(LoadedPackage { file, has_ink, has_fibres, stage });
         self.screen.discard_image();
         Ok(info)
     }
@@ -373,8 +375,9 @@ impl Viewer {
         let framing = Framing::default();
         let cast = Cast::crowd(file, package, None, 1, None, (&framing, picture.aspect())).map_err(stage_error)?;
         let gpu = self.gpu.clone();
-        let stage = Stage::new(&cast, &picture, frame_params(&self.look, self.light_color), 0.0, || Ok(gpu))
-            .map_err(stage_error)?;
+        let look = self.look.resolved(cast.has_fibres().map_err(stage_error)?);
+        let stage =
+            Stage::new(&cast, &picture, frame_params(&look, self.light_color), 0.0, || Ok(gpu)).map_err(stage_error)?;
         Ok((stage, cast.camera.at(0.0)))
     }
 
@@ -393,7 +396,8 @@ impl Viewer {
     /// Replaces the look by `look`.
     fn apply_look(&mut self, look: Look) -> Result<(), JsValue> {
         let (before, picture) = (self.look.picture(), look.picture());
-        let params = frame_params(&look, self.light_color);
+        let fibres = self.loaded.as_ref().is_some_and(|loaded| loaded.has_fibres);
+        let params = frame_params(&look.resolved(fibres), self.light_color);
         if let Some(loaded) = &mut self.loaded {
             if look.picture.style == LookStyle::Ink && !loaded.has_ink {
                 return Err(no_ink_error(&loaded.file.name));

@@ -236,7 +236,9 @@ fn smooth_models_store_no_bare_normals() {
 }
 
 /// Bake settings with enough fur to measure its brightness, and none of the parts that take long.
-const FURRY: [&str; 6] = [
+const FURRY: [&str; 7] = [
+    // Brightness then follows the surface closely; scattered light hides facets of layers.
+    "shading.model=kajiya-kay",
     "slice.layers=8",
     "slice.tile_texels=64",
     "fins.enabled=false",

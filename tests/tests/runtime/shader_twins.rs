@@ -12,7 +12,7 @@ use pelage_runtime::formats::meaning::scattering::longitudinal::i0e;
 use pelage_runtime::glam::{DMat3, DVec2, DVec3, Mat3, Mat4, Vec2, Vec3, Vec4};
 use pelage_runtime::shared::{
     deep_opacity, environment, fins, frame, kajiya_kay, layer_shadow, opacity, receiver, scattering, skinning,
-    soft_shadow, tile_frame, visibility,
+    soft_shadow, tile_frame, tone, visibility,
 };
 use pelage_tests::compute::evaluate;
 use pelage_tests::gpu::gpu;
@@ -121,6 +121,34 @@ fn sin_power_matches_the_shader() {
             p * (1e-6 * f64::from(c[1]) + 1e-6 * (f64::from(c[1]) * f64::from(c[0].max(1e-30)).log2()).abs() + 1e-6)
                 + 1e-12
         },
+    );
+}
+
+#[test]
+fn tone_mapping_matches_the_shader() {
+    let levels = [0.0, 0.3, 0.7, 0.700_01, 0.8, 1.0, 3.0, 40.0, 1e4];
+    let mut cases: Vec<Case<1>> = Vec::new();
+    for (r, g, b) in levels.iter().flat_map(|r| levels.iter().flat_map(move |g| levels.map(|b| (*r, *g, b)))) {
+        cases.push([[r, g, b, 0.0]]);
+    }
+    let mapped = |c: &[f32; 4]| {
+        let color = d(c);
+        let peak = color.max_element();
+        if peak <= f64::from(0.7_f32) {
+            return color;
+        }
+        let shown = 1.0 - 0.09 / (peak - 0.4);
+        let white = 1.0 - 1.0 / (0.15 * (peak - shown) + 1.0);
+        (color * (shown / peak)).lerp(DVec3::splat(shown), white)
+    };
+    assert_truth_twin_and_shader_agree(
+        "tone_mapping",
+        tone::WGSL,
+        "vec4(tone_mapped(in_0.xyz), 0.0)",
+        &cases,
+        |[c]| mapped(c).extend(0.0).to_array(),
+        |[c]| tone::tone_mapped(v(c)).extend(0.0).to_array(),
+        |_, _| 1e-6,
     );
 }
 

@@ -276,7 +276,7 @@ fn fins_can_be_disabled_and_their_depth_set() {
     let bytes = bake("torus", &without).unwrap().package;
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     assert!(package.fins().unwrap().is_none() && package.fin_textures().unwrap().is_none());
-    assert_eq!(package.manifest().textures.len(), 3, "colours, directions and visibility");
+    assert_eq!(package.manifest().textures.len(), 4, "colours, directions, visibility and fibres");
 
     let depth_of = |recipe: &Recipe| {
         let bytes = bake("torus", recipe).unwrap().package;

@@ -274,7 +274,9 @@ fn strands_chart_is_reproducible() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
-    let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300"];
+    // Eight samples of scattered light are noise.
+    let noiseless = "shading.model=kajiya-kay";
+    let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300", noiseless];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // Four rows at close range with four samples, then four at half the size with one sample. Each four are the
     // runtime's choice, layers, strands of 8 segments, and strands of 2 segments.
@@ -316,7 +318,9 @@ fn opacity_shadow_chart_is_reproducible() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
-    let small = ["judge.width=417", "judge.height=212", "judge.samples=8", "hair.density=500"];
+    // Eight samples of scattered light are noise.
+    let noiseless = "shading.model=kajiya-kay";
+    let small = ["judge.width=417", "judge.height=212", "judge.samples=8", "hair.density=500", noiseless];
     let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // Rows: the runtime's default. Maps of 512²: 4 and 16 slabs (depth ranges behind the first hair), 16 planes across
     // the whole body, and the published form. Last, light along the axis.

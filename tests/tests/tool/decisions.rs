@@ -45,7 +45,7 @@ fn model_colours_are_kept_by_default() {
         (decision["chosen"].as_str().unwrap().to_owned(), decision["line"].as_str().unwrap().to_owned())
     };
     let (why, line) = root(&decisions("hare.glb", &[]));
-    assert!(why.starts_with("neutral") && line == "color.root = \"#d8d8d8\"", "{why}, {line}");
+    assert!(why.starts_with("neutral") && line == "color.root = \"#ffffff\"", "{why}, {line}");
     let (why, line) = root(&decisions("hare.glb", &["--set", "color.base_color=false"]));
     assert!(why.starts_with("brown") && line == "color.root = \"#4a3624\"", "{why}, {line}");
     let said = decisions("hare.glb", &["--set", "color.root=#102030"]);

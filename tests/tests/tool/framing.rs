@@ -1,4 +1,4 @@
-//! Tests with the real binary: default camera and its framing, and exposure of white surfaces.
+//! Tests with the real binary: default camera and its framing, exposure of white surfaces, and the ground.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_tests::binary::{Sandbox, workspace};
@@ -173,4 +173,57 @@ fn white_sphere_without_fur_is_shaded() {
         assert!(spread > 60, "{light}: nine tenths of the pixels lie within {spread} of 255");
         assert!(greens[greens.len() - 1] > 235, "{light}: the brightest is {}", greens[greens.len() - 1]);
     }
+}
+
+/// Checks that a ground darkens only pixels beside the hare, most at its feet, and that a studio fills the picture.
+#[test]
+fn models_cast_a_soft_shadow_on_the_ground() {
+    let Some(_) = gpu("models_cast_a_soft_shadow_on_the_ground") else { return };
+    let sandbox = sandbox();
+    let drawn = |line: &str| {
+        rendered(&sandbox, &format!("--environment studio --orbit 40,25,.6 {line} -o a.png"));
+        open(&sandbox, "a.png")
+    };
+    let [plain, shadow] = ["", "--look picture.ground_shadow=true"].map(drawn);
+    // Pixels that hair covers by less than half a step of alpha have its colour where the ground is opaque.
+    let (mut darkest, mut coloured) = (0, 0);
+    for (before, after) in plain.pixels().zip(shadow.pixels()) {
+        if before.0[3] == 255 {
+            assert_eq!(before, after);
+        } else if before.0[3] == 0 {
+            coloured += u32::from(after.0[..3] != [0; 3]);
+            darkest = darkest.max(after.0[3]);
+        }
+    }
+    assert!((100..=217).contains(&darkest) && coloured < 20, "{darkest} {coloured}");
+    let lowest = plain.enumerate_pixels().filter(|(_, _, p)| p.0[3] == 255).map(|(_, y, _)| y).max().unwrap();
+    let dark = |y: u32| (0..shadow.width()).map(|x| u32::from(shadow.get_pixel(x, y).0[3])).sum::<u32>();
+    assert!(dark(lowest) > 4 * dark((lowest + 12).min(119)), "{} {}", dark(lowest), dark(lowest + 12));
+    assert_eq!([(0, 0), (159, 0), (0, 119)].map(|(x, y)| shadow.get_pixel(x, y).0[3]), [0; 3]);
+    let studio = drawn("--background studio");
+    assert!(studio.pixels().all(|p| p.0[3] == 255));
+    let [wall, floor] = [0, 119].map(|y| studio.get_pixel(0, y).0);
+    assert!(floor[1] > wall[1] + 20, "{wall:?} {floor:?}");
+}
+
+/// Checks that a stop doubles the light, and that tone mapping keeps bright colours below white.
+#[test]
+fn exposure_and_tone_mapping_change_the_light_alone() {
+    let Some(_) = gpu("exposure_and_tone_mapping_change_the_light_alone") else { return };
+    let sandbox = sandbox();
+    let mean = |line: &str| {
+        let drawn = rendered(&sandbox, &format!("--samples 1 --hair shells {line} -o a.png"));
+        drawn["mean_luminance_per_picture"][0].as_f64().unwrap()
+    };
+    for light in ["", "--environment 0.4,0.5,0.6", "--light-strength .5 --fill-light 1,0,0/.2"] {
+        let [dark, bright] = ["-3", "-2"].map(|stops| mean(&format!("{light} --look picture.exposure={stops}")));
+        assert!((bright / dark - 2.0).abs() < 0.05, "{light}: {dark} {bright}");
+    }
+    let over = |tone: &str| {
+        mean(&format!("--look picture.exposure=4 --look picture.tone_mapping={tone}"));
+        let picture = open(&sandbox, "a.png");
+        picture.pixels().filter(|p| p.0[3] == 255 && p.0[..3].contains(&255)).count()
+    };
+    let [off, filmic] = ["off", "filmic"].map(over);
+    assert!(off > 100 && filmic == 0, "{off} {filmic}");
 }

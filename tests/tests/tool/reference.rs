@@ -84,7 +84,7 @@ fn store_page_command_of_the_guide_draws_on_paper() {
 
 #[test]
 fn light_options_change_the_reference_picture() {
-    let sandbox = torus(&[]);
+    let sandbox = torus(&["shading.model=kajiya-kay"]);
     let mean = |more: &[&str]| {
         let run = sandbox.run(&[&SMALL[..], &["-o", "a.exr"], more].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
@@ -104,7 +104,7 @@ fn light_options_change_the_reference_picture() {
 
 #[test]
 fn strands_and_mesh_are_exported() {
-    let sandbox = torus(&["hair.density=60"]);
+    let sandbox = torus(&["hair.density=60", "shading.model=kajiya-kay"]);
     for extension in ["txt", "pbrt", "glb", "hair", "usda"] {
         let name = format!("strands.{extension}");
         let run = sandbox.run(&["export", "torus.pelage", "--strands", &name, "--mesh", "skin.obj", "--json"]);

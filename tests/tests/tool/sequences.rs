@@ -380,15 +380,16 @@ fn notes_name_options_and_hair_without_effect() {
     let Some(_) = gpu("notes_name_options_and_hair_without_effect") else { return };
     let sandbox = Sandbox::new();
     bake_pony(&sandbox);
-    let drawn = |option: &str, value: &str| {
-        let run = sandbox.run(&["render", "pony.pelage", "-o", "a.png", "--size", "32x32", option, value]);
+    let drawn = |options: &[&str]| {
+        let run = sandbox.run(&[&["render", "pony.pelage", "-o", "a.png", "--size", "32x32"], options].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
         run.stderr.lines().filter(|line| line.starts_with("note: ")).map(str::to_owned).collect::<Vec<_>>()
     };
     let note = "note: the style ink does not draw guided hair: \"forelock\", \"mane\", \"tail\"";
-    assert_eq!((drawn("--style", "fur"), drawn("--style", "ink")), (vec![], vec![note.to_owned()]));
+    assert_eq!((drawn(&["--style", "fur"]), drawn(&["--style", "ink"])), (vec![], vec![note.to_owned()]));
     let note = "note: --ground has no effect without --environment";
-    assert_eq!(drawn("--ground", "#6b5a45"), [note]);
+    assert_eq!(drawn(&["--ground", "#6b5a45", "--studio", "old"]), [note]);
+    assert_eq!(drawn(&["--ground", "#6b5a45"]), [""; 0], "the studio has a ground");
 }
 
 /// Checks that the motion of manes and tails depends only on the time in a sequence: on neither the number of pictures

@@ -14,12 +14,11 @@ use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
 use pelage_import::BakeError;
 use pelage_runtime::{Frame, Light, PassId, wgpu};
-use pelage_stage::{Gpu, KeyLight, LookHair, Meter, Samples, Spread, Stage, StageError};
+use pelage_stage::{Gpu, KeyLight, LookHair, LookStudio, Meter, Samples, Spread, Stage, StageError};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
-use pelage_tool::truth;
 use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::PictureView;
 use pelage_truth::TrueLight;
@@ -105,6 +104,8 @@ impl Shared {
         let view = view.with(|look| {
             look.fur.hair = LookHair::Strands;
             look.picture.samples = Samples(SAMPLES);
+            // The chart measures the shadows of the key light.
+            look.light.studio = LookStudio::Old;
         });
         let truth = ReferenceTracer::new(&baked, &view)?;
         let points = &truth.scene.curves().points;
@@ -128,7 +129,7 @@ impl Shared {
             (towards, opacity_shadow::StrandLightTruth::new(&truth.scene, &places, &light))
         });
         let truths = truths.collect();
-        let picture = Picture::from(&truth::encode(&traced, view.look.background()));
+        let picture = Picture::from(&truth.encode(&traced, &view));
         let scene = stage_of(&baked, &view, || Ok(gpu.clone()))?;
         Ok(Self { meter: Meter::new(gpu), scene, picture, truths, width_m: width_m as f32 })
     }

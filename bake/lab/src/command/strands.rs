@@ -19,7 +19,6 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::SettingMeasurements;
 use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
-use pelage_tool::truth;
 use pelage_tool::truth::{ReferenceTracer, true_camera};
 use pelage_tool::view::PictureView;
 use pelage_truth::SurfaceVisibility;
@@ -181,7 +180,7 @@ impl Shared {
                 doing(&format!("reference image, {} %", 100 * done / all.max(1)));
             });
             // The picture is encoded to bytes, like those compared with it.
-            (truth::encode(&picture, view.look.background()), view)
+            (self.truth.encode(&picture, &view), view)
         };
         let ((next, _), (picture, view)) = (traced(camera.turned(TURN_DEG.to_radians())), traced(camera));
         let seen = StrandsSizeFacts {

@@ -4,7 +4,7 @@
 use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::strand_width::{SIZE, above, bake, strands_of, true_camera};
 use glam::{Vec3, vec3};
-use pelage_bake::recipe::{Recipe, SrgbColor};
+use pelage_bake::recipe::{Recipe, ShadingModel, SrgbColor};
 use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, Light, PassId, SelfShadow};
 use pelage_truth::{TrueLight, VisibleStrand};
@@ -31,6 +31,7 @@ fn make_white(recipe: &mut Recipe) {
     let white = SrgbColor::hex(0xff_ff_ff);
     (recipe.color.root, recipe.color.tip, recipe.color.variation) = (Some(white), Some(white), 0.0);
     let shading = &mut recipe.shading;
+    shading.model = ShadingModel::KajiyaKay;
     (shading.ambient, shading.diffuse, shading.specular) = ([0.0; 3], [1.0; 3], [0.0; 3]);
     shading.diffuse_exponent = 0.0;
 }

@@ -1,7 +1,7 @@
 //! Progressive reference images for the window, and their difference from the drawn picture.
 
 use crate::environment::Sky;
-use crate::truth::{ReferenceTracer as TrueView, encode};
+use crate::truth::ReferenceTracer as TrueView;
 use crate::view::PictureView;
 use pelage_stage::LookStyle;
 use pelage_truth::compare::{CompareParams, compare};
@@ -66,7 +66,7 @@ impl ReferenceSource for Tracer {
             }
             let Some(traced) = &picture else { continue };
             let background = asked.look.background();
-            let encoded = encode(traced, background);
+            let encoded = truth.encode(traced, &view);
             let flip = compare(&asked.drawn, &encoded, background.unwrap_or(CompareParams::default().over));
             let flip = flip.ok().map(|(figures, map)| (figures.flip.mean, map.magma()));
             show(ReferencePicture { picture: encoded, samples, of_samples: PASSES[PASSES.len() - 1], flip });

@@ -11,6 +11,7 @@ pub(crate) const SHADER: Shader = Shader {
     parts: &[
         include_str!("../../hair/packed_light.wgsl"),
         include_str!("../../hair/nearest.wgsl"),
+        include_str!("../../shared/tone.wgsl"),
         include_str!("../../debug/false_color.wgsl"),
         include_str!("strand_blend.wgsl"),
     ],

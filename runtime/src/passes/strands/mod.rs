@@ -12,6 +12,7 @@ pub(crate) const SHADER: Shader = Shader {
     name: "pelage strands",
     parts: &[
         include_str!("../../hair/packed_light.wgsl"),
+        include_str!("../../shared/tone.wgsl"),
         include_str!("../../debug/false_color.wgsl"),
         include_str!("strands.wgsl"),
     ],

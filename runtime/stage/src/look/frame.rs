@@ -5,12 +5,12 @@ use super::kinds::{
     LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
-use crate::{TargetSettings, Viewpoint, camera};
+use crate::{GroundKind, TargetSettings, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
     DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams, InkBackground,
-    InkDebugView, InkParams, Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style,
+    InkDebugView, InkParams, Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style, ToneMapping,
 };
 
 /// Placeholder view: a stage sets its own.
@@ -24,6 +24,17 @@ impl Look {
             size: (size.width, size.height),
             samples: self.picture.samples.0,
             background: self.background(),
+            ground: self.ground(),
+        }
+    }
+
+    /// Returns the ground below the models. The style ink has none.
+    fn ground(&self) -> GroundKind {
+        match self.picture.background {
+            _ if self.picture.style == LookStyle::Ink => GroundKind::None,
+            Some(Background::Studio) => GroundKind::Studio,
+            _ if self.picture.ground_shadow => GroundKind::Shadow,
+            _ => GroundKind::None,
         }
     }
 
@@ -40,18 +51,23 @@ impl Look {
             LookStyle::Ink => Style::Ink(self.ink_params()),
             LookStyle::Fur => Style::Fur(self.fur_params()),
         };
+        let exposure = self.exposure();
+        let key_strength = exposure * self.key_strength();
         FrameParams::new(camera(&ANY_VIEW, 1.0), [size.width, size.height]).with(|params| {
             params.light = match self.key_light() {
-                KeyLight::Distant(towards) => distant(towards, self.key_strength()),
-                KeyLight::Nearby(position) => Light::Point { position, color: Vec3::splat(self.key_strength()) },
+                KeyLight::Distant(towards) => distant(towards, key_strength),
+                KeyLight::Nearby(position) => Light::Point { position, color: Vec3::splat(key_strength) },
             };
-            params.environment = self.environment();
+            params.ambient *= exposure;
+            params.environment = self.environment().map(|lights| lights.scaled(exposure));
             if let (Some(around), None) = (&params.environment, self.light.strength) {
                 params.light =
                     around.sun.as_ref().map_or_else(|| distant(around.mean_direction().as_vec3(), 0.0), Light::sun);
             }
             params.style = style;
-            params.fill_lights = self.fill_lights().map(|(towards, strength)| distant(towards, strength)).collect();
+            let fill = self.fill_lights().map(|(towards, strength)| distant(towards, exposure * strength));
+            params.fill_lights = fill.collect();
+            params.tone_mapping = if self.is_tone_mapped() { ToneMapping::Filmic } else { ToneMapping::Off };
             params.soft_shadow = self.shadow.soft_shadow;
             params.shadows = self.shadow_params();
             params.debug = self.debug_view();
@@ -129,7 +145,7 @@ impl Look {
             ink.paper_grain = look.paper_grain;
             ink.mist_m = look.mist_m.map(|mist| mist.0);
             ink.background = match self.picture.background {
-                Some(Background::Transparent | Background::Sky) => InkBackground::Picture,
+                Some(Background::Transparent | Background::Sky | Background::Studio) => InkBackground::Picture,
                 Some(Background::Color(_)) | None => InkBackground::Paper,
             };
         })

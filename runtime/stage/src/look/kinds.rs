@@ -84,6 +84,30 @@ words! {
 }
 
 words! {
+    /// Light of a look that names none.
+    LookStudio {
+        /// Built-in studio for fur with fibre data, if the look names neither a light nor an environment map.
+        #[default]
+        Auto = "auto",
+        /// Key light and uniform ambient light.
+        Old = "old",
+    }
+}
+
+words! {
+    /// Tone mapping.
+    LookToneMapping {
+        /// `filmic` in the built-in studio, otherwise `off`.
+        #[default]
+        Auto = "auto",
+        /// Filmic shoulder: channels above 0.7, linear, are compressed below 1.
+        Filmic = "filmic",
+        /// None: light above 1 is cut off.
+        Off = "off" or false,
+    }
+}
+
+words! {
     /// Output of an ink frame.
     LookShow {
         /// Finished painting.
@@ -213,23 +237,24 @@ text_field!(
     write |rgb| format!("{:?}", rgb.text())
 );
 
-/// Background of the picture. As text `transparent`, `sky` or a colour.
+/// Background of the picture. As text `transparent`, `sky`, `studio` or a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Background {
     /// Transparent background.
     Transparent,
     /// Environment map; only in pictures and videos that are written to files.
     Sky,
+    /// Neutral floor and wall of a studio, with the models' soft shadow.
+    Studio,
     /// Colour in sRGB. With the style `ink`, it is the colour of the paper.
     Color(Rgb),
 }
 
 impl Background {
-    /// Returns the colour, sRGB-encoded. `None` for transparent, and for the environment map, because that has no
-    /// single colour.
+    /// Returns the colour, sRGB-encoded. `None` for transparent, and for backgrounds without a single colour.
     pub fn color(self) -> Option<[u8; 3]> {
         match self {
-            Self::Transparent | Self::Sky => None,
+            Self::Transparent | Self::Sky | Self::Studio => None,
             Self::Color(rgb) => Some(rgb.0),
         }
     }
@@ -237,16 +262,18 @@ impl Background {
 
 text_field!(
     Background,
-    expected "\"transparent\", \"sky\", \"#rrggbb\" or \"red,green,blue\" with numbers 0..=255",
+    expected "\"transparent\", \"studio\", \"sky\", \"#rrggbb\" or \"red,green,blue\" with numbers 0..=255",
     control Control::Text,
     read |raw| match string(raw)? {
         "transparent" => Some(Background::Transparent),
         "sky" => Some(Background::Sky),
+        "studio" => Some(Background::Studio),
         text => Rgb::of_text(text).map(Background::Color),
     },
     write |background| match background {
         Background::Transparent => "\"transparent\"".into(),
         Background::Sky => "\"sky\"".into(),
+        Background::Studio => "\"studio\"".into(),
         Background::Color(rgb) => format!("{:?}", rgb.text()),
     }
 );
@@ -310,8 +337,8 @@ text_field!(
     }
 );
 
-/// Source of the environment map, and its rotation about the vertical axis. As text `sky.hdr:90`, `0.2,0.3,0.5` or
-/// `0.9,1,1.2/0.1,0.1,0.1`.
+/// Source of the environment map, and its rotation about the vertical axis. As text `studio`, `sky.hdr:90`,
+/// `0.2,0.3,0.5` or `0.9,1,1.2/0.1,0.1,0.1`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkySource {
     /// Kind of source.
@@ -325,6 +352,8 @@ pub struct SkySource {
 /// Kinds of environment map sources.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SkyKind {
+    /// Built-in photo studio ([`crate::sky::studio()`]).
+    Studio,
     /// File: a panorama (`.hdr`, `.exr`) or fitted lights (`.toml`).
     File(String),
     /// Uniform light from all directions, linear RGB, 0 or more.
@@ -344,6 +373,7 @@ impl SkySource {
         };
         let end = of.rsplit_once('.').map(|(_, end)| end.to_ascii_lowercase());
         let of = match (of.split_once('/'), end.as_deref()) {
+            _ if of == "studio" => SkyKind::Studio,
             (Some((above, below)), _) if colour(above).is_some() => SkyKind::Gradient(colour(above)?, colour(below)?),
             _ if colour(of).is_some() => SkyKind::Even(colour(of)?),
             (_, Some("hdr" | "exr" | "toml")) => SkyKind::File(of.to_owned()),
@@ -355,6 +385,7 @@ impl SkySource {
     fn text(&self) -> String {
         let colour = |[r, g, b]: [f32; 3]| format!("{r:?},{g:?},{b:?}");
         let of = match &self.kind {
+            SkyKind::Studio => "studio".into(),
             SkyKind::File(path) => path.clone(),
             SkyKind::Even(rgb) => colour(*rgb),
             SkyKind::Gradient(above, below) => format!("{}/{}", colour(*above), colour(*below)),
@@ -365,7 +396,7 @@ impl SkySource {
 
 text_field!(
     SkySource,
-    expected "the path of a .hdr, .exr or .toml file, a colour such as \"0.2,0.3,0.5\", or two colours \
+    expected "\"studio\", the path of a .hdr, .exr or .toml file, a colour such as \"0.2,0.3,0.5\", or two colours \
          \"above/below\"; append \":90\" to rotate the sky by 90 degrees",
     control Control::Text,
     read |raw| SkySource::of_text(string(raw)?),

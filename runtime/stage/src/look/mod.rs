@@ -33,7 +33,7 @@ mod tables;
 
 pub use kinds::{
     Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow,
-    LookStrandEdges, LookStyle, LookWidth, Rgb, Samples, Size, SkyKind, SkySource,
+    LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, Rgb, Samples, Size, SkyKind, SkySource,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 #[cfg(feature = "study")]

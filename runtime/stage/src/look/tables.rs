@@ -2,12 +2,14 @@
 
 use super::kinds::{
     Background, DirectionField, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow,
-    LookShow, LookStrandEdges, LookStyle, LookWidth, PLACE, Rgb, Samples, Size, SkyKind, SkySource,
+    LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, PLACE, Rgb, Samples, Size, SkyKind,
+    SkySource,
 };
 use super::short::laboratory_hint;
 #[cfg(feature = "study")]
 use super::study::LookStudy;
 use crate::framing::TOWARDS_LIGHT;
+use crate::sky::studio;
 use glam::Vec3;
 use pelage_formats::meaning::environment::Environment;
 use pelage_formats::meaning::srgb_to_linear;
@@ -36,9 +38,16 @@ params! {
         style: LookStyle = LookStyle::Fur;
         /// Samples per pixel: 4 smooths edges and thin hair; 1 takes less than half the time.
         samples: Samples = Samples(1);
-        /// Background behind the models, sRGB. `auto` is transparent, or paper with the style `ink`. `sky` is the
-        /// environment map, in pictures and videos written to files.
+        /// Background behind the models, sRGB. `auto` is transparent, or paper with the style `ink`. `studio` is the
+        /// neutral floor and wall of a studio, with the shadow of the models. `sky` is the environment map, in pictures
+        /// and videos written to files.
         background: Option<Background> = None, or "auto";
+        /// Whether the models cast a soft shadow on an invisible ground below them.
+        ground_shadow: bool = false, needs "picture.style!=ink";
+        /// Exposure in stops: a factor of two on all light for each. The style ink is unchanged.
+        exposure: f32 = 0.0, in -10.0..=10.0, needs "picture.style!=ink";
+        /// Tone mapping of bright colours.
+        tone_mapping: LookToneMapping = LookToneMapping::Auto, needs "picture.style!=ink";
     }
 }
 
@@ -55,15 +64,17 @@ params! {
         /// Fill lights, which cast no shadows. Each has the direction towards it, x,y,z, and a strength of 0 to 1000
         /// (default 1).
         fill: Vec<FillLight> = Vec::new();
+        /// Light of fur if the look names neither a light nor an environment map.
+        studio: LookStudio = LookStudio::Auto, needs "fibres", needs "environment.sky=none";
     }
 }
 
 params! {
     /// `[environment]`: environment map, such as a sky or a room. It replaces the ambient light.
     LookEnvironment in environment {
-        /// Source of the environment map. It is a panorama (.hdr, .exr: equirectangular, linear radiance), a file of
-        /// lights fitted to one (.toml), a colour r,g,b, or two colours above/below. A suffix `:` and degrees rotates
-        /// the map about the vertical axis.
+        /// Source of the environment map. It is `studio`, which is built in, a panorama (.hdr, .exr: equirectangular,
+        /// linear radiance), a file of lights fitted to one (.toml), a colour r,g,b, or two colours above/below. A
+        /// suffix `:` and degrees rotates the map about the vertical axis.
         sky: Option<SkySource> = None, or "none";
         /// Factor on the map's brightness.
         strength: f32 = 1.0, in 0.0..=1000.0, needs "environment.sky!=none";
@@ -80,11 +91,12 @@ impl LookEnvironment {
         self.ground.map(|color| color.0.map(srgb_to_linear))
     }
 
-    /// Returns the environment map if it is given by colours, neither rotated nor scaled. A ground, if set, replaces
-    /// the light from below by the light that it reflects. `None` for a file.
-    pub fn from_colors(&self) -> Option<Environment> {
+    /// Returns the environment map if it is not a file, neither rotated nor scaled. A ground, if set, replaces the
+    /// light from below by the light that it reflects. `None` for a file.
+    pub fn built_in(&self) -> Option<Environment> {
         let (above, lights) = match &self.sky.as_ref()?.kind {
             SkyKind::File(_) => return None,
+            SkyKind::Studio => return Some(studio(self.ground_color())),
             SkyKind::Even(radiance) => (radiance, Environment::constant(*radiance)),
             SkyKind::Gradient(above, below) => (above, Environment::gradient(*above, *below)),
         };
@@ -198,7 +210,7 @@ params! {
 }
 
 tables! {
-    /// Look of a picture. `Look::default()` is fur in soft daylight, 834 × 424 pixels.
+    /// Look of a picture. `Look::default()` is fur in the built-in studio, 834 × 424 pixels.
     pub struct Look, such as "shadow.penumbra=0.3", elsewhere laboratory_hint {
         /// Size, style and background of the picture.
         picture: LookPicture,
@@ -292,7 +304,7 @@ impl Look {
         let source = self.environment.sky.as_ref()?;
         let lights = match &source.kind {
             SkyKind::File(_) => source.lights.as_deref()?.clone(),
-            _ => self.environment.from_colors()?,
+            _ => self.environment.built_in()?,
         };
         Some(lights.turned(source.yaw_deg).scaled(self.environment.strength))
     }
@@ -307,6 +319,34 @@ impl Look {
             *lights = Some(read(Path::new(path), lobes, ground)?);
         }
         Ok(())
+    }
+
+    /// Returns the look with the built-in studio as its environment map, if it names neither a light nor a map
+    /// ([`LookStudio::Auto`]). The style must be fur with scattering.
+    ///
+    /// * `fibres`: whether all packages of the picture have fibre data
+    pub fn resolved(&self, fibres: bool) -> Self {
+        let mut look = self.clone();
+        let unlit = look.environment.sky.is_none() && look.light == LookLight::default();
+        let scatters = look.picture.style == LookStyle::Fur && look.fur.scattering != LookScattering::Off;
+        if fibres && unlit && scatters {
+            look.environment.sky = Some(SkySource { kind: SkyKind::Studio, yaw_deg: 0.0, lights: None });
+        }
+        look
+    }
+
+    /// Returns the factor on all light that the exposure stands for.
+    pub fn exposure(&self) -> f32 {
+        self.picture.exposure.exp2()
+    }
+
+    /// Returns whether bright colours are tone-mapped. [`LookToneMapping::Auto`] maps them in the built-in studio.
+    pub fn is_tone_mapped(&self) -> bool {
+        match self.picture.tone_mapping {
+            LookToneMapping::Auto => self.environment.sky.as_ref().is_some_and(|sky| sky.kind == SkyKind::Studio),
+            LookToneMapping::Filmic => true,
+            LookToneMapping::Off => false,
+        }
     }
 
     /// Returns the strength of the key light. With an environment map it is 0 unless the look sets it.

@@ -122,6 +122,21 @@ fn black_and_single_pixel_skies_fit_valid_lights() {
     assert!(lone.environment.sun.is_some() && lone.sun_share > 0.99 && lone.environment.lobes.is_empty(), "{lone:?}");
 }
 
+/// Checks that a floor replaces all light from below by its albedo times the light that falls on it.
+#[test]
+fn studio_has_valid_lights_and_any_floor() {
+    let own = studio(None);
+    assert_eq!(own.fault(), None);
+    assert_eq!(environment_from_toml("studio.toml", &environment_to_toml(&own)).unwrap(), own);
+    let floor = [0.5, 0.25, 0.0];
+    let over = studio(Some(floor));
+    assert_eq!((over.fault(), over.sun), (None, own.sun));
+    let light = own.ground_irradiance();
+    let lobes = |lights: &Environment| Environment { even: [0.0; 3], ..lights.clone() }.radiance(DVec3::NEG_Y);
+    let expected = DVec3::from(floor.map(f64::from)) * light;
+    assert!((lobes(&over) - expected).abs().max_element() < 0.01, "{}, expected {expected}", lobes(&over));
+}
+
 #[test]
 fn environment_survives_a_toml_round_trip() {
     let sky = Environment {
