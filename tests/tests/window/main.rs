@@ -128,7 +128,8 @@ fn saved_recipe_is_rebaked_and_a_broken_one_is_reported() {
     let recipe = |shading: &str| {
         format!(
             "# Small.\n[hair]\ndensity = 80\n[slice]\nlayers = 6\ntile_texels = 32\n\
-             [pack]\nshell_format = \"rgba8\"\n[shading]\nambient = {shading}\n"
+             [pack]\nshell_format = \"rgba8\"\n[shading]\nambient = {shading}\n\
+             model = \"kajiya-kay\"\n"
         )
     };
     sandbox.write("hare.toml", recipe("[0.3, 0.3, 0.3]"));
