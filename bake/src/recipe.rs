@@ -25,6 +25,7 @@ mod maps;
 mod material_groom;
 mod named_table;
 mod params;
+mod shading;
 mod style;
 
 pub use coats::{Coat, coats_page};
@@ -40,10 +41,10 @@ pub use named_table::NamedTable;
 pub use params::{
     BaseColorFormat, BcQuality, ColorParams, CombSource, DetailParams, DirectionFormat, FinParams, GroomCoordinates,
     GroomParams, HairColors, HairParams, JudgeParams, ModelParams, PackParams, PatternProjection, PatternWrap,
-    ShadingModel, ShadingParams, ShellFormat, SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams,
-    VisibilityParams,
+    ShellFormat, SliceParams, StrandParams, SurfaceParams, SurfaceSource, UnderfurParams, VisibilityParams,
 };
 pub use pelage_params::SrgbColor;
+pub use shading::{ShadingModel, ShadingParams};
 pub use style::Style;
 
 use pelage_import::BakeError;

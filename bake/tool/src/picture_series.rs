@@ -6,12 +6,12 @@ use super::journal::Key;
 use super::output::Output;
 use super::stages::{self, FurDetail, detail};
 use super::view::PictureView;
-use glam::Quat;
+use glam::{DVec3, Quat};
 use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
-use pelage_formats::meaning::{hair_motion, srgb_to_linear};
-use pelage_runtime::{Camera, Frame, Light, PassReport, Projection};
+use pelage_formats::meaning::{hair_motion, luminance, srgb_to_linear};
+use pelage_runtime::{Camera, Environment, Frame, Light, PassReport, Projection};
 use pelage_stage::{CameraTrack, Stage, Viewpoint};
 use pelage_truth::{Lens, TrueCamera};
 use serde::{Deserialize, Serialize};
@@ -56,6 +56,8 @@ pub struct PictureSeries {
     pub shot: CameraTrack,
     /// Key light, before the rotation of `turn_light`.
     pub light: Light,
+    /// Environment, before the rotation of `turn_light`.
+    pub environment: Option<Environment>,
     /// Whether the light and the environment make one full turn over the sequence.
     pub turn_light: bool,
     /// Whether the camera makes one full turn around the vertical axis through its target over the sequence.
@@ -101,10 +103,7 @@ impl PictureSeries {
         let turn_deg = if self.turn_light { angle_rad.to_degrees() } else { 0.0 };
         if self.turn_light {
             self.scene.params.light = turned(self.light, angle_rad);
-            let sky = self.view.sky.as_ref().map(|sky| sky.environment().turned(turn_deg));
-            if let Some(sky) = sky {
-                self.scene.params.environment = Some(sky.scaled(self.view.look.exposure()));
-            }
+            self.scene.params.environment = self.environment.as_ref().map(|sky| sky.turned(turn_deg));
         }
         let (drawn, mut pixels) = picture(&mut self.scene)?;
         if let Some(camera) = of_frame(&self.scene.params.camera) {
@@ -223,7 +222,7 @@ fn mean_luminance(pixels: &RgbaImage) -> f64 {
     let covered = || pixels.pixels().filter(|p| p.0[3] > 0);
     let of = |p: &image::Rgba<u8>| {
         let [r, g, b, _] = p.0.map(|byte| f64::from(srgb_to_linear(byte)));
-        0.2126 * r + 0.7152 * g + 0.0722 * b
+        luminance(DVec3::new(r, g, b))
     };
     covered().map(of).sum::<f64>() / covered().count().max(1) as f64
 }

@@ -157,8 +157,8 @@ pub fn run(args: &ReferenceArgs, output: &mut Output) -> Result<Exit, Failure> {
             "--background: found with an .exr, which stores transparency; expected no --background".into(),
         ));
     }
-    if view.look.picture.background == Some(Background::Studio) || view.look.picture.ground_shadow {
-        let text = "a ground with shadow is drawn by `render` only: expected another --background, or none";
+    if view.look.picture.background == Some(Background::Studio) {
+        let text = "--background studio: drawn by `render` only: expected another background, or none";
         return Err(Failure::Usage(text.into()));
     }
     require_parent(&args.output)?;
@@ -376,7 +376,8 @@ impl From<&TrueCamera> for CameraResult {
 
 /// Flags that affect only how `render` draws. The boolean is true if `reference` rejects the flag even when it is given
 /// its default value.
-const FAST_PATH: [(&str, bool); 9] = [
+const FAST_PATH: [(&str, bool); 10] = [
+    ("ground-shadow", false),
     ("layers", true),
     ("fins", true),
     ("lighting", false),
@@ -407,7 +408,7 @@ fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     let given = FAST_PATH.iter().find(|entry| refused(entry)).map(|(flag, _)| *flag);
     match given.or(args.frames.map(|_| "frames")) {
         Some(flag) => Err(Failure::Usage(format!(
-            "--{flag} applies to `render` only: a reference image has neither layers nor shadow maps; leave it out"
+            "--{flag} applies to `render` only: a reference image has neither layers, shadow maps nor a ground; leave it out"
         ))),
         None => Ok(()),
     }

@@ -227,7 +227,14 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     let first = args.view.frames.map_or(0, |range| range.first as usize);
     let fps = args.fps.or(scene.and_then(|s| s.file.fps())).unwrap_or(FPS);
     let cast = subject.cast(&view)?;
-    let view = view.resolved(cast.has_fibres()?);
+    let fibres = cast.has_fibres()?;
+    let view = view.resolved(fibres);
+    if view.look.picture.style == LookStyle::Fur && view.look.environment.sky.is_some() && !fibres {
+        output.note(
+            "note: found the shading model `kajiya-kay`, which only approximates light from all around: for hair that \
+             scatters it, bake the model with shading.model=marschner",
+        );
+    }
     if view.look.picture.style == LookStyle::Ink {
         note_undrawn_hair(output, &cast.packages)?;
     }
@@ -236,13 +243,24 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     let stage = stages::stage(&cast, &view, Gpu::open)?;
     io_trace::record_machine(ADAPTER, &stage.gpu.description());
-    let (light, shot) = (stage.params.light, cast.camera);
+    let (light, environment, shot) = (stage.params.light, stage.params.environment.clone(), cast.camera);
     let (turn_light, auto_rotate) = (args.turn_light, args.auto_rotate);
     if view.camera.is_none() {
         output.note(&format!("camera: --camera={}", shot.at(view.time_s)));
     }
-    let mut shoot =
-        PictureSeries { scene: stage, view, shot, light, first, count, fps, turn_light, auto_rotate, lived: None };
+    let mut shoot = PictureSeries {
+        scene: stage,
+        view,
+        shot,
+        light,
+        environment,
+        turn_light,
+        auto_rotate,
+        first,
+        count,
+        fps,
+        lived: None,
+    };
     let key = subject.key(shoot.key());
     let drawn = sink.fill(&mut shoot, key, args.restart, output)?;
     warn_of_empty_pictures(output, &shoot, (&cast.packages, &cast.actors), first, &drawn.pictures)?;

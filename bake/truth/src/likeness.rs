@@ -32,6 +32,7 @@
 use super::compare::{CompareParams, Comparison, compare_pictures};
 use pelage_bake::mask::Mask;
 use pelage_bake::picture::Picture;
+use pelage_formats::meaning::luminance;
 use pelage_import::BakeError;
 
 /// Weight of mean FLIP.
@@ -140,10 +141,7 @@ fn local_contrast(picture: &Picture, inside: &[bool]) -> f64 {
     let (width, height) = (picture.width as usize, picture.height as usize);
     // At most half of a pixel's colour is background, and the background is the same for both pictures.
     let bytes = picture.composite_over(CompareParams::default().over);
-    let luminance = |c: &[u8]| {
-        let [r, g, b] = [c[0], c[1], c[2]].map(|byte| f64::from(byte) / 255.0);
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    };
+    let luminance = |c: &[u8]| luminance([c[0], c[1], c[2]].map(|byte| f64::from(byte) / 255.0).into());
     let values: Vec<[f64; 3]> = bytes
         .chunks_exact(3)
         .zip(inside)

@@ -2,7 +2,7 @@
 //! sampled more often.
 
 use glam::DVec3;
-use pelage_formats::meaning::environment::brightness;
+use pelage_formats::meaning::luminance;
 use pelage_stage::sky::{Environment, Panorama};
 use std::sync::Arc;
 
@@ -111,7 +111,7 @@ impl TrueSky {
 
 /// Returns the sampling weight of a pixel.
 fn weight(light: DVec3) -> f64 {
-    brightness(light)
+    luminance(light)
 }
 
 /// Rotates about the vertical, from +x towards −z.

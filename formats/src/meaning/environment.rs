@@ -2,6 +2,7 @@
 //! room is small enough to store, rotate and blend.
 
 use super::scattering::gaussian_light::GaussianLight;
+use super::srgb::luminance;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -125,11 +126,11 @@ impl Environment {
     pub fn mean_direction(&self) -> DVec3 {
         let lobe = |lobe: &LightLobe| {
             let light = lobe.light();
-            light.towards * (brightness(lobe.integral()) * mean_cosine(light.sharpness))
+            light.towards * (luminance(lobe.integral()) * mean_cosine(light.sharpness))
         };
         let sun = self
             .sun
-            .map_or(DVec3::ZERO, |sun| unit(sun.towards) * (brightness(color(sun.color)) * core::f64::consts::PI));
+            .map_or(DVec3::ZERO, |sun| unit(sun.towards) * (luminance(color(sun.color)) * core::f64::consts::PI));
         let sum = self.lobes.iter().map(lobe).fold(sun, |sum, of| sum + of);
         sum.normalize_or(DVec3::Y)
     }
@@ -259,7 +260,7 @@ fn merge_nearest(lobes: &mut Vec<LightLobe>) {
     let pairs = (0..lobes.len()).flat_map(|i| (i + 1..lobes.len()).map(move |j| (i, j)));
     // Cost of merging a pair of lobes: it grows with their light and with the distance between their mean directions.
     let cost = |(i, j): (usize, usize)| {
-        let [a, b] = [i, j].map(|i| (brightness(lobes[i].integral()), lobes[i].light()));
+        let [a, b] = [i, j].map(|i| (luminance(lobes[i].integral()), lobes[i].light()));
         let moved = [a.1, b.1].map(|light| light.towards * mean_cosine(light.sharpness));
         a.0 * b.0 / (a.0 + b.0).max(1e-30) * moved[0].distance_squared(moved[1])
     };
@@ -273,11 +274,11 @@ fn merged(a: &LightLobe, b: &LightLobe) -> LightLobe {
     let (first, second) = (a.integral(), b.integral());
     let moment = |lobe: &LightLobe, whole: DVec3| {
         let light = lobe.light();
-        light.towards * (brightness(whole) * mean_cosine(light.sharpness))
+        light.towards * (luminance(whole) * mean_cosine(light.sharpness))
     };
     let whole = first + second;
     let middle = moment(a, first) + moment(b, second);
-    let mean = middle.length() / brightness(whole).max(1e-30);
+    let mean = middle.length() / luminance(whole).max(1e-30);
     let width = libm::sqrt(1.0 / sharpness_of(mean).max(1e-6)).to_degrees() as f32;
     let towards = middle.normalize_or(unit(a.towards)).as_vec3();
     let shape = LightLobe {
@@ -286,11 +287,6 @@ fn merged(a: &LightLobe, b: &LightLobe) -> LightLobe {
         radiance: [1.0; 3],
     };
     LightLobe { radiance: (whole / shape.integral()).as_vec3().into(), ..shape }
-}
-
-/// Returns the luminance of a colour (Rec. 709).
-pub fn brightness(color: DVec3) -> f64 {
-    color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
 fn color(rgb: [f32; 3]) -> DVec3 {

@@ -40,7 +40,7 @@ pub use root::{RootOffset, root_offset};
 pub use skinning::{
     blend, handedness_of, morphed, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
 };
-pub use srgb::{linear_to_srgb, srgb_to_linear, srgb_value_to_linear};
+pub use srgb::{linear_to_srgb, luminance, srgb_to_linear, srgb_value_to_linear};
 pub use tile_frame::{TileFrame, any_perpendicular, orthonormal_tangent, tile_axes_f64, tile_frame, to_tile};
 pub use view::{up_of_view, view_axes, view_from_world};
 pub use visibility::{VISIBILITY_MEAN_Z, above_horizon, encode_visibility, light_in_tile, visibility_towards};

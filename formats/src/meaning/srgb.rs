@@ -3,6 +3,7 @@
 //! `powf` differs in the last bit between mathematics libraries, which could change a byte. So both directions use one
 //! table of 256 linear values, computed with the `libm` crate.
 
+use glam::DVec3;
 use std::sync::LazyLock;
 
 static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|byte| decode(byte as f64 / 255.0) as f32));
@@ -42,6 +43,11 @@ pub fn linear_to_srgb(linear: f32) -> u8 {
     // Choose the byte that is nearest in linear light, because filters sum linear light.
     let up = linear - table[below] >= table[below + 1] - linear;
     (below + usize::from(up)) as u8
+}
+
+/// Returns the luminance of a linear colour, or the luma of an encoded one (ITU-R BT.709).
+pub fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
 #[cfg(test)]

@@ -157,6 +157,7 @@ mod tests {
         assert!(!frame_params(&[], &[]).soft_shadow);
         assert_eq!(frame_params(&vec![sun(1.0, false, 0); 40], &[]).fill_lights.len(), MAX_FILL_LIGHTS);
     }
+
     fn lamp(cone: Option<(Vec3, f32, f32)>) -> Lamp {
         let (color, layers) = (LinearRgba::WHITE, RenderLayers::default());
         Lamp { position: Vec3::Y * 3.0, color, power: 4.0 * PI * 900.0, range_m: 10.0, cone, shadows: true, layers }

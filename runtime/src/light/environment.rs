@@ -7,7 +7,8 @@ use crate::shared::environment::from_octahedral;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use half::f16;
 use pelage_formats::FibreInfo;
-use pelage_formats::meaning::environment::{Environment, brightness};
+use pelage_formats::meaning::environment::Environment;
+use pelage_formats::meaning::luminance;
 use pelage_formats::meaning::scattering::broad::{BroadSize, BroadTables, HORIZON_SINE};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -120,7 +121,7 @@ fn build_map(environment: &Environment) -> (Vec<Vec4>, f32) {
             let out = (1.0 - y * y).sqrt();
             let way = DVec3::new(out * cos, y, out * sin);
             let light = environment.radiance(way) * (4.0 * std::f64::consts::PI / DIRECTIONS as f64);
-            (way.as_vec3(), light.as_vec3(), brightness(light) as f32)
+            (way.as_vec3(), light.as_vec3(), luminance(light) as f32)
         })
         .collect();
     let place = |i: u32| 2.0 * i as f32 / (MAP_SIZE - 1) as f32 - 1.0;

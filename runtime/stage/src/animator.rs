@@ -1,7 +1,6 @@
 //! Clip playback of a character that an application moves.
 
 use crate::cast::Playback;
-use crate::stage::motion;
 use pelage_formats::ClipLayer;
 use pelage_runtime::Motion;
 
@@ -91,6 +90,26 @@ impl Animator {
         let whole = self.layers.iter().rposition(|layer| layer.share() >= 1.0).unwrap_or(0);
         let most = self.layers.len().saturating_sub(Motion::MAX_LAYERS);
         self.layers.drain(..whole.max(most));
+    }
+}
+
+/// Converts layers of a pose to the runtime's motion.
+pub(crate) fn motion(layers: Vec<ClipLayer>) -> Motion {
+    match layers[..] {
+        [] => Motion::Rest,
+        [ClipLayer { clip, time_s, share }] if share >= 1.0 => {
+            clip.map_or(Motion::Rest, |clip| Motion::Clip { clip, time_s })
+        }
+        _ => Motion::Blend(layers),
+    }
+}
+
+/// Returns the layers of the pose that a motion stands for.
+pub(crate) fn layers(motion: &Motion) -> Vec<ClipLayer> {
+    match motion {
+        Motion::Clip { clip, time_s } => vec![ClipLayer { clip: Some(*clip), time_s: *time_s, share: 1.0 }],
+        Motion::Blend(layers) => layers.clone(),
+        _ => Vec::new(),
     }
 }
 

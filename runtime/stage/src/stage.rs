@@ -1,14 +1,15 @@
 //! Stage: draws a cast on a canvas.
 
+use crate::animator::motion;
 use crate::cast::Actor;
 use crate::ground::{Ground, GroundKind};
 use crate::{CameraTrack, Canvas, CanvasOptions, Cast, Gpu, NamedPackage, StageError, Viewpoint};
 use pelage_formats::meaning::srgb_to_linear;
-use pelage_formats::{ClipLayer, Package, Shading};
+use pelage_formats::{Package, Shading};
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
-    Camera, Frame, FrameParams, HairMotionParams, Hooks, Instance, Model, Motion, PassId, Projection, Renderer,
-    RuntimeError, SelfShadow, ShadowMaps, Style, StyleKind, wgpu,
+    Camera, Frame, FrameParams, HairMotionParams, Hooks, Instance, Model, PassId, Projection, Renderer, RuntimeError,
+    SelfShadow, ShadowMaps, Style, StyleKind, wgpu,
 };
 use std::time::Duration;
 use web_time::Instant;
@@ -160,6 +161,7 @@ impl Stage {
 
     /// Loads the models of a cast that was already checked, and shows them.
     fn load(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
+        let ground = self.ground.below(cast)?;
         let start = Instant::now();
         let loaded = cast.packages.iter().map(|(file, package)| {
             let model = self.renderer.load(package);
@@ -190,7 +192,7 @@ impl Stage {
             Instance::new(owner, model).morphing(actor.morphs.clone())
         };
         self.instances = (0..).zip(of_actors.zip(&cast.actors)).map(instance).collect();
-        self.ground.read(cast)?;
+        self.ground = ground;
         self.actors = cast.actors.clone();
         self.shot = cast.camera.clone();
         self.set_time(time_s);
@@ -338,17 +340,6 @@ impl Stage {
     /// Creates an empty encoder.
     pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("pelage") })
-    }
-}
-
-/// Converts layers of a pose to the runtime's motion.
-pub(crate) fn motion(layers: Vec<ClipLayer>) -> Motion {
-    match layers[..] {
-        [] => Motion::Rest,
-        [ClipLayer { clip, time_s, share }] if share >= 1.0 => {
-            clip.map_or(Motion::Rest, |clip| Motion::Clip { clip, time_s })
-        }
-        _ => Motion::Blend(layers),
     }
 }
 

@@ -175,9 +175,10 @@ impl Show {
     }
 
     fn load(&mut self, subject: &Subject, clip: Option<&ClipInfo>, size: (u32, u32)) -> Result<(), StageError> {
-        let cast = subject.cast(clip.map(|clip| clip.name.as_str()), None, size.0 as f32 / size.1 as f32)?;
+        let look = self.sized(size);
+        let cast = subject.cast(clip.map(|clip| clip.name.as_str()), None, look.aspect())?;
         let fibres = cast.has_fibres()?;
-        let (look, time_s) = (self.sized(size).resolved(fibres), self.time_s);
+        let (look, time_s) = (look.resolved(fibres), self.time_s);
         (self.fibres, self.drawn) = (fibres, None);
         self.framed.set(None);
         match &mut self.stage {
@@ -263,7 +264,7 @@ impl Show {
         let Some(subject) = &self.subject else {
             return Ok(Framing::default().view(&[], 0.0, 1.0));
         };
-        let aspect = size.0 as f32 / size.1 as f32;
+        let aspect = self.sized(size).aspect();
         let cast = subject.cast(self.clip().map(|clip| clip.name.as_str()), None, aspect)?;
         frame_actors(&cast.packages, &cast.actors, aspect, &Framing { orbit, ..Framing::default() })
     }

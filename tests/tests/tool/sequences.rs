@@ -370,9 +370,14 @@ fn difference(sandbox: &Sandbox, a: &str, b: &str) -> f64 {
 
 /// Writes `pony.pelage`.
 fn bake_pony(sandbox: &Sandbox) {
+    bake_pony_with(sandbox, &[]);
+}
+
+/// Writes `pony.pelage`, baked with additional options.
+fn bake_pony_with(sandbox: &Sandbox, options: &[&str]) {
     let [model, recipe] = ["models/pony.glb", "recipes/pony.toml"].map(|name| workspace().join("assets").join(name));
     let [model, recipe] = [&model, &recipe].map(|path| path.to_str().unwrap());
-    sandbox.fixture(&[&[model, "--recipe", recipe, "-o", "pony.pelage"], &SMALL[..]].concat());
+    sandbox.fixture(&[&[model, "--recipe", recipe, "-o", "pony.pelage"], &SMALL[..], options].concat());
 }
 
 #[test]
@@ -390,6 +395,10 @@ fn notes_name_options_and_hair_without_effect() {
     let note = "note: --ground has no effect without --environment";
     assert_eq!(drawn(&["--ground", "#6b5a45", "--studio", "old"]), [note]);
     assert_eq!(drawn(&["--ground", "#6b5a45"]), [""; 0], "the studio has a ground");
+    bake_pony_with(&sandbox, &["--set", "shading.model=kajiya-kay"]);
+    let noted = drawn(&["--environment", "1,1,1"]);
+    assert!(noted.len() == 1 && noted[0].contains("kajiya-kay") && noted[0].contains("marschner"), "{noted:?}");
+    assert_eq!(drawn(&[]), [""; 0]);
 }
 
 /// Checks that the motion of manes and tails depends only on the time in a sequence: on neither the number of pictures

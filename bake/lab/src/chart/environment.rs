@@ -9,7 +9,8 @@ use crate::printed_light::PrintedLight;
 use glam::DVec3;
 use pelage_bake::noise::{hash, uniform};
 use pelage_formats::FibreOptics;
-use pelage_formats::meaning::environment::{Environment, brightness};
+use pelage_formats::meaning::environment::Environment;
+use pelage_formats::meaning::luminance;
 use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 use pelage_formats::meaning::scattering::broad::{
     BroadSize, BroadTables, CutGaussianLight, HORIZON_SINE, LEAST_MEAN, cut_gaussian_mean_cosine,
@@ -238,7 +239,7 @@ impl EnvironmentTruth {
             above(&cells, point.normal).map(|(way, light)| light * scatter_from(fibre, point, way)).sum()
         };
         let expected = points.par_iter().map(of).collect();
-        let mean_radiance = brightness(sky.panorama.total()) / (4.0 * PI);
+        let mean_radiance = luminance(sky.panorama.total()) / (4.0 * PI);
         Self { points, cells, expected, mean_radiance }
     }
 }
@@ -246,11 +247,10 @@ impl EnvironmentTruth {
 /// Returns the directions of an environment map's cells, with the light from each as luminance.
 fn cells_of(panorama: &Panorama) -> Vec<(DVec3, f64)> {
     let (coarse, fine) = (panorama.reduced(CELLS), panorama.reduced((PARTED * CELLS.0, PARTED * CELLS.1)));
-    let of =
-        |cells: &Panorama, x: u32, y: u32| (cells.towards(x, y), brightness(cells.at(x, y)) * cells.solid_angle(y));
+    let of = |cells: &Panorama, x: u32, y: u32| (cells.towards(x, y), luminance(cells.at(x, y)) * cells.solid_angle(y));
     let (width, height) = coarse.size();
     let parted = if fine.size() == (PARTED * width, PARTED * height) { PARTED } else { 1 };
-    let bright = BRIGHT * brightness(panorama.total());
+    let bright = BRIGHT * luminance(panorama.total());
     let mut out = Vec::new();
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         let whole = of(&coarse, x, y);
@@ -305,7 +305,7 @@ pub fn measure_map(form: MapLighting, sky: &NamedSky, truth: &EnvironmentTruth) 
     let sun_of = |environment: &Environment, point: &Point| {
         environment.sun.map_or(0.0, |sun| {
             let towards = DVec3::from(sun.towards.map(f64::from)).normalize_or(DVec3::Y);
-            let light = PI * brightness(DVec3::from(sun.color.map(f64::from)));
+            let light = PI * luminance(DVec3::from(sun.color.map(f64::from)));
             if point.normal.dot(towards) > -HORIZON_SINE {
                 light * scatter_from(&fibres[point.fibre], point, towards)
             } else {
@@ -344,7 +344,7 @@ pub fn measure_map(form: MapLighting, sky: &NamedSky, truth: &EnvironmentTruth) 
                     share * radiance(lobe) * light.integral() / half.integral() * of(&half)
                 };
                 environment.lobes.iter().zip(&shares[i]).map(lobe).sum::<f64>()
-                    + brightness(DVec3::from(environment.even.map(f64::from)))
+                    + luminance(DVec3::from(environment.even.map(f64::from)))
                         * of(&CutGaussianLight { towards: point.normal, mean: LEAST_MEAN })
                     + sun_of(&environment, point)
             })
@@ -410,14 +410,14 @@ fn to_smooth(fibre: &Fibre) -> Fibre {
 }
 
 fn radiance(lobe: &pelage_stage::sky::LightLobe) -> f64 {
-    brightness(DVec3::from(lobe.radiance.map(f64::from)))
+    luminance(DVec3::from(lobe.radiance.map(f64::from)))
 }
 
 /// Returns an environment without its sun, as directions with their luminance.
 fn directions(environment: &Environment) -> Vec<(DVec3, f64)> {
     let each = 4.0 * PI / f64::from(DIRECTIONS);
     let ways = (0..DIRECTIONS).map(|i| even_direction(i, DIRECTIONS));
-    ways.map(|way| (way, brightness(environment.radiance(way)) * each)).collect()
+    ways.map(|way| (way, luminance(environment.radiance(way)) * each)).collect()
 }
 
 /// Returns the total light that reaches hair on a surface with this normal, and the light's mean direction.
@@ -459,7 +459,7 @@ fn by_lobes(
         let point = &points[i];
         let lobes = environment.lobes.iter().zip(&shares[i]);
         lobes.map(|(lobe, share)| share * radiance(lobe) * of(point, &lobe.light())).sum::<f64>()
-            + above * brightness(DVec3::from(environment.even.map(f64::from))) * of(point, &even)
+            + above * luminance(DVec3::from(environment.even.map(f64::from))) * of(point, &even)
             + sun(environment, point)
     })
 }

@@ -3,7 +3,7 @@
 use super::skies::NamedSky;
 use super::{Cell, Panel};
 use glam::DVec3;
-use pelage_formats::meaning::environment::brightness;
+use pelage_formats::meaning::luminance;
 use pelage_stage::sky::{Environment, FitParams, FitResult, Panorama};
 
 /// Numbers of lobes.
@@ -85,8 +85,8 @@ pub fn cells(sky: &NamedSky, lobes: usize, fitted: &FitResult, truth: &[DVec3], 
         .map(|way| (way, environment.radiance(way) * each))
         .collect();
     let found = irradiance_by_lights(&lights, Some(environment));
-    let wrong: f64 = found.iter().zip(truth).map(|(a, b)| brightness(*a - *b).powi(2)).sum();
-    let whole: f64 = truth.iter().map(|of| brightness(*of).powi(2)).sum();
+    let wrong: f64 = found.iter().zip(truth).map(|(a, b)| luminance(*a - *b).powi(2)).sum();
+    let whole: f64 = truth.iter().map(|of| luminance(*of).powi(2)).sum();
     let irradiance = (wrong / whole.max(1e-300)).sqrt();
     let percent = |x: f64| Cell::Number(100.0 * x);
     // Number of floats: uniform light, lobes, and the sun if there is one.

@@ -6,7 +6,7 @@
 
 use super::{Cell, Panel};
 use glam::DVec3;
-use pelage_formats::meaning::srgb_to_linear;
+use pelage_formats::meaning::{luminance, srgb_to_linear};
 use pelage_stage::LookScattering;
 
 /// Fur colours: name and amount of eumelanin.
@@ -104,7 +104,6 @@ impl Squares {
     /// Compares a path-traced picture (linear, premultiplied) with a drawn one (sRGB bytes, straight alpha). Both are
     /// [`SIZE`] by [`SIZE`] pixels.
     pub fn new(truth: &[[f32; 4]], drawn: &[u8]) -> Self {
-        let luminance = |rgb: DVec3| rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
         let per_side = SIZE / BLOCK;
         let mut pairs = Vec::new();
         for block in 0..per_side * per_side {

@@ -6,7 +6,7 @@ use super::row::{Finding, Row};
 use crate::least_squares::least_squares;
 use crate::printed_light::PrintedLight;
 use glam::{DVec3, Vec3};
-use pelage_formats::meaning::environment::brightness;
+use pelage_formats::meaning::luminance;
 use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 use pelage_formats::meaning::scattering::broad::{BroadSize, BroadTables, CutGaussianLight};
 use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLitFibre, GaussianLight};
@@ -196,7 +196,7 @@ fn negative_light() -> Result<Finding, BakeError> {
         places.iter().map(|(x, y)| weight(*y) * light(*x, *y)).collect::<Vec<f64>>()
     };
     let columns = shapes.iter().map(Some).chain([None]).map(column).collect();
-    let found = least_squares(columns, places.iter().map(|(x, y)| weight(*y) * brightness(cells.at(*x, *y))).collect());
+    let found = least_squares(columns, places.iter().map(|(x, y)| weight(*y) * luminance(cells.at(*x, *y))).collect());
     let least = |of: &dyn Fn(DVec3) -> f64| {
         let darkest = (0..4000).map(|i| of(even_direction(i, 4000))).fold(f64::INFINITY, f64::min);
         (-darkest).max(0.0)
@@ -209,7 +209,7 @@ fn negative_light() -> Result<Finding, BakeError> {
         case: "a lamp of 7 degrees in a dark ring in a pale room".into(),
         measure: "most negative radiance; the walls have radiance 1",
         naive: least(&naive),
-        safe: least(&|way| brightness(fitted.environment.radiance(way))),
+        safe: least(&|way| luminance(fitted.environment.radiance(way))),
         bound: 0.0,
         fails_above: 0.1,
     })
@@ -227,7 +227,7 @@ fn sun_on_an_edge() -> Result<Finding, BakeError> {
         let (width, height) = sky.size();
         let bright: Vec<(u32, u32)> = (0..height)
             .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .filter(|(x, y)| brightness(sky.at(*x, *y)) > 100.0)
+            .filter(|(x, y)| luminance(sky.at(*x, *y)) > 100.0)
             .collect();
         let mean = |of: &dyn Fn(&(u32, u32)) -> u32| {
             bright.iter().map(|pixel| f64::from(of(pixel))).sum::<f64>() / bright.len().max(1) as f64
@@ -272,7 +272,7 @@ fn black() -> Result<Finding, BakeError> {
     let (width, height) = black.size();
     let (mut all, mut middle) = (0.0, DVec3::ZERO);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        let light = brightness(black.at(x, y)) * black.solid_angle(y);
+        let light = luminance(black.at(x, y)) * black.solid_angle(y);
         all += light;
         middle += black.towards(x, y) * light;
     }

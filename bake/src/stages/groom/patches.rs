@@ -2,6 +2,7 @@
 
 use super::pairs::{components, edges};
 use glam::DVec3;
+use pelage_formats::meaning::luminance;
 use pelage_import::mesh::{Model, RestPose};
 use std::collections::BTreeMap;
 
@@ -88,8 +89,10 @@ impl FaceMesh {
             let look = &model.materials[material];
             let luminance = look.base_color_image.is_none().then(|| {
                 let color = |v: u32| model.mesh.colors.get(v as usize).copied().unwrap_or([255; 4]);
-                let vertex = |v: u32| luminance(color(v).map(|c| f64::from(c) / 255.0));
-                luminance(look.base_color.map(f64::from)) * triangle.map(vertex).into_iter().sum::<f64>() / 3.0
+                let vertex = |v: u32| luminance(DVec3::from_slice(&color(v).map(|c| f64::from(c) / 255.0)));
+                luminance(DVec3::from_slice(&look.base_color.map(f64::from)))
+                    * triangle.map(vertex).into_iter().sum::<f64>()
+                    / 3.0
             });
             let places = triangle.map(|v| places[v as usize]);
             for edge in edges(&places) {
@@ -189,9 +192,4 @@ impl Patch {
         let length = self.corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
         width > 0.0 && length >= 1.3 * width
     }
-}
-
-/// Returns the luminance of a linear colour (Rec. 709).
-fn luminance([r, g, b, _]: [f64; 4]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }

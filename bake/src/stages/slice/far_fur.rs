@@ -6,7 +6,7 @@
 //! brightness is preserved.
 
 use super::splat::Sums;
-use pelage_formats::FarLayerInfo;
+use pelage_formats::{FarLayerInfo, meaning};
 use rayon::prelude::*;
 
 /// Maximum path length of light through a layer, as a multiple of the layer's thickness; equals the limit of the
@@ -72,8 +72,7 @@ impl FarFurSums {
             for i in [1..7, 8..12].into_iter().flatten() {
                 sum[i] += blocked * s[i] / s[0];
             }
-            let [r, g, b] = [1, 2, 3].map(|i| f64::from(blocked * s[i] / s[0]));
-            0.2126 * r + 0.7152 * g + 0.0722 * b
+            meaning::luminance([1, 2, 3].map(|i| f64::from(blocked * s[i] / s[0])).into())
         });
         // Values are summed in the order of the texels, so that the result does not depend on the number of threads.
         self.added = luminance.collect::<Vec<f64>>().iter().sum::<f64>() / layer.len().max(1) as f64;

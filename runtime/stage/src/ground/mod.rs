@@ -6,12 +6,14 @@
 
 mod contact;
 
+use crate::animator::layers;
 use crate::cast::Cast;
 use crate::{CanvasOptions, Gpu, StageError};
 use bytemuck::{Pod, Zeroable};
 use contact::{CELLS, ContactMap, GroundCaster};
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use pelage_runtime::{ClipLayer, Frame, FrameParams, Instance, Light, Motion, wgpu};
+use pelage_formats::meaning::luminance;
+use pelage_runtime::{ClipLayer, Frame, FrameParams, Instance, Light, wgpu};
 use wgpu::util::DeviceExt as _;
 
 /// Ground of a picture.
@@ -26,8 +28,6 @@ pub enum GroundKind {
     Studio,
 }
 
-/// Luminance weights of linear sRGB (ITU-R BT.709).
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 /// Mean ambient light of packages, relative to a perpendicular key light of colour 1.
 const AMBIENT: f32 = 0.3;
 
@@ -55,28 +55,30 @@ struct GroundBlock {
 /// Index of a model's package, its transform, and the layers of its pose.
 type ModelPose = (usize, Mat4, Vec<ClipLayer>);
 
+/// Contact map, and its texture.
+type UploadedMap = (ContactMap, wgpu::TextureView);
+
 /// Ground of a stage, ready to draw.
 #[derive(Debug, Default)]
 pub(crate) struct Ground {
     pub(crate) kind: GroundKind,
     casters: Vec<GroundCaster>,
-    pipeline: Option<wgpu::RenderPipeline>,
-    /// Contact map, and the poses for which it was computed.
-    map: Option<(Vec<ModelPose>, Option<ContactMap>)>,
+    pipeline: Option<(wgpu::RenderPipeline, wgpu::Sampler)>,
+    /// Contact map on the device, and the poses for which it was computed.
+    map: Option<(Vec<ModelPose>, Option<UploadedMap>)>,
     /// Bind group of the most recently prepared frame.
     bound: Option<wgpu::BindGroup>,
 }
 
 impl Ground {
-    /// Reads the models of a cast.
+    /// Returns the ground of a cast, with the kind and the pipeline of this one.
     ///
     /// # Errors
     /// [`StageError::Package`] for a damaged package.
-    pub(crate) fn read(&mut self, cast: &Cast<'_>) -> Result<(), StageError> {
+    pub(crate) fn below(&self, cast: &Cast<'_>) -> Result<Self, StageError> {
         let read = cast.packages.iter().map(|(file, package)| GroundCaster::of(package).map_err(|e| file.fault(e)));
-        self.casters = read.collect::<Result<_, _>>()?;
-        self.map = None;
-        Ok(())
+        let casters = read.collect::<Result<_, _>>()?;
+        Ok(Self { kind: self.kind, casters, pipeline: self.pipeline.clone(), ..Self::default() })
     }
 
     /// Prepares the ground for a frame. `models`: index of the package of each instance, and the instance.
@@ -90,47 +92,25 @@ impl Ground {
         if self.kind == GroundKind::None {
             return;
         }
-        let poses: Vec<_> =
-            models.map(|(package, shown)| (package, shown.transform, layers_of(&shown.motion))).collect();
+        let poses: Vec<_> = models.map(|(package, shown)| (package, shown.transform, layers(&shown.motion))).collect();
         if self.map.as_ref().is_none_or(|(before, _)| *before != poses) {
             let models =
                 poses.iter().filter_map(|(package, at, layers)| Some((self.casters.get(*package)?, *at, layers)));
             let map = ContactMap::new(models.map(|(caster, at, layers)| (caster, at, &layers[..])));
-            self.map = Some((poses, map));
+            self.map = Some((poses, map.map(|map| upload(gpu, map))));
         }
-        let Some((_, Some(map))) = &self.map else { return };
+        let Some((_, Some((map, contact)))) = &self.map else { return };
         let block = self.block(map, params, frame);
-        let pipeline = self.pipeline.get_or_insert_with(|| pipeline(gpu, options));
+        let (pipeline, sampler) = self.pipeline.get_or_insert_with(|| (pipeline(gpu, options), sampler(gpu)));
         let uniform = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("ground"),
             contents: bytemuck::bytes_of(&block),
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        let contact = gpu.device.create_texture_with_data(
-            &gpu.queue,
-            &wgpu::TextureDescriptor {
-                label: Some("ground contact"),
-                size: wgpu::Extent3d { width: CELLS, height: CELLS, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::R8Unorm,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            },
-            wgpu::util::TextureDataOrder::LayerMajor,
-            &map.hidden,
-        );
-        let contact = contact.create_view(&wgpu::TextureViewDescriptor::default());
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
         let resources = [
             uniform.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&contact),
-            wgpu::BindingResource::Sampler(&sampler),
+            wgpu::BindingResource::TextureView(contact),
+            wgpu::BindingResource::Sampler(sampler),
             wgpu::BindingResource::TextureView(frame.shadow_map()),
         ];
         let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
@@ -144,7 +124,7 @@ impl Ground {
 
     /// Records the ground of the most recently prepared frame.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if let (Some(pipeline), Some(bound)) = (&self.pipeline, &self.bound) {
+        if let (Some((pipeline, _)), Some(bound)) = (&self.pipeline, &self.bound) {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bound, &[]);
             pass.draw(0..3, 0..1);
@@ -159,12 +139,12 @@ impl Ground {
             Light::Point { position, .. } => position - center,
         };
         let towards = towards.normalize_or(Vec3::Y);
-        let key = params.light.color().dot(LUMINANCE) * towards.y.max(0.0);
+        let key = luminance(params.light.color().as_dvec3()) as f32 * towards.y.max(0.0);
         let around = params.environment.as_ref().map_or(AMBIENT * params.ambient, |sky| {
             let sky = pelage_formats::meaning::environment::Environment { sun: None, ..sky.clone() };
             sky.ground_irradiance().as_vec3()
         });
-        let around = around.dot(LUMINANCE).max(1e-6);
+        let around = (luminance(around.as_dvec3()) as f32).max(1e-6);
         let receiver = frame.shadow_receiver();
         let shadows = frame.shadows().map(pelage_runtime::ShadowMaps::view);
         let (world, clip) = (params.camera.view_from_world.inverse(), params.camera.projection.clip_from_view(true));
@@ -189,13 +169,33 @@ impl Ground {
     }
 }
 
-/// Returns the layers of the pose that a motion stands for.
-fn layers_of(motion: &Motion) -> Vec<ClipLayer> {
-    match motion {
-        Motion::Clip { clip, time_s } => vec![ClipLayer { clip: Some(*clip), time_s: *time_s, share: 1.0 }],
-        Motion::Blend(layers) => layers.clone(),
-        _ => Vec::new(),
-    }
+/// Copies a contact map to the device.
+fn upload(gpu: &Gpu, map: ContactMap) -> UploadedMap {
+    let texture = gpu.device.create_texture_with_data(
+        &gpu.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("ground contact"),
+            size: wgpu::Extent3d { width: CELLS, height: CELLS, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::R8Unorm,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        &map.hidden,
+    );
+    (map, texture.create_view(&wgpu::TextureViewDescriptor::default()))
+}
+
+/// Creates the sampler of the contact map.
+fn sampler(gpu: &Gpu) -> wgpu::Sampler {
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
 }
 
 /// Creates the pipeline, for a pass with the targets of `options`.

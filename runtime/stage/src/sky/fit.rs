@@ -4,7 +4,8 @@ use super::lobes::{Cells, LobeSelection};
 use super::panorama::Panorama;
 use super::sun;
 use glam::DVec3;
-use pelage_formats::meaning::environment::{Environment, LightLobe, brightness};
+use pelage_formats::meaning::environment::{Environment, LightLobe};
+use pelage_formats::meaning::luminance;
 
 /// Settings for fitting an [`Environment`] to a panorama.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,8 +71,8 @@ impl Panorama {
         let (even, lobes) = chosen.lights();
         let mut lobes: Vec<LightLobe> = lobes.map(lobe).filter(|lobe| lobe.radiance != [0.0; 3]).collect();
         // Brightest first, so that truncation drops the least important lobes.
-        lobes.sort_by(|a, b| brightness(b.integral()).total_cmp(&brightness(a.integral())));
-        let sun_light = sun.map_or(0.0, |sun| brightness(DVec3::from(sun.color.map(f64::from))) * std::f64::consts::PI);
+        lobes.sort_by(|a, b| luminance(b.integral()).total_cmp(&luminance(a.integral())));
+        let sun_light = sun.map_or(0.0, |sun| luminance(DVec3::from(sun.color.map(f64::from))) * std::f64::consts::PI);
         let mut environment = Environment { even: even.as_vec3().into(), sun: None, lobes };
         let rest = without.total();
         // Least squares preserve the total light only if the uniform light is above zero in each colour channel.
@@ -84,7 +85,7 @@ impl Panorama {
         let error = chosen.error();
         FitResult {
             environment: Environment { sun, ..environment },
-            sun_share: if brightness(whole) > 0.0 { sun_light / brightness(whole) } else { 0.0 },
+            sun_share: if luminance(whole) > 0.0 { sun_light / luminance(whole) } else { 0.0 },
             energy,
             error,
             repaired_pixels: self.mended(),

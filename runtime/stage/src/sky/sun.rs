@@ -2,7 +2,8 @@
 
 use super::panorama::Panorama;
 use glam::DVec3;
-use pelage_formats::meaning::environment::{Sun, brightness};
+use pelage_formats::meaning::environment::Sun;
+use pelage_formats::meaning::luminance;
 use std::f64::consts::PI;
 
 /// Candidate angular radii of a sun or lamp, degrees, including lens glare. Wider sources are modelled as lobes.
@@ -17,7 +18,7 @@ const EDGE_SHARE: f64 = 0.1;
 pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     let (width, height) = sky.size();
     let places = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let bright = |(x, y): (u32, u32)| brightness(sky.at(x, y));
+    let bright = |(x, y): (u32, u32)| luminance(sky.at(x, y));
     let none = || (None, sky.clone());
     let Some(peak) = places().max_by(|a, b| bright(*a).total_cmp(&bright(*b))) else { return none() };
     let towards = sky.towards(peak.0, peak.1);
@@ -35,7 +36,7 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
         let [inside, outside] = [reach, reach + RING_DEG].map(|deg| libm::cos(deg.to_radians()));
         let about = near.iter().copied().filter(|(_, cosine)| *cosine > outside);
         let (disc, ring): (Vec<_>, Vec<_>) = about.partition(|(_, cosine)| *cosine > inside);
-        let ends = brightness(mean(&ring)) <= EDGE_SHARE * brightness(mean(&disc));
+        let ends = luminance(mean(&ring)) <= EDGE_SHARE * luminance(mean(&disc));
         ends.then_some((disc, ring))
     };
     let Some((disc, ring)) = REACHES_DEG.into_iter().find_map(split_at) else { return none() };
@@ -45,12 +46,12 @@ pub(super) fn split(sky: &Panorama, least: f64) -> (Option<Sun>, Panorama) {
     for ((x, y), _) in &disc {
         let more = (sky.at(*x, *y) - around).max(DVec3::ZERO) * sky.solid_angle(*y);
         light += more;
-        middle += sky.towards(*x, *y) * brightness(more);
+        middle += sky.towards(*x, *y) * luminance(more);
         let pixel = &mut pixels[*y as usize * width as usize + *x as usize];
         *pixel = (sky.at(*x, *y).min(around)).as_vec3().into();
     }
-    let whole = brightness(sky.total());
-    if whole <= 0.0 || brightness(light) < least * whole {
+    let whole = luminance(sky.total());
+    if whole <= 0.0 || luminance(light) < least * whole {
         return none();
     }
     let sun = Sun {
