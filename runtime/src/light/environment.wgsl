@@ -91,10 +91,19 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
         let way = normalize_or(towards, vec3(0.0, 0.0, 1.0));
         towards = light_in_tile(way, select(1.0, b.length, SHORT), b.slope) * length(towards);
     }
-    if SCATTERING {
-        towards.z = over_curve(towards.z, b.texel.w);
-    }
+    towards.z = over_curve(towards.z, b.texel.w);
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
+}
+
+// Returns the share of light, spread about a direction, that other strands let through (formulas 4.15). Low light passes
+// through much more hair than high light, so the share of the mean direction is not the mean share. The light arrives
+// from two heights, one standard deviation above and below the mean height.
+fn visible_past_strands_spread(b: Baked, towards: vec3<f32>) -> f32 {
+    let long = length(towards);
+    let square = mean_square(clamp(long, LEAST_MEAN, 1.0), towards.z / long);
+    let deviation = vec3(0.0, 0.0, sqrt(max(square - towards.z * towards.z, 0.0)));
+    let high = visible_past_strands_around(b, towards + deviation);
+    return 0.5 * (high + visible_past_strands_around(b, towards - deviation));
 }
 
 // Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame: d_p of formulas
@@ -299,6 +308,9 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     if SCATTERING {
         let full = color / max(p.opacity, 1e-6);
         return p.opacity * scatter_around(p.direction, around, eye, full, p.deeper * p.tint, direct, p.baked);
+    }
+    if BAKED_SHADOW && !HANGS {
+        direct = visible_past_strands_spread(p.baked, around.towards);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
     let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);
