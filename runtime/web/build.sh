@@ -7,6 +7,7 @@ cd "$(dirname "$0")/../.."
 out=$1 profile=${2:-web}
 
 runtime/web/cargo_wasm.sh build -p pelage-web --profile "$profile"
+echo "Generating the JavaScript bindings; the first time, their generator is compiled, which takes minutes." >&2
 # A separate target folder, because the build for WebAssembly may use another compiler.
 cargo run --quiet --locked --manifest-path runtime/web/binder/Cargo.toml --target-dir target/binder -- \
     "target/wasm/wasm32-unknown-unknown/$profile/pelage_web.wasm" "$out/bound" \

@@ -16,7 +16,7 @@ use fit::SampledImage;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_formats::meaning::linear_to_srgb;
 use pelage_import::BakeError;
-use pelage_import::mesh::{Image, Mesh, Model, RestPose};
+use pelage_import::mesh::{Image, Mesh, MeshPart, Model, RestPose};
 
 /// Gutter around the charts of a model's own texture coordinates, divided by the image's width.
 const GUTTER: f32 = 1.0 / 128.0;
@@ -87,7 +87,7 @@ pub struct GroomMap {
 /// Writes a groom map of a model.
 ///
 /// * `coordinates`: texture coordinates to use, the model's own or the atlas. The default is the recipe's choice, or
-///   the atlas if a furred part has no texture coordinates. A recipe with a projection uses the model's own: a
+///   the atlas if a furred part has no texture coordinates, or most have no area as in a palette. A recipe with a projection uses the model's own: a
 ///   projected image shows both sides of a body at once and cannot be painted.
 /// * `texels`: width and height of the image
 ///
@@ -154,10 +154,21 @@ pub fn groom_map(
     })
 }
 
+/// Area of texture coordinates at and below which nothing can be painted on a triangle.
+const LEAST_UV_AREA: f32 = 1e-9;
+
 fn usual_coordinates(input: &BakeInput<'_>, laid: &Layout<'_>) -> GroomCoordinates {
-    let mut furred = laid.surface.mesh.parts.iter().filter(|part| is_furred(laid, part.material));
+    let mesh = &laid.surface.mesh;
+    let mut furred = mesh.parts.iter().filter(|part| is_furred(laid, part.material));
+    let range = |part: &MeshPart| part.first_triangle..part.first_triangle + part.triangle_count;
+    let triangles: Vec<usize> = furred.clone().flat_map(range).collect();
+    let has_area = |t: &&usize| {
+        let [a, b, c] = mesh.triangles[**t].map(|v| mesh.uvs[v as usize]);
+        (b - a).perp_dot(c - a).abs() > LEAST_UV_AREA
+    };
     match input.recipe.groom.coordinates {
         _ if furred.any(|part| !part.has_uvs) => GroomCoordinates::Atlas,
+        _ if 2 * triangles.iter().filter(has_area).count() < triangles.len() => GroomCoordinates::Atlas,
         GroomCoordinates::Atlas => GroomCoordinates::Atlas,
         // A projected image shows both sides of a body at once and cannot be painted.
         _ => GroomCoordinates::Model,

@@ -179,6 +179,17 @@ fn writing_a_map_without_texture_coordinates_is_refused() {
 }
 
 #[test]
+fn coordinates_of_a_palette_give_way_to_the_atlas() {
+    let mut model = torus(true);
+    let of = |model: &Model| written(model, "", &MapImages::default(), Quantity::Length, 64).unwrap();
+    assert_eq!(of(&model).coordinates, GroomCoordinates::Model);
+    model.mesh.uvs.iter_mut().for_each(|uv| *uv = Vec2::new(0.1, (uv.y * 4.0).floor() / 4.0));
+    let map = of(&model);
+    assert_eq!(map.coordinates, GroomCoordinates::Atlas);
+    assert!(map.image.rgba.chunks_exact(4).any(|texel| texel[3] > 0));
+}
+
+#[test]
 fn triangles_outside_the_image_are_wrapped() {
     let mut found = Vec::new();
     repeated([Vec2::new(-0.2, 1.2), Vec2::new(0.2, 1.2), Vec2::new(0.0, 1.6)], |uvs| found.push(uvs[0]));

@@ -102,7 +102,7 @@ pub fn run(args: &GroomArgs, output: &mut Output) -> Result<Exit, Failure> {
     if map.misses_by > COARSE {
         output.note(&format!(
             "note: {} texels are too few to separate all vertices: the worst one is read back with an error of \
-             {:.3} of the range; --texels {} separates more",
+             {:.3} of the range; --texels {} or --coordinates atlas separates more",
             args.texels,
             map.misses_by,
             2 * args.texels

@@ -271,7 +271,7 @@ fn hint(error: &clap::Error) -> Option<&'static str> {
     match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(name)) => match name.as_str() {
             "chart" => Some("it is part of pelage-lab: ./run chart"),
-            "herd" | "view" => Some("this build leaves it out: build pelage-tool with its default features"),
+            "herd" | "view" => Some("this build leaves it out; in a clone: cargo install --locked --path bake/tool"),
             _ => None,
         },
         _ => None,
