@@ -12,6 +12,7 @@ use super::primitive::{MeshTotals, MeshUse, Primitive, read_mesh};
 use super::scene::{MeshVisibility, Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
+use super::unfold;
 use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, NamedPosition, RestPose};
 use glam::{Mat3, Mat4, Quat, Vec3};
@@ -107,12 +108,13 @@ pub(super) fn model<'a>(source: &mut Source<'a, '_>, options: &ImportOptions) ->
         }
     }
     let Builder { mut mesh, places, authored } = builder;
-    let (targets, morph_rows) = morphed.finish(&mut mesh);
+    let (targets, mut morph_rows) = morphed.finish(&mut mesh);
     let animation = moving.then(|| {
         let joints =
             joints.list.iter().map(|(node, bind)| Joint { node: number(*node), inverse_bind: *bind }).collect();
         let mut animation = Animation { nodes, joints, clips, morphs: MorphMotion { targets, channels } };
         hidden::snap_hidden_scales(&mut animation);
+        unfold::unfold(&mut mesh, &mut morph_rows, &animation);
         animation
     });
     let rest = RestPose::of(&mesh, animation.as_ref());

@@ -10,7 +10,8 @@
 //! * If a glTF part has no normals, they are flat, as glTF requires. They are smooth where that looks the same, and in
 //!   an OBJ. The stage `surface` joins the normals of hair at edges.
 //! * Areas and lengths are those at rest. Nodes hidden at rest by a scale of zero, or below 2% of their largest, have
-//!   the largest scale of their clips instead ([`crate::mesh::RestPose::pose`]).
+//!   the largest scale of their clips instead ([`crate::mesh::RestPose::pose`]). Surface that morph targets hide at
+//!   rest is placed where a clip shows it ([`crate::mesh::RowDelta::hidden_at`]).
 //! * VRM 0.x models are turned by 180° about y, so that they look along +z.
 //! * Vertices of a skin without any weight follow the first joint that they name. Of more than four weights, the
 //!   largest four are kept.
@@ -61,6 +62,7 @@ mod reduce;
 mod scene;
 mod skin;
 mod source;
+mod unfold;
 mod views;
 mod weights;
 

@@ -1,8 +1,7 @@
 //! Output of `import`: one triangle mesh, with its materials, images and animation.
 
-use crate::hidden;
 use glam::{Mat3, Vec2, Vec3};
-use pelage_formats::meaning::{skin_matrix, transform_normal};
+use pelage_formats::meaning::{measured_pose, skin_matrix, transform_normal};
 use pelage_formats::{Animation, InputRecord, Pose, SkinVertex};
 use std::sync::Arc;
 
@@ -88,7 +87,7 @@ impl Mesh {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphRows(pub Vec<Vec<RowDelta>>);
 
-/// Delta that a morph target adds to a vertex at weight 1. The stored vertex has weight 0.
+/// Delta that a morph target adds to a vertex at weight 1. At rest the delta is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowDelta {
     /// Index into the targets of [`Animation::morphs`].
@@ -97,6 +96,9 @@ pub struct RowDelta {
     pub position: Vec3,
     /// Delta of a unit normal; `None` if the file has none.
     pub normal: Option<Vec3>,
+    /// Position where the vertex is hidden at rest, if a clip shows it by this target; else `None`. The mesh has the
+    /// vertex where the first of these targets shows it.
+    pub hidden_at: Option<Vec3>,
 }
 
 /// A range of triangles that came from one primitive.
@@ -232,7 +234,7 @@ impl RestPose {
     /// Returns the skeleton's pose at rest. Nodes that are hidden at rest by a scale of zero have the largest scale
     /// that they reach in any clip, so that hair fits them where they are visible.
     pub fn pose(animation: &Animation) -> Pose {
-        hidden::measured_pose(animation)
+        measured_pose(animation)
     }
 
     /// Poses a skinned `mesh`: the CPU twin of the runtime's `pose` pass.

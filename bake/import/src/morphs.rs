@@ -99,7 +99,7 @@ pub(super) fn read<'a>(
             let (position, normal) = (at(&position, v).unwrap_or_default(), at(&normal, v));
             if position != Vec3::ZERO || normal.is_some_and(|n| n != Vec3::ZERO) {
                 let before = row.capacity();
-                row.push(RowDelta { target: number as u32, position, normal });
+                row.push(RowDelta { target: number as u32, position, normal, hidden_at: None });
                 grown += row.capacity() - before;
                 deltas += 1;
             }

@@ -1,9 +1,11 @@
 //! Morph targets on the vertices of a package: changes of positions, normals and the tile's axes.
 
 use glam::{DMat3, DVec3, Vec3};
-use pelage_formats::{MeshData, MorphDelta, Morphs};
-use pelage_import::mesh::Model;
+use pelage_formats::meaning::{measured_pose, shown};
+use pelage_formats::{Animation, MeshData, MorphDelta, Morphs};
+use pelage_import::mesh::{Model, RowDelta};
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// Smallest change of a normal or a direction that is stored. Smaller changes are invisible.
 const LEAST: f32 = 1e-6;
@@ -32,7 +34,8 @@ impl VertexMorph {
 ///
 /// Vertices with the same position and normal share the change of the normal, so that fur stays closed over patch
 /// seams. The change is read from the file, if given, and otherwise derived from the triangles. The tile's axes follow
-/// the mesh surface.
+/// the mesh surface. Vertices that are hidden at rest have deltas from there ([`hidden`]); the tangents of these deltas
+/// are zero unless the target shows the vertex.
 pub fn mesh_morphs(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morphs> {
     let motion =
         model.animation.as_ref().map(|animation| &animation.morphs).filter(|motion| !motion.targets.is_empty())?;
@@ -91,12 +94,27 @@ pub fn mesh_morphs(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morph
             }
         }
     }
+    let shifts = model.animation.as_ref().map(|animation| measured_pose(animation).shifts).unwrap_or_default();
     let mut morphs = Morphs { motion: motion.clone(), first: vec![0], deltas: Vec::new() };
     for (v, (vertex, group)) in mesh.geometry.iter().zip(&group_of).enumerate() {
         let (sum, area) = still[*group as usize];
         let [x, y, z, _] = vertex.tangent;
+        let mut hidden_at = hidden_at(row_of(v));
+        let is_hidden = hidden_at.is_some();
         for ((_, target), entry) in around.range((*group, 0)..=(*group, u32::MAX)) {
-            let position = row_of(v).iter().find(|d| d.target == *target).map_or(Vec3::ZERO, |d| d.position);
+            let own = row_of(v).iter().find(|d| d.target == *target);
+            if let Some(shown) = own.filter(|delta| delta.hidden_at.is_some()) {
+                let shift = shifts[*target as usize];
+                let unfolded = hidden_at.take().map(|anchor| (Vec3::from(vertex.position) - anchor) / shift);
+                morphs.deltas.push(MorphDelta {
+                    target: *target,
+                    position: unfolded.unwrap_or(shown.position).into(),
+                    normal: [0.0; 3],
+                    tangent: (Vec3::new(x, y, z) / shift).into(),
+                });
+                continue;
+            }
+            let position = own.map_or(Vec3::ZERO, |d| d.position);
             let normal = if entry.authored_count > 0 {
                 (entry.authored / f64::from(entry.authored_count)).as_vec3()
             } else {
@@ -106,7 +124,7 @@ pub fn mesh_morphs(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morph
                 (turned * outward).as_vec3()
             };
             let tangent = entry.gradient * Vec3::new(x, y, z).as_dvec3() / f64::max(area, f64::MIN_POSITIVE);
-            let tangent = if area > 0.0 { tangent.as_vec3() } else { Vec3::ZERO };
+            let tangent = if area > 0.0 && !is_hidden { tangent.as_vec3() } else { Vec3::ZERO };
             if position != Vec3::ZERO || normal.length() > LEAST || tangent.length() > LEAST {
                 morphs.deltas.push(MorphDelta {
                     target: *target,
@@ -119,6 +137,29 @@ pub fn mesh_morphs(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morph
         morphs.first.push(morphs.deltas.len() as u32);
     }
     Some(morphs)
+}
+
+/// Moves the vertices that morph targets hide to their positions at rest, and makes their tangents zero, by which
+/// readers recognise them. Arguments as for [`mesh_morphs`], whose result is for the moved vertices.
+pub fn hidden(mesh: &mut Arc<MeshData>, rows: &[u32], model: &Model) {
+    let at = |row: &u32| hidden_at(model.morph_rows.0.get(*row as usize)?);
+    for (v, position) in rows.iter().map(at).enumerate().filter_map(|(v, at)| Some((v, at?))) {
+        let vertex = &mut Arc::make_mut(mesh).geometry[v];
+        (vertex.position, vertex.tangent) = (position.into(), [0.0, 0.0, 0.0, vertex.tangent[3]]);
+    }
+}
+
+/// Returns the position where a vertex is hidden at rest; `None` for a visible vertex.
+fn hidden_at(row: &[RowDelta]) -> Option<Vec3> {
+    row.iter().find_map(|delta| delta.hidden_at)
+}
+
+/// Returns a mesh with the vertices that are hidden at rest as clips show them.
+pub fn shown_mesh(mesh: &MeshData, morphs: &Morphs, animation: &Animation) -> MeshData {
+    let (mut mesh, shifts) = (mesh.clone(), measured_pose(animation).shifts);
+    let vertices = mesh.geometry.iter_mut().enumerate();
+    vertices.for_each(|(v, vertex)| *vertex = shown(vertex, morphs.of_vertex(v), &shifts));
+    mesh
 }
 
 #[cfg(test)]
@@ -171,7 +212,7 @@ mod tests {
 
     #[test]
     fn normals_and_tangents_rotate_with_the_morphed_surface() {
-        let lift = |p: Vec3| Some(RowDelta { target: 0, position: Vec3::Z * p.x, normal: None });
+        let lift = |p: Vec3| Some(RowDelta { target: 0, position: Vec3::Z * p.x, normal: None, hidden_at: None });
         let morphs = square(lift);
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let found: Vec<_> = (0..30).map(|v| morphs.of_vertex(v)[0]).collect();
@@ -187,7 +228,7 @@ mod tests {
         // Only the vertices at one position on the split are lifted.
         let lifted = Vec3::new(2.0, 2.0, 0.0);
         let position = |p: Vec3| if p == lifted { Vec3::Z } else { Vec3::ZERO };
-        let plain = square(|p| Some(RowDelta { target: 0, position: position(p), normal: None }));
+        let plain = square(|p| Some(RowDelta { target: 0, position: position(p), normal: None, hidden_at: None }));
         let at = |morphs: &Morphs, p: [f32; 2]| {
             // Vertices are numbered in rows of three: first those of the left half, then those of the right half, which
             // begins at column 2.
@@ -199,8 +240,14 @@ mod tests {
         assert_eq!(copies[0].unwrap().normal, copies[1].unwrap().normal, "both sides see all triangles");
         assert!(at(&plain, [1.0, 2.0])[0].unwrap().normal[0] < -0.1, "its neighbours turn away from it");
         assert_eq!(at(&plain, [0.0, 0.0]), [None], "what is far does not turn");
-        let authored =
-            square(|p| Some(RowDelta { target: 0, position: position(p), normal: (p == lifted).then_some(Vec3::X) }));
+        let authored = square(|p| {
+            Some(RowDelta {
+                target: 0,
+                position: position(p),
+                normal: (p == lifted).then_some(Vec3::X),
+                hidden_at: None,
+            })
+        });
         assert!(at(&authored, [2.0, 2.0]).iter().all(|delta| delta.unwrap().normal == [1.0, 0.0, 0.0]));
     }
 

@@ -173,7 +173,7 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
         warnings: pieces.warnings.to_vec(),
         ..Manifest::default()
     };
-    let mesh = Arc::new(mesh_data(pieces));
+    let mut mesh = Arc::new(mesh_data(pieces));
     let lists = pieces.simplified.then(|| {
         let tile_size_m = manifest.fur.tile_size_m;
         kept.lists.of(SimplifyInput { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m }, |of| {
@@ -189,6 +189,7 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
     });
     let morphs =
         morphs::mesh_morphs(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
+    morphs::hidden(&mut mesh, &surface.mesh.morph_rows, model);
     let animation = model.animation.clone().map(|animation| Content::Animation(Arc::new(animation)));
     let roots = pieces.roots.map(|info| Content::Roots(info.clone()));
     let of_hair = &pieces.colors.hair;
@@ -372,7 +373,9 @@ fn hair_motion(pieces: &PackInput<'_>) -> Option<(HairMotion, hair_motion::Fitte
     let sections = &pieces.skin.sections;
     let mesh = sections.iter().find_map(|s| if let Content::Mesh(mesh) = s { Some(mesh) } else { None })?;
     let animation = sections.iter().find_map(|s| if let Content::Animation(a) = s { Some(&**a) } else { None });
-    hair_motion::group_motion(&pieces.recipe.strands, pieces.hair, mesh, animation)
+    let morphs = sections.iter().find_map(|s| if let Content::Morphs(morphs) = s { Some(morphs) } else { None });
+    let shown = morphs.zip(animation).map(|(morphs, animation)| morphs::shown_mesh(mesh, morphs, animation));
+    hair_motion::group_motion(&pieces.recipe.strands, pieces.hair, shown.as_ref().unwrap_or(mesh), animation)
 }
 
 /// Returns the recipe with all open settings filled in.

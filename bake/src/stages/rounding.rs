@@ -223,6 +223,7 @@ fn mean_row(a: &[RowDelta], b: &[RowDelta]) -> Vec<RowDelta> {
             target,
             position: half(|delta| delta.position),
             normal: authored.then(|| half(|delta| delta.normal.unwrap_or_default())),
+            hidden_at: Option::zip(both[0], both[1]).and_then(|(a, b)| Some(a.hidden_at?.midpoint(b.hidden_at?))),
         }
     };
     targets.into_iter().map(mean).collect()

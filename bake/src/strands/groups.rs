@@ -10,13 +10,11 @@ use rayon::prelude::*;
 
 /// Grows the hairs of hair groups.
 ///
-/// * `rest`: mesh at rest, which determines the guides that each hair follows
-/// * `posed`: same mesh in the pose to grow the hair in
-pub fn grow_groups(groups: &[HairGroup], rest: &PosedMesh, posed: &PosedMesh) -> Curves {
+/// * `posed`: mesh in the pose to grow the hair in
+pub fn grow_groups(groups: &[HairGroup], posed: &PosedMesh) -> Curves {
     let mut curves = Curves::default();
-    let at_rest: Vec<Vec3> = rest.vertices.iter().map(|v| v.position_ws.as_vec3()).collect();
     for group in groups {
-        let planted = GrownGroup::new(group, &at_rest, &rest.triangles, u32::MAX);
+        let planted = GrownGroup::new(group, &posed.measured_ws, &posed.triangles, u32::MAX);
         let corners = |triangle: u32| posed.corners(triangle as usize).map(|c| c.position_ws.as_vec3());
         let guides = planted.posed_guides(corners);
         curves.begin_group(&group.name);

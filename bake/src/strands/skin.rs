@@ -6,6 +6,7 @@ use crate::stages::slice::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{PlantingMesh, same_places};
 use pelage_formats::meaning::{decode_bare_normal, groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
+use pelage_formats::meaning::{measured_vertices, shown_vertices};
 use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Gloss, Package, Pose, SkinVertex, stored_bare_normals};
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;
@@ -16,6 +17,8 @@ use pelage_import::mesh::Image;
 pub struct PosedMesh {
     /// Vertices. A position occurs once for each patch, part and seam that meets there.
     pub vertices: Vec<PosedVertex>,
+    /// Positions in the pose at which lengths are measured ([`pelage_formats::meaning::measured_pose`]), metres.
+    pub measured_ws: Vec<Vec3>,
     /// Index of the first vertex with the same position and motion, for each vertex.
     pub same_place: Vec<u32>,
     /// Vertex indices of the corners of each triangle, counter-clockwise as seen from outside.
@@ -117,8 +120,11 @@ impl PosedMesh {
         }
         let skin: Vec<SkinVertex> = mesh.skin().collect();
         let moved_by = |i: usize| skin.get(i).map(|v| (v.joints, v.weights));
-        let stored = mesh.geometry().enumerate().map(|(i, v)| (v.position, moved_by(i)));
-        let mut out = Self { same_place: same_places(stored), ..Self::default() };
+        let stored = shown_vertices(package, &mesh).map_err(fault)?;
+        let stored = stored.iter().enumerate().map(|(i, v)| (v.position, moved_by(i)));
+        let measured = measured_vertices(package, &mesh).map_err(fault)?;
+        let measured_ws = measured.into_iter().map(|v| v.position.into()).collect();
+        let mut out = Self { same_place: same_places(stored), measured_ws, ..Self::default() };
         let morphs = package.morphs().map_err(fault)?;
         let mut bare_normals = stored_bare_normals(package.bare_normals().map_err(fault)?.unwrap_or_default());
         for (posed, attributes) in posed_vertices(&mesh, morphs.as_deref(), &pose).zip(mesh.attributes()) {

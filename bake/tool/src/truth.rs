@@ -46,7 +46,7 @@ impl ReferenceTracer {
         };
         let groups = package.hair_groups().map_err(|source| BakeError::Package { file: file.name.clone(), source })?;
         if view.look.picture.style != LookStyle::Bare && !groups.is_empty() {
-            let grown = grow_groups(&groups, &PosedMesh::posed(&file.name, package, &[])?, &skin);
+            let grown = grow_groups(&groups, &skin);
             report.strands += grown.len() as u64;
             report.points_before += grown.points.len() as u64;
             curves.append(&grown);

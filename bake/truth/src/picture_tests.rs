@@ -161,6 +161,7 @@ fn skin(z: f64, material: PosedMaterial) -> PosedMesh {
         ..PosedVertex::default()
     };
     PosedMesh {
+        measured_ws: Vec::new(),
         vertices: vec![vertex(-1.0, -1.0), vertex(1.0, -1.0), vertex(1.0, 1.0), vertex(-1.0, 1.0)],
         same_place: vec![0, 1, 2, 3],
         triangles: vec![[0, 1, 2], [0, 2, 3]],

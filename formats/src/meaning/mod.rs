@@ -15,6 +15,7 @@ pub mod hair_groups;
 pub mod hair_motion;
 mod hair_point;
 mod layers;
+mod measured;
 pub mod openness;
 pub mod planting;
 mod root;
@@ -36,9 +37,11 @@ pub use layers::{
     MOST_DEVIATION_PX, TOTAL_MAP_LAYERS, detail_count, detail_fade, detail_layer, detail_pairs, detail_position,
     layer_height, represented_layers, simplest_list,
 };
+pub use measured::{hidden_scales, key_values, measured_pose, measured_vertices, shown, shown_vertices};
 pub use root::{RootOffset, root_offset};
 pub use skinning::{
-    blend, handedness_of, morphed, normalize_or, posed, posed_vertices, skin_matrix, transform_normal, weighted,
+    HIDDEN_SIZE, blend, handedness_of, morphed, normalize_or, posed, posed_vertices, skin_matrix, transform_normal,
+    weighted,
 };
 pub use srgb::{linear_to_srgb, luminance, srgb_to_linear, srgb_value_to_linear};
 pub use tile_frame::{TileFrame, any_perpendicular, orthonormal_tangent, tile_axes_f64, tile_frame, to_tile};

@@ -5,6 +5,9 @@ use crate::sections::mesh::{GeometryVertex, MeshView, SkinVertex};
 use crate::sections::morphs::{MorphDelta, Morphs};
 use glam::{Mat3, Mat4, Vec3, Vec4};
 
+/// Maximum size of hidden surface, as a share of its largest size in the clips.
+pub const HIDDEN_SIZE: f32 = 0.02;
+
 /// Returns a joint's contribution to a vertex's matrix. A joint of weight 0 contributes nothing, even if its matrix is
 /// not finite.
 pub fn weighted(m: Mat4, weight: f32) -> Mat4 {
@@ -55,15 +58,18 @@ pub fn handedness_of(m: Mat3) -> f32 {
 
 /// Transforms a stored vertex by `matrix` ([`skin_matrix`]). The transformed tangent is neither unit length nor
 /// perpendicular to the normal: [`super::tile_frame`] corrects it. Height and lean of the hair are unchanged, except
-/// that a vertex collapsed by a scale of zero has no hair.
+/// that a vertex collapsed by a scale of zero has no hair, nor has one that morph targets collapse: its tangent is
+/// shorter than [`HIDDEN_SIZE`].
 pub fn posed(vertex: &GeometryVertex, matrix: Mat4) -> GeometryVertex {
     let linear = Mat3::from_mat4(matrix);
     let [x, y, z, handedness] = vertex.tangent;
+    let tangent = Vec3::new(x, y, z);
+    let hidden = linear == Mat3::ZERO || tangent.length_squared() < HIDDEN_SIZE * HIDDEN_SIZE;
     GeometryVertex {
         position: matrix.transform_point3(Vec3::from(vertex.position)).into(),
         normal: transform_normal(linear, Vec3::from(vertex.normal)).into(),
-        tangent: (linear * Vec3::new(x, y, z)).extend(handedness * handedness_of(linear)).into(),
-        fur_height: if linear == Mat3::ZERO { 0.0 } else { vertex.fur_height },
+        tangent: (linear * tangent).extend(handedness * handedness_of(linear)).into(),
+        fur_height: if hidden { 0.0 } else { vertex.fur_height },
         ..*vertex
     }
 }
@@ -167,5 +173,7 @@ mod tests {
         assert_eq!(posed(&vertex, Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0))).tangent[3], -1.0, "a mirrored tile");
         assert_eq!(posed(&vertex, Mat4::IDENTITY), vertex);
         assert_eq!(posed(&vertex, Mat4::from_scale(Vec3::ZERO)).fur_height, 0.0, "hidden by its scale");
+        let hidden = GeometryVertex { tangent: [0.01, 0.0, 0.0, 1.0], ..vertex };
+        assert_eq!(posed(&hidden, Mat4::IDENTITY).fur_height, 0.0, "hidden by morph targets");
     }
 }

@@ -21,5 +21,5 @@ struct StrandConstants {
 }
 
 // Number of surface-frame vectors stored before the posed points of each strand: normal with wetness, tangent with
-// handedness.
+// handedness. The handedness is 0 if the surface at the root is hidden.
 const POSED_BEFORE: u32 = 2u;

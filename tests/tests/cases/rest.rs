@@ -7,7 +7,7 @@ use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::{MapImages, find_furred_materials};
 use pelage_bake::stages::import::{ImportOptions, import};
-use pelage_bake::strands::PosedMesh;
+use pelage_bake::strands::{PosedMesh, grow_groups};
 use pelage_formats::{ClipLayer, Limits, Package};
 use pelage_import::mesh::{Model, RestPose};
 use pelage_needs::data;
@@ -22,7 +22,11 @@ fn read(data: &Path, name: &str) -> Model {
 
 /// Bakes a model with a short hair of few layers. Returns the package and the warnings.
 fn bake(model: &Model) -> (Vec<u8>, Vec<String>) {
-    let mut recipe = Recipe::default();
+    bake_with(model, "")
+}
+
+fn bake_with(model: &Model, recipe: &str) -> (Vec<u8>, Vec<String>) {
+    let mut recipe = Recipe::parse("r.toml", recipe).unwrap();
     let small = ["slice.layers=4", "slice.tile_texels=16", "hair.density=20", "visibility.enabled=false"];
     for set in small.into_iter().chain(["ink.enabled=false", "pack.shell_format=rgba8", "groom.by_body=0"]) {
         recipe.set(set).unwrap();
@@ -88,19 +92,30 @@ fn what_a_clip_unhides_by_scale_has_fur() {
     }
 }
 
-/// Scale of a node over time in a clip: node, and time and uniform scale of each key.
-type ScaleKeys<'a> = (usize, &'a [(f32, f32)]);
+/// Animation of a node in a clip: node, and time and value of each key. The value is a uniform scale, or the weight of
+/// the morph target if the node's mesh has one.
+type Keys<'a> = (usize, &'a [(f32, f32)]);
 
 /// Imports a document of squares with edges of 1 m.
 ///
-/// * `nodes`: the nodes; `{"mesh": 0}` shows a square from the origin along +x and +y
-/// * `clips`: each with the scales that it animates
-fn squares(nodes: &Value, clips: &[&[ScaleKeys<'_>]]) -> Model {
+/// * `nodes`: the nodes; `{"mesh": 0}` shows a square from the origin along +x and +y. Mesh 1 is like it with the
+///   material `prop`. Meshes 2 and 3 are smaller by the factors 0 and 0.001, and their morph target enlarges them to
+///   the square. Mesh 4 is the square, and its target makes it smaller by 0.001; mesh 5 does so at rest. The target of
+///   mesh 6 lifts a corner of the square
+/// * `clips`: each with what it animates
+fn squares(nodes: &Value, clips: &[&[Keys<'_>]]) -> Model {
     squares_of(&json!({}), nodes, clips)
 }
 
 /// Imports the document of [`squares`] with further members of its root.
-fn squares_of(root: &Value, nodes: &Value, clips: &[&[ScaleKeys<'_>]]) -> Model {
+fn squares_of(root: &Value, nodes: &Value, clips: &[&[Keys<'_>]]) -> Model {
+    let (document, bytes) = squares_document(root, nodes, clips);
+    let text = document.to_string();
+    import("m.gltf", text.as_bytes(), &mut |_: &str, _: u64| Ok(bytes.clone()), &ImportOptions::default()).unwrap()
+}
+
+/// Returns the document of [`squares_of`], and its buffer, `b.bin`.
+fn squares_document(root: &Value, nodes: &Value, clips: &[&[Keys<'_>]]) -> (Value, Vec<u8>) {
     let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0_f32]];
     let mut bytes: Vec<u8> = corners.iter().flat_map(|[x, y]| [*x, *y, 0.0]).flat_map(f32::to_le_bytes).collect();
     let mut views = vec![json!({"buffer": 0, "byteOffset": 0, "byteLength": 48})];
@@ -114,13 +129,38 @@ fn squares_of(root: &Value, nodes: &Value, clips: &[&[ScaleKeys<'_>]]) -> Model 
     };
     let reals = |values: Vec<f32>| values.into_iter().flat_map(f32::to_le_bytes).collect::<Vec<u8>>();
     let indices = add("SCALAR", 6, 5125, [0u32, 1, 2, 0, 2, 3].into_iter().flat_map(u32::to_le_bytes).collect());
+    let corner = |[x, y]: [f32; 2], size: f32| [0.3 + size * (x - 0.3), 0.4 + size * (y - 0.4), 0.0];
+    let mut shape = |of: &dyn Fn([f32; 2]) -> [f32; 3]| add("VEC3", 4, 5126, reals(corners.map(of).concat()));
+    let sized = [0.0, 0.001].map(|size| shape(&|p| corner(p, size)));
+    let grown = [0.0, 0.001].map(|size| shape(&|p| [0, 1, 2].map(|k| corner(p, 1.0)[k] - corner(p, size)[k])));
+    let shrunk = shape(&|p| [0, 1, 2].map(|k| corner(p, 0.001)[k] - corner(p, 1.0)[k]));
+    let lifted = shape(&|p| if p == [1.0; 2] { [0.0, 0.0, 0.2] } else { [0.0; 3] });
+    let mesh = |material: Option<u32>, position: usize, target: Option<usize>, weight: f32| {
+        let mut primitive = json!({"attributes": {"POSITION": position}, "indices": indices});
+        material.into_iter().for_each(|material| primitive["material"] = json!(material));
+        let Some(target) = target else { return json!({"primitives": [primitive]}) };
+        primitive["targets"] = json!([{"POSITION": target}]);
+        json!({"primitives": [primitive], "weights": [weight]})
+    };
+    let meshes = json!([
+        mesh(None, 0, None, 0.0),
+        mesh(Some(0), 0, None, 0.0),
+        mesh(None, sized[0], Some(grown[0]), 0.0),
+        mesh(Some(0), sized[1], Some(grown[1]), 0.0),
+        mesh(None, 0, Some(shrunk), 0.0),
+        mesh(None, 0, Some(shrunk), 1.0),
+        mesh(None, 0, Some(lifted), 0.0),
+    ]);
     let mut animations = Vec::new();
     for clip in clips {
         let (mut channels, mut samplers) = (Vec::new(), Vec::new());
         for (node, keys) in *clip {
             let input = add("SCALAR", keys.len(), 5126, reals(keys.iter().map(|key| key.0).collect()));
-            let output = add("VEC3", keys.len(), 5126, reals(keys.iter().flat_map(|key| [key.1; 3]).collect()));
-            channels.push(json!({"sampler": samplers.len(), "target": {"node": node, "path": "scale"}}));
+            let morphs = nodes[*node]["mesh"].as_u64().is_some_and(|mesh| mesh > 1);
+            let (kind, path, width) = if morphs { ("SCALAR", "weights", 1) } else { ("VEC3", "scale", 3) };
+            let values = keys.iter().flat_map(|key| std::iter::repeat_n(key.1, width)).collect();
+            let output = add(kind, keys.len(), 5126, reals(values));
+            channels.push(json!({"sampler": samplers.len(), "target": {"node": node, "path": path}}));
             samplers.push(json!({"input": input, "output": output}));
         }
         animations.push(json!({"channels": channels, "samplers": samplers}));
@@ -128,7 +168,8 @@ fn squares_of(root: &Value, nodes: &Value, clips: &[&[ScaleKeys<'_>]]) -> Model 
     let mut document = json!({
         "asset": {"version": "2.0"},
         "nodes": nodes,
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": indices}]}],
+        "meshes": meshes,
+        "materials": [{"name": "prop"}],
         "accessors": accessors,
         "bufferViews": views,
         "buffers": [{"uri": "b.bin", "byteLength": bytes.len()}],
@@ -137,8 +178,7 @@ fn squares_of(root: &Value, nodes: &Value, clips: &[&[ScaleKeys<'_>]]) -> Model 
         document["animations"] = Value::Array(animations);
     }
     document.as_object_mut().unwrap().extend(root.as_object().unwrap().clone());
-    let text = document.to_string();
-    import("m.gltf", text.as_bytes(), &mut |_: &str, _: u64| Ok(bytes.clone()), &ImportOptions::default()).unwrap()
+    (document, bytes)
 }
 
 fn body() -> Value {
@@ -165,6 +205,94 @@ fn props_hidden_at_rest_are_measured_where_a_clip_shows_them() {
             body(),
         ]);
         check_shown(&bake(&squares(&nested, &[&[(0, SHOWN), (1, SHOWN)]])).0, 2, 0, 1.0, prop);
+    }
+}
+
+#[test]
+fn props_hidden_by_morph_targets_are_measured_where_a_clip_shows_them() {
+    let prop = |p: Vec3| p.x < 1.5;
+    for mesh in [2, 3] {
+        let nodes = json!([{"mesh": mesh}, body()]);
+        check_shown(&bake(&squares(&nodes, &[&[(0, SHOWN)]])).0, 2, 0, 1.0, prop);
+        // The second clip shows it only in between, the first keeps it hidden.
+        let between = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)];
+        check_shown(&bake(&squares(&nodes, &[&[(0, &[(0.0, 0.0)])], &[(0, &between)]])).0, 2, 1, 1.0, prop);
+    }
+    let nodes = json!([{"mesh": 5}, body()]);
+    check_shown(&bake(&squares(&nodes, &[&[(0, &[(0.0, 1.0), (1.0, 0.0)])]])).0, 2, 0, 1.0, prop);
+    // A prop that is visible at rest has no hair where a clip hides it.
+    let package = bake(&squares(&json!([{"mesh": 4}]), &[&[(0, SHOWN)]])).0;
+    let [[shown, _], [hidden, _]] = [None, Some((0, 1.0))].map(|time| sides(&package, time, prop));
+    assert!(shown.fur[0] > 0.0 && hidden.fur[1] == 0.0, "{shown:?} {hidden:?}");
+}
+
+#[test]
+fn surface_that_morph_targets_only_bend_is_measured_at_rest() {
+    // Without a clip that shows it, hidden surface has no shape to be measured in.
+    for (mesh, clips) in [(6, &[&[(0, SHOWN)][..]][..]), (4, &[&[(0, SHOWN)][..]]), (3, &[])] {
+        let model = squares(&json!([{"mesh": mesh}, body()]), clips);
+        assert!(model.morph_rows.0.iter().flatten().all(|delta| delta.hidden_at.is_none()), "{mesh}");
+        let positions = RestPose::of(&model.mesh, model.animation.as_ref()).positions;
+        let size = if mesh == 3 { 0.001 } else { 1.0 };
+        assert!((positions[1].x - positions[0].x - size).abs() < 1e-6, "{mesh}: {positions:?}");
+    }
+}
+
+/// Recipe of guided hair on the material `prop`.
+const GUIDED: &str =
+    "[[strands.group]]\nname = \"mane\"\nmaterial = \"prop\"\nguides = 20\nhairs = 400\nlength_m = 0.3\n";
+
+#[test]
+fn guided_hair_grows_on_props_hidden_at_rest_and_is_hidden_with_them() {
+    let zero = json!([{"mesh": 1, "scale": [0, 0, 0]}, body()]);
+    for nodes in [zero, json!([{"mesh": 3}, body()])] {
+        let package = bake_with(&squares(&nodes, &[&[(0, SHOWN)]]), GUIDED).0;
+        let package = Package::open(&package, &Limits::default()).unwrap();
+        let groups = package.hair_groups().unwrap();
+        for time_s in [0.0, 1.0] {
+            let layer = ClipLayer { clip: Some(0), time_s, share: 1.0 };
+            let curves = grow_groups(&groups, &PosedMesh::posed("m", &package, &[layer]).unwrap());
+            assert_eq!(curves.len(), 400);
+            for hair in 0..curves.len() {
+                let points: Vec<Vec3> = curves.strand(hair).iter().map(|point| point.position_ws).collect();
+                let length = points.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
+                let expected = if time_s > 0.0 { 0.1..=0.5 } else { 0.0..=1e-6 };
+                assert!(expected.contains(&length), "{length} m long at {time_s} s");
+                assert!((-1e-5..=1.0 + 1e-5).contains(&points[0].x), "{} is not on the prop", points[0]);
+            }
+            let spread =
+                |of: fn(f32, f32) -> f32| (0..400).map(|hair| curves.strand(hair)[0].position_ws.x).fold(0.5, of);
+            assert_eq!(spread(f32::max) - spread(f32::min) > 0.9, time_s > 0.0, "the roots cover the prop");
+        }
+    }
+}
+
+#[test]
+fn pictures_show_hair_of_props_only_where_a_clip_shows_them() {
+    let name = "pictures_show_hair_of_props_only_where_a_clip_shows_them";
+    let Some(_) = gpu(name) else { return };
+    let sandbox = Sandbox::new();
+    let (document, bytes) = squares_document(&json!({}), &json!([{"mesh": 3}, body()]), &[&[(0, SHOWN)]]);
+    sandbox.write("m.gltf", document.to_string());
+    sandbox.write("b.bin", bytes);
+    let rows = ["[slice]", "layers = 4", "tile_texels = 16", "[groom]", "by_body = 0"].join("\n");
+    let picture = |recipe: &str, time: &str| {
+        sandbox.write("r.toml", recipe);
+        let bake = ["bake", "m.gltf", "-o", "m.pelage", "--recipe", "r.toml"];
+        let render = ["render", "m.pelage", "-o", "p.png", "--size=96x64", "--camera=0.5,0.5,3/0.5,0.5,0/25"];
+        for args in [&bake[..], &[&render[..], &["--clip=clip_0", "--time", time]].concat()] {
+            let run = sandbox.run(args);
+            assert_eq!(run.code, Some(0), "{run:?}");
+        }
+        sandbox.read("p.png")
+    };
+    let bare = format!("[model]\nbare = [\"prop\"]\n{rows}\n");
+    let guided = format!("{bare}{GUIDED}");
+    let furred = format!("{rows}\n");
+    let [hidden, shown] = ["0", "0.999"].map(|time| picture(&bare, time));
+    for (hair, recipe) in [("guided hair", guided), ("fur", furred)] {
+        assert!(picture(&recipe, "0") == hidden, "{hair} is hidden at rest");
+        assert!(picture(&recipe, "0.999") != shown, "{hair} is shown by the clip");
     }
 }
 

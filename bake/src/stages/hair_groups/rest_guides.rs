@@ -4,8 +4,8 @@
 use super::body::SurfaceIndex;
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::hair_groups::triangle_frame;
-use pelage_formats::meaning::posed_vertices;
-use pelage_formats::{FormatError, HairGroup, Package, Pose, TrianglePoint};
+use pelage_formats::meaning::measured_vertices;
+use pelage_formats::{FormatError, HairGroup, Package, TrianglePoint};
 
 /// Largest distance of a root from the scalp, as a share of the model's size. A root farther away was not meant for
 /// this scalp.
@@ -16,7 +16,7 @@ const UNMOVED_TOLERANCE: f32 = 4e-6;
 /// Largest stored component of an offset; represents the reach of the group.
 const MAX_STORED: f64 = 32767.0;
 
-/// Mesh of a package in the rest pose.
+/// Mesh of a package in the rest pose; surface that is hidden at rest as clips show it.
 #[derive(Clone, Debug, Default)]
 pub struct RestMesh {
     triangles: Vec<[u32; 3]>,
@@ -31,12 +31,8 @@ impl RestMesh {
     /// [`FormatError`] for a damaged section.
     pub fn of(package: &Package<'_>) -> Result<Self, FormatError> {
         let Some(mesh) = package.mesh()? else { return Ok(Self::default()) };
-        let mut pose = Pose::default();
-        if let Some(animation) = package.animation()? {
-            pose.sample(&animation, None, 0.0);
-        }
-        let (positions, normals) =
-            posed_vertices(&mesh, None, &pose).map(|v| (Vec3::from(v.position), Vec3::from(v.normal))).unzip();
+        let vertices = measured_vertices(package, &mesh)?;
+        let (positions, normals) = vertices.iter().map(|v| (Vec3::from(v.position), Vec3::from(v.normal))).unzip();
         let indices: Vec<u32> = mesh.indices().collect();
         Ok(Self { triangles: indices.as_chunks::<3>().0.to_vec(), positions, normals })
     }

@@ -9,6 +9,7 @@
 use super::solve::FaceFrame;
 use super::topology::{Key, NONE, Topology};
 use pelage_import::angle::between;
+use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -26,25 +27,49 @@ pub(super) struct Reach {
 
 /// Grows patches and returns the patch of each face, numbered from 0 without gaps. Each patch is connected by edges.
 pub(super) fn grow(topology: &Topology, frames: &[FaceFrame], reach: &Reach) -> Vec<u32> {
-    let everywhere: Vec<u32> = (0..topology.faces.len() as u32).collect();
-    let mut flood = Flood::new(topology, frames, reach, everywhere.len());
-    let mut farthest: BinaryHeap<(Key, Reverse<u32>)> =
-        everywhere.iter().map(|f| (Key(f64::INFINITY), Reverse(*f))).collect();
-    let mut seeds = 0;
-    while let Some((key, Reverse(f))) = farthest.pop() {
-        let now = flood.cost[f as usize];
-        if now <= 1.0 {
-            continue;
-        }
-        if now < key.0 {
-            farthest.push((Key(now), Reverse(f)));
-            continue;
-        }
-        flood.grow_from(f, seeds, Some);
-        seeds += 1;
+    // Patches do not leave their component, so components grow in parallel.
+    let components = members(&topology.regions(|_| true));
+    let mut slots = vec![0; topology.faces.len()];
+    for (slot, f) in components.iter().flat_map(|faces| faces.iter().enumerate()) {
+        slots[*f as usize] = slot;
     }
-    let owner = |h: u32| flood.seed_of[h as usize / 3];
-    topology.regions(|h| owner(h) == owner(topology.twins[h as usize]))
+    let seeds_of = |faces: &Vec<u32>| {
+        let mut flood = Flood::new(topology, frames, reach, faces.len());
+        let mut farthest: BinaryHeap<(Key, Reverse<u32>)> =
+            faces.iter().map(|f| (Key(f64::INFINITY), Reverse(*f))).collect();
+        let mut seeds = 0;
+        while let Some((key, Reverse(f))) = farthest.pop() {
+            let now = flood.cost[slots[f as usize]];
+            if now <= 1.0 {
+                continue;
+            }
+            if now < key.0 {
+                farthest.push((Key(now), Reverse(f)));
+                continue;
+            }
+            flood.grow_from(f, seeds, |f| Some(slots[f]));
+            seeds += 1;
+        }
+        flood.seed_of
+    };
+    let of_components: Vec<Vec<u32>> = components.par_iter().map(seeds_of).collect();
+    let mut seed_of = vec![NONE; slots.len()];
+    for (f, seed) in components.iter().flatten().zip(of_components.iter().flatten()) {
+        seed_of[*f as usize] = *seed;
+    }
+    topology.regions(|h| seed_of[h as usize / 3] == seed_of[topology.twins[h as usize] as usize / 3])
+}
+
+/// Returns the faces of each patch in ascending order, given the patch of each face, numbered from 0 without gaps.
+pub(super) fn members(owner: &[u32]) -> Vec<Vec<u32>> {
+    let mut out: Vec<Vec<u32>> = Vec::new();
+    for (f, o) in owner.iter().enumerate() {
+        if *o as usize >= out.len() {
+            out.resize(*o as usize + 1, Vec::new());
+        }
+        out[*o as usize].push(f as u32);
+    }
+    out
 }
 
 /// Splits a connected patch in two: one part grows from one end, the other from the face farthest from it. Returns

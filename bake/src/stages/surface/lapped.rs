@@ -5,7 +5,7 @@
 //! of the borders as possible.
 
 use super::field::transported;
-use super::grow::{Reach, grow, split};
+use super::grow::{Reach, grow, members, split};
 use super::solve::{FaceFrame, PatchSystem, singular_values};
 use super::topology::{NONE, Topology};
 use glam::{DMat2, DVec2};
@@ -88,18 +88,6 @@ pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: 
         for f in &patch.faces {
             out.corners[*f as usize] = topology.faces[*f as usize].map(|p| patch.uv(p));
         }
-    }
-    out
-}
-
-/// Returns the faces of each patch, given the patch of each face. Patches are numbered from 0 without gaps.
-fn members(owner: &[u32]) -> Vec<Vec<u32>> {
-    let mut out: Vec<Vec<u32>> = Vec::new();
-    for (f, o) in owner.iter().enumerate() {
-        if *o as usize >= out.len() {
-            out.resize(*o as usize + 1, Vec::new());
-        }
-        out[*o as usize].push(f as u32);
     }
     out
 }

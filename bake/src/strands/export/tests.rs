@@ -256,6 +256,7 @@ fn obj_opens_in_another_reader() {
     };
     let material = |name: &str| PosedMaterial { name: name.into(), base_color: Vec4::splat(0.8), ..Default::default() };
     let skin = PosedMesh {
+        measured_ws: Vec::new(),
         vertices: vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0), vertex(1.0, 1.0)],
         same_place: vec![0, 1, 2, 3],
         triangles: vec![[0, 1, 2], [1, 3, 2]],

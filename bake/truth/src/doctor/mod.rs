@@ -23,7 +23,7 @@ use pelage_formats::meaning::{
     TOTAL_MAP_LAYERS, detail_count, detail_layer, detail_pairs, detail_position, fin_face, fin_opacity, fin_rows,
     hair_offset, layer_height, posed_vertices, row_heights, simplest_list, tile_frame, view_axes,
 };
-use pelage_formats::{FormatError, Manifest, MeshView, Package, Part, Pose, StrandsView};
+use pelage_formats::{FormatError, MeshView, Package, Part, Pose, StrandsView};
 use pelage_import::BakeError;
 use raster::{DrawMode, PixelCounts, Raster};
 
@@ -330,7 +330,7 @@ fn memory(
         let simplified = package.simplified().map_err(fault)?.map_or(0, |lists| lists.indices.len());
         memory.buffers = (m.geometry.len() + m.attributes.len() + m.indices.len() + simplified) as u64;
         if let Some(strands) = package.strands().map_err(fault)? {
-            memory.strands = planted_bytes(package.manifest(), &m, &strands);
+            memory.strands = planted_bytes(package, &m, &strands).map_err(fault)?;
         }
         if skinned {
             let morphs = package.morphs().map_err(fault)?;
@@ -355,8 +355,8 @@ fn memory(
 ///
 /// Each strand takes 32 bytes, plus 16 per point, or twice 16 if wet hair is blended in. The number of strands of a
 /// part is rounded up to a multiple of 64. The points of the tile's own strands are included.
-fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView<'_>) -> u64 {
-    let ground = PlantingMesh::of_package(manifest, mesh);
+fn planted_bytes(package: &Package<'_>, mesh: &MeshView<'_>, strands: &StrandsView<'_>) -> Result<u64, FormatError> {
+    let ground = PlantingMesh::of_package(package, mesh)?;
     let walk = SurfaceWalk::new(&ground);
     let roots = Roots::new(strands.roots().zip(0..).map(|(root, i)| (Vec2::from(root).as_dvec2(), i)));
     let heights: Vec<f32> = mesh.geometry().map(|v| v.fur_height).collect();
@@ -371,11 +371,11 @@ fn planted_bytes(manifest: &Manifest, mesh: &MeshView<'_>, strands: &StrandsView
         }
         count.next_multiple_of(64)
     };
-    let planted: u64 = manifest.parts.iter().map(in_part).sum();
+    let planted: u64 = package.manifest().parts.iter().map(in_part).sum();
     let points = u64::from(strands.points_per_strand());
     let of_tile = u64::from(strands.strand_count()) * points;
     let times = strands.points().len() as u64 / of_tile.max(1);
-    planted * (32 + 16 * points * times) + 16 * of_tile * times
+    Ok(planted * (32 + 16 * points * times) + 16 * of_tile * times)
 }
 
 /// Input for the list of passes.

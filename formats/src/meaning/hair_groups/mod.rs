@@ -62,20 +62,20 @@ pub fn roots(group: &HairGroup, count: u32, corners: &impl Fn(u32) -> [Vec3; 3])
 }
 
 /// Returns the frame of a triangle: its first edge, the perpendicular in its plane, and its normal. For a triangle
-/// without area, returns the coordinate axes.
+/// without area, such as hidden surface, returns zero, so that its hair has no length.
 pub fn triangle_frame(corners: [Vec3; 3]) -> Mat3 {
     let [a, b, c] = corners;
     let (along, normal) = ((b - a).try_normalize(), (b - a).cross(c - a).try_normalize());
     match (along, normal) {
         (Some(x), Some(z)) => Mat3::from_cols(x, z.cross(x), z),
-        _ => Mat3::IDENTITY,
+        _ => Mat3::ZERO,
     }
 }
 
 impl GrownGroup {
     /// Generates the hairs of a group.
     ///
-    /// * `positions`: vertices at rest, metres
+    /// * `positions`: vertices in the measured pose ([`crate::meaning::measured_pose`]), metres
     /// * `most`: maximum number of hairs; if there are more, only the first ones are generated
     pub fn new(group: &HairGroup, positions: &[Vec3], triangles: &[[u32; 3]], most: u32) -> Self {
         let corners = |triangle: u32| triangles[triangle as usize].map(|v| positions[v as usize]);
@@ -150,14 +150,15 @@ impl Hair {
     /// comes from [`GrownGroup::posed_guides`] for the same pose.
     pub fn points(&self, corners: [Vec3; 3], guides: &[Vec<Vec3>]) -> impl ExactSizeIterator<Item = Vec3> {
         let root = self.root.position(corners);
-        let aside = triangle_frame(corners) * self.tip_offset;
+        let frame = triangle_frame(corners);
+        let (aside, shown) = (frame * self.tip_offset, frame != Mat3::ZERO);
         let count = guides.first().map_or(0, Vec::len);
         (0..count).map(move |k| {
             let share = k as f32 / (count - 1) as f32;
             let along = self.length * k as f32;
             let (low, t) = (along.floor() as usize, along.fract());
             let at = |guide: usize| guides[guide][low].lerp(guides[guide][(low + 1).min(count - 1)], t);
-            root + self.follow.mix(at) + aside * (share * share)
+            root + if shown { self.follow.mix(at) } else { Vec3::ZERO } + aside * (share * share)
         })
     }
 }

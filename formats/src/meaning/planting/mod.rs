@@ -10,7 +10,8 @@ mod walk;
 pub use roots::Roots;
 pub use walk::{SurfaceWalk, WalkEvents, WalkPosition};
 
-use crate::{AttributeVertex, GeometryVertex, Manifest, MeshView, SkinVertex};
+use crate::meaning::shown_vertices;
+use crate::{AttributeVertex, FormatError, MeshView, Package, SkinVertex};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -45,8 +46,11 @@ pub fn same_places<J: Eq + Hash>(vertices: impl Iterator<Item = ([f32; 3], Moved
 
 impl PlantingMesh {
     /// Creates the planting data from a package's stored mesh.
-    pub fn of_package(manifest: &Manifest, mesh: &MeshView<'_>) -> Self {
-        let geometry: Vec<GeometryVertex> = mesh.geometry().collect();
+    ///
+    /// # Errors
+    /// [`FormatError`] for a damaged section.
+    pub fn of_package(package: &Package<'_>, mesh: &MeshView<'_>) -> Result<Self, FormatError> {
+        let (manifest, geometry) = (package.manifest(), shown_vertices(package, mesh)?);
         let indices: Vec<u32> = mesh.indices().collect();
         let skin: Vec<SkinVertex> = mesh.skin().collect();
         let moved_by = |i: usize| skin.get(i).map(|v| (v.joints, v.weights));
@@ -54,13 +58,13 @@ impl PlantingMesh {
             let furred = manifest.materials[part.material as usize].furred;
             std::iter::repeat_n(furred, part.index_count as usize / 3)
         });
-        Self {
+        Ok(Self {
             triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
             furred: furred.collect(),
             positions: geometry.iter().map(|v| Vec3::from(v.position).as_dvec3()).collect(),
             tile_uv: mesh.attributes().map(|v: AttributeVertex| Vec2::from(v.tile_uv).as_dvec2()).collect(),
             same_place: same_places(geometry.iter().enumerate().map(|(i, v)| (v.position, moved_by(i)))),
-        }
+        })
     }
 
     /// Returns the values at a triangle's corners, from a list over vertices.

@@ -24,7 +24,7 @@ pub(super) fn load(
     most: u32,
 ) -> Result<Option<StrandSet>, RuntimeError> {
     let Some(view) = package.strands()? else { return Ok(None) };
-    let ground = PlantingMesh::of_package(package.manifest(), mesh);
+    let ground = PlantingMesh::of_package(package, mesh)?;
     let area = |triangle: usize| {
         let [a, b, c] = ground.corners(triangle, &ground.tile_uv);
         0.5 * (b - a).perp_dot(c - a).abs()

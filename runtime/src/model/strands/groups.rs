@@ -7,15 +7,15 @@ use crate::model::upload::Uploader;
 use glam::{Vec3, Vec4};
 use pelage_formats::meaning::hair_groups::{GrownGroup, HAIR_COLORS, Hair, hair_color, hair_radius, triangle_frame};
 use pelage_formats::meaning::hair_motion::gravity_compensation;
-use pelage_formats::meaning::{encode_visibility, linear_to_srgb, posed_vertices};
-use pelage_formats::{GroupMotion, HairGroup, MeshView, Package, Pose};
+use pelage_formats::meaning::{encode_visibility, linear_to_srgb, measured_vertices};
+use pelage_formats::{GroupMotion, HairGroup, MeshView, Package};
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// Number of hairs sampled to measure the deviation of simplified hairs.
 const SAMPLED_HAIRS: usize = 256;
 
-/// Mesh at rest, in the form that hair groups need.
+/// Mesh in the measured pose, in the form that hair groups need.
 struct RestMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
@@ -34,14 +34,10 @@ pub(super) fn load(
     if groups.is_empty() {
         return Ok(Vec::new());
     }
-    let mut pose = Pose::default();
-    if let Some(animation) = package.animation()? {
-        pose.sample(&animation, None, 0.0);
-    }
     let indices: Vec<u32> = mesh.indices().collect();
     let part = |part: &pelage_formats::Part| part.first_index / 3..(part.first_index + part.index_count) / 3;
     let rest = RestMesh {
-        positions: posed_vertices(mesh, None, &pose).map(|v| Vec3::from(v.position)).collect(),
+        positions: measured_vertices(package, mesh)?.into_iter().map(|v| v.position.into()).collect(),
         triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
         parts: package.manifest().parts.iter().map(part).collect(),
     };

@@ -78,14 +78,17 @@ fn pose_hairs(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
         + guide_at(hair.guides_23 >> 16u, low, high, between) * shares.w;
     // Weights stored as bytes do not always add up to 1.
     let sum = max(dot(shares, vec4(1.0)), 1.0 / 255.0);
-    let aside = triangle_frame(a.position, b.position, c.position) * hair.aside;
+    let frame = triangle_frame(a.position, b.position, c.position);
+    let shown = any(frame[0] != vec3(0.0));
+    let aside = frame * hair.aside;
     let root = a.position * at.x + b.position * at.y + c.position * at.z;
 
     let first = number * (points + POSED_BEFORE);
-    posed[first + POSED_BEFORE + k] = vec4(root + followed / sum + aside * (share * share), share);
+    let offset = select(vec3(0.0), followed / sum, shown);
+    posed[first + POSED_BEFORE + k] = vec4(root + offset + aside * (share * share), share);
     if k == 0u {
         let normal = normalize_or(a.normal * at.x + b.normal * at.y + c.normal * at.z, vec3(0.0, 1.0, 0.0));
         posed[first] = vec4(normal, 0.0);
-        posed[first + 1u] = vec4(orthonormal_tangent(a.tangent.xyz, normal), 1.0);
+        posed[first + 1u] = vec4(orthonormal_tangent(a.tangent.xyz, normal), select(0.0, 1.0, shown));
     }
 }

@@ -11,6 +11,9 @@ struct SkinVertex {
     weight_w: f32,
 }
 
+// Length of a tangent below which morph targets hide the vertex; as in formats/src/meaning/skinning.rs.
+const HIDDEN_SIZE: f32 = 0.02;
+
 @group(0) @binding(0) var<storage, read> joints: array<mat4x4<f32>>;
 @group(1) @binding(0) var<storage, read> rest: array<GeometryVertex>;
 @group(1) @binding(1) var<storage, read> skin: array<SkinVertex>;
@@ -37,8 +40,10 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) g
     let tangent = orthonormal_tangent(linear * v.tangent.xyz, normal);
     var out: GeometryVertex;
     out.position = (m * vec4(v.position, 1.0)).xyz;
-    // A vertex collapsed by a scale of zero has no hair.
-    out.fur_height = select(0.0, v.fur_height, any(max(abs(m[0]), max(abs(m[1]), abs(m[2]))).xyz > vec3(0.0)));
+    // A vertex collapsed by a scale of zero or by morph targets has no hair.
+    let shown = dot(v.tangent.xyz, v.tangent.xyz) >= HIDDEN_SIZE * HIDDEN_SIZE;
+    let scaled = any(max(abs(m[0]), max(abs(m[1]), abs(m[2]))).xyz > vec3(0.0));
+    out.fur_height = select(0.0, v.fur_height, shown && scaled);
     out.normal = normal;
     out.lean = v.lean;
     out.tangent = vec4(tangent, v.tangent.w * handedness_of(linear));

@@ -32,14 +32,17 @@ fn strand_tint(strand: Strand) -> vec4<f32> {
     return hair_base(tint);
 }
 
-// Returns whether a strand is drawn: it grows, is selected, may be in the picture, and is not hidden by the surface at
-// its root.
+// Returns whether a strand is drawn: it grows, is selected, may be in the picture, and its surface is shown and does
+// not hide it.
 fn may_be_seen(number: u32) -> bool {
     let strand = strands[number];
     if strand.selection >= strand_groom(strand).x * constants.share || is_cut(strand_tint(strand).a) {
         return false;
     }
     let first = number * (constants.points + POSED_BEFORE);
+    if posed[first + 1u].w == 0.0 {
+        return false;
+    }
     let root = first + POSED_BEFORE;
     let position = world_place(root);
     if !HANGS && dot(world_normal(first), direction_to(frame.eye_ws, position)) < FARTHEST_TURNED {

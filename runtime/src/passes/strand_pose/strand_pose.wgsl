@@ -54,7 +54,8 @@ fn pose_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
         let normal = normalize_or(mean_normal, a.normal);
         let along_u = a.tangent.xyz * w.x + vertices[stand.b].tangent.xyz * w.y + vertices[stand.c].tangent.xyz * w.z;
         posed[first] = vec4(normal, wetness);
-        posed[first + 1u] = vec4(orthonormal_tangent(along_u, normal), a.tangent.w);
+        let shown = a.fur_height + vertices[stand.b].fur_height + vertices[stand.c].fur_height > 0.0;
+        posed[first + 1u] = vec4(orthonormal_tangent(along_u, normal), select(0.0, a.tangent.w, shown));
     }
 }
 

@@ -14,6 +14,7 @@ fn skin(positions: &[DVec3], triangles: &[[u32; 3]], double_sided: bool) -> Pose
         ..PosedVertex::default()
     };
     PosedMesh {
+        measured_ws: Vec::new(),
         vertices: positions.iter().map(vertex).collect(),
         same_place: (0..positions.len() as u32).collect(),
         triangles: triangles.to_vec(),
