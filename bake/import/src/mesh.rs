@@ -153,7 +153,7 @@ pub enum Feature {
     EyeRims,
     /// Claws.
     Claws,
-    /// Pairs of small dark patches in the face, and what they enclose.
+    /// Pairs of small dark patches or balls in the face, and what they enclose.
     Eyes,
     /// Connected components inside the head: eyeballs, teeth and tongue.
     InHead,

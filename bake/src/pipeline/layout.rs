@@ -11,6 +11,7 @@ use crate::stages::metric::{self, TileRecipe};
 use crate::stages::rounding::rounded;
 use crate::stages::size;
 use crate::stages::surface::{self, Comb, Surface, SurfaceParams};
+use glam::Vec3;
 use pelage_formats::Bounds;
 use pelage_import::BakeError;
 use pelage_import::mesh::{CombLine, Model, RestPose};
@@ -149,8 +150,9 @@ pub fn lay_out_model<'a>(
     let of_head = is_comb_open(&recipe.surface, &comb)
         .then(|| groom::comb_of_head(&body, comb.global_direction(), params.comb_smoothing * params.tile_size_m))
         .flatten();
-    decisions.extend(of_head.as_ref().map(|_| head_decision()));
-    let comb = of_head.map_or(comb, Comb::Weighted);
+    let back = comb.global_direction();
+    decisions.extend(of_head.as_ref().map(|(_, elsewhere)| head_decision(Some(*elsewhere).filter(|e| *e != back))));
+    let comb = of_head.map_or(comb, |(wishes, _)| Comb::Weighted(wishes));
     let params = SurfaceParams { comb, density: lay.density.clone(), ..params };
     let surface = surface::parameterize(file, model, &params)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
@@ -196,10 +198,17 @@ fn is_comb_open(params: &recipe::SurfaceParams, comb: &Comb) -> bool {
 }
 
 /// Reports that the head is combed away from the tip of its nose.
-fn head_decision() -> Decision {
+///
+/// * `turned`: comb direction of the rest of the body, if it differs from that of the recipe
+fn head_decision(turned: Option<Vec3>) -> Decision {
+    // Adding zero turns -0 into +0.
+    let rounded = |v: f32| (100.0 * v).round() / 100.0 + 0.0;
+    let [x, y, z] = turned.unwrap_or_default().to_array().map(rounded);
+    let body = turned.map_or(String::new(), |_| format!(", and on the body along {x},{y},{z}"));
+    let like = if turned.is_some() { "ignores the head" } else { "combs it like the body" };
     Decision {
         what: "direction of combing on the head",
-        chosen: "from the tip of the nose to the neck; surface.comb = \"direction\" combs it like the body".into(),
+        chosen: format!("from the tip of the nose to the neck{body}; surface.comb = \"direction\" {like}"),
         line: format!("surface.comb = \"{}\"", CombSource::Auto.word()),
     }
 }

@@ -81,7 +81,8 @@ params! {
         /// lays out patches with the least distortion and suits upright hair. `auto` selects `marks` if a mark of the
         /// recipe has a direction, or if the model has such lines and `surface.comb_direction` has its default.
         /// Otherwise, `auto` selects `direction`; if `surface.comb_direction` has its default, the head of an animal
-        /// with a snout and named joints is combed from the tip of its nose to its neck.
+        /// is combed from the tip of its nose to its neck. Joints name the head, or without joints, ears and nose show
+        /// where it is and where the body's comb direction turns.
         comb: CombSource = CombSource::Auto;
         /// Comb direction in world space at rest, any length but 0. The default runs from nose to tail and slightly
         /// down on an animal that faces +z.

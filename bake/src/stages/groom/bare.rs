@@ -51,7 +51,7 @@ impl BareReason {
             Feature::Nose => Self::Feature("small, dark and foremost"),
             Feature::EyeRims => Self::Feature("small, dark and joined to eyes"),
             Feature::Claws => Self::Feature("small dark tips in pairs"),
-            Feature::Eyes => Self::Feature("small dark pairs in the face"),
+            Feature::Eyes => Self::Feature("small pairs in the face"),
             Feature::InHead => Self::Feature("small and inside the head"),
             Feature::Named(_) => Self::PartName,
             Feature::Joint(_) => Self::JointName,

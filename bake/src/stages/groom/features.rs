@@ -15,19 +15,24 @@ use pelage_params::glob;
 use std::collections::BTreeMap;
 
 /// Maximum area as a share of the mesh's area. `SMALL`: dark material; `NOSE`: nose; `RIM`: piece of an eye rim;
-/// `CLAW`: claw; `EYE`: eye without a name.
+/// `CLAW`: claw; `EYE`: eye without a name; `PAINTED_EYE`: eye that shares the material of the body.
 const SMALL: f64 = 0.03;
 const NOSE: f64 = 0.01;
 const RIM: f64 = 0.005;
 const CLAW: f64 = 0.003;
 const EYE: f64 = 0.0015;
+const PAINTED_EYE: f64 = 0.004;
+/// Maximum number of dark patches in the upper half of a body, or of balls, if some are eyes in its own material.
+const MOST_SPOTS: usize = 6;
 /// Maximum linear luminance of a dark patch. `DARK_BESIDE`: its maximum ratio to the luminance of the neighbours.
 const DARK: f64 = 0.06;
 const DARK_BESIDE: f64 = 0.45;
 /// Minimum number of claws. If there are fewer dark patches, they may be dark paws.
 const LEAST_CLAWS: usize = 6;
-/// Maximum relative difference in area between two claws that count as equally large.
+/// Maximum relative difference in area between two claws or eyes that count as equally large.
 const ALIKE: f64 = 0.05;
+/// The same for dark patches of a texture, whose triangles seldom follow the outline exactly.
+const ALIKE_PAINTED: f64 = 0.3;
 /// Height of the zone near the ground, as a share of the body's height.
 const GROUND: f64 = 0.1;
 
@@ -38,6 +43,9 @@ pub fn split_features(model: &mut Model) {
     let mut found: BTreeMap<usize, Feature> = named_triangles(model, &rest);
     found.extend(shaped_triangles(model, &rest));
     found.extend(bare_components(model, &rest));
+    if model.mesh.skin.is_empty() && model.materials.len() == 1 {
+        found.extend(eyes_in_atlas(model, &rest).into_iter().map(|triangle| (triangle, Feature::Eyes)));
+    }
     if !found.is_empty() {
         assign_materials(model, &found);
     }
@@ -191,11 +199,47 @@ fn unnamed_eyes(skin: &mut FaceMesh, open: &[usize]) -> Vec<usize> {
     found
 }
 
+/// Returns the triangles of eyes that share the only material of a model: pairs of balls, or else of dark patches. All
+/// such patches must be few, so that the spots of a coat stay furred.
+fn eyes_in_atlas(model: &Model, rest: &RestPose) -> Vec<usize> {
+    let mut skin = FaceMesh::new(model, rest, &weld(&rest.positions), &[false]);
+    let of_pairs = |skin: &FaceMesh, patches: Vec<Patch>, alike: f64| -> Vec<usize> {
+        let small: Vec<Patch> = patches.iter().filter(|patch| can_be_eye(skin, patch, PAINTED_EYE)).cloned().collect();
+        let paired: Vec<&Patch> = small.iter().filter(|patch| partners(skin, patch, &small, alike) == 1).collect();
+        let are_eyes = patches.len() <= MOST_SPOTS && matches!(paired.len(), 2 | 4);
+        paired.into_iter().filter(|_| are_eyes).flat_map(|patch| patch.triangles.clone()).collect()
+    };
+    let balls = skin.patches(0).into_iter().filter(Patch::is_ball).collect();
+    let eyes = of_pairs(&skin, balls, ALIKE);
+    if !eyes.is_empty() {
+        return eyes;
+    }
+    let number = skin.separate_dark(model, 0, [DARK, DARK_BESIDE]);
+    let is_spot = |patch: &Patch| is_dark(patch) && can_be_eye(&skin, patch, 1.0);
+    let spots = skin.patches(number).into_iter().filter(is_spot).collect();
+    of_pairs(&skin, spots, ALIKE_PAINTED)
+}
+
+/// Whether a patch is small, flat or bulging, and in the upper half of the body.
+///
+/// * `most`: maximum area as a share of the mesh's area
+fn can_be_eye(skin: &FaceMesh, patch: &Patch, most: f64) -> bool {
+    let (low, high) = skin.heights();
+    patch.share <= most && patch.center.y > (low + high) / 2.0 && !patch.is_tip()
+}
+
 /// Whether patches are one or two pairs of eyes: small and flat or bulging, of equal size, side by side in the upper
 /// half, and at one end of the body.
 fn are_paired_in_face(skin: &FaceMesh, patches: &[Patch]) -> bool {
-    let (low, high) = skin.heights();
-    let is_eye = |patch: &Patch| patch.share <= EYE && patch.center.y > (low + high) / 2.0 && !patch.is_tip();
+    let is_eye = |patch: &Patch| can_be_eye(skin, patch, EYE) && partners(skin, patch, patches, ALIKE) >= 1;
+    matches!(patches.len(), 2 | 4) && patches.iter().all(is_eye)
+}
+
+/// Returns the number of patches that can be the other eye of a face: equally large, beside `patch`, and at the same
+/// end of the body.
+///
+/// * `alike`: maximum relative difference in area
+fn partners(skin: &FaceMesh, patch: &Patch, patches: &[Patch], alike: f64) -> usize {
     let flat = |v: DVec3| v * DVec3::new(1.0, 0.0, 1.0);
     let is_pair = |a: &Patch, b: &Patch| {
         let apart = b.center - a.center;
@@ -203,14 +247,13 @@ fn are_paired_in_face(skin: &FaceMesh, patches: &[Patch]) -> bool {
         // The eyes are on both sides of the line from the body's centre to the face.
         let aside = away.dot(apart.normalize_or_zero()).abs();
         apart != DVec3::ZERO
-            && (a.share - b.share).abs() <= ALIKE * a.share.max(b.share)
+            && (a.share - b.share).abs() <= alike * a.share.max(b.share)
             && apart.y.abs() <= 0.3 * apart.length()
             && apart.length() <= 0.5 * skin.radius()
             && away.length() >= 0.05 * skin.radius()
             && aside <= 0.5 * away.length().max(apart.length())
     };
-    let partners = |patch: &Patch| patches.iter().filter(|other| is_pair(patch, other)).count();
-    matches!(patches.len(), 2 | 4) && patches.iter().all(|patch| is_eye(patch) && partners(patch) >= 1)
+    patches.iter().filter(|other| is_pair(patch, other)).count()
 }
 
 /// Whether a patch is dark, both absolutely and relative to its neighbours.

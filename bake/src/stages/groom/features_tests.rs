@@ -164,6 +164,89 @@ fn small_dark_pairs_in_the_face_are_eyes_whatever_their_material_name() {
     assert_eq!(with(0.01, [0.15, 1.1, 0.0]), plain, "on the back");
 }
 
+/// Builds a body in one material, whose texture is brown with a row of black texels. Faces at the given directions
+/// from its centre, within 0.1 m, show black.
+fn painted(black: &[[f32; 3]]) -> Model {
+    let mut model =
+        Model { materials: vec![Material { name: "Atlas".into(), ..Material::default() }], ..Model::default() };
+    add_ball(&mut model, Vec3::ZERO, 1.0, &["Mesh"], |_| 0);
+    let brown = [124, 124, 124, 255];
+    let rgba = [[10, 10, 10, 255], brown, brown, brown].concat();
+    model.images = vec![std::sync::Arc::new(pelage_import::mesh::Image { width: 1, height: 4, rgba })];
+    model.materials[0].base_color_image = Some(0);
+    // Every triangle has vertices of its own, as a palette needs.
+    let old = std::mem::take(&mut model.mesh);
+    for triangle in &old.triangles {
+        let corners = triangle.map(|v| old.positions[v as usize]);
+        let middle = corners.into_iter().sum::<Vec3>() / 3.0;
+        let is_black = black.iter().any(|at| middle.distance(Vec3::from(*at).normalize()) < 0.1);
+        let first = model.mesh.positions.len() as u32;
+        model.mesh.triangles.push([first, first + 1, first + 2]);
+        model.mesh.positions.extend(corners);
+        model.mesh.normals.extend([Vec3::Z; 3]);
+        model.mesh.uvs.extend([glam::Vec2::new(0.5, if is_black { 0.125 } else { 0.625 }); 3]);
+    }
+    model.mesh.parts = old.parts;
+    model
+}
+
+#[test]
+fn paired_dark_texels_in_the_face_are_eyes_without_a_rig() {
+    let eyes = [[-0.3, 0.4, 0.85], [0.3, 0.4, 0.85]];
+    let found = split_materials(painted(&eyes));
+    assert_eq!(found.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["Atlas", "Atlas/eyes"]);
+    assert!((4..40).contains(&found[1].1), "{found:?}");
+    let with_nose = [eyes[0], eyes[1], [0.0, 0.1, 1.0]];
+    assert_eq!(names(painted(&with_nose)), ["Atlas", "Atlas/eyes"]);
+    let mut rigged = painted(&eyes);
+    rigged.mesh.skin = vec![pelage_formats::SkinVertex::default(); rigged.mesh.positions.len()];
+    assert_eq!(names(rigged), ["Atlas"], "joints tell where the eyes of a rigged model are");
+}
+
+#[test]
+fn dark_spots_of_a_coat_stay_furred() {
+    let [left, right] = [[-0.3, 0.4, 0.85], [0.3, 0.4, 0.85]];
+    let back = [[-0.6, 0.7, 0.0], [0.2, 0.9, 0.1], [0.1, 0.9, -0.5], [-0.5, 0.6, -0.7], [0.7, 0.6, -0.4]];
+    let large = |x: f32| [0.0_f32, 0.15, 0.3].map(|step| [x * (1.0 + 2.0 * step), 0.4 + step, 0.85]);
+    for (what, spots) in [
+        ("one", vec![left]),
+        ("many, as on a Dalmatian", [&[left, right], &back[..]].concat()),
+        ("large, as on a cow", [large(-0.3), large(0.3)].concat()),
+        ("one above the other", vec![left, [-0.3, 0.75, 0.6]]),
+        ("on both flanks", vec![[-1.0, 0.3, 0.0], [1.0, 0.3, 0.0]]),
+        ("low", vec![[-0.3, -0.4, 0.85], [0.3, -0.4, 0.85]]),
+    ] {
+        assert_eq!(names(painted(&spots)), ["Atlas"], "{what}");
+    }
+    let mut dark = painted(&[left, right]);
+    dark.materials[0].base_color = [0.1, 0.1, 0.1, 1.0];
+    assert_eq!(names(dark), ["Atlas", "Atlas/eyes"], "black beside dark brown");
+    let mut pale = painted(&[left, right]);
+    pale.images = vec![std::sync::Arc::new(pelage_import::mesh::Image { width: 1, height: 1, rgba: vec![90; 4] })];
+    assert_eq!(names(pale), ["Atlas"], "equally dark everywhere");
+}
+
+#[test]
+fn eyeballs_in_the_only_material_are_eyes_without_a_rig() {
+    let with = |balls: &[([f32; 3], f32)]| {
+        let mut model =
+            Model { materials: vec![Material { name: "Atlas".into(), ..Material::default() }], ..Model::default() };
+        add_ball(&mut model, Vec3::ZERO, 1.0, &["Mesh"], |_| 0);
+        balls.iter().for_each(|(at, radius)| add_ball(&mut model, Vec3::from(*at), *radius, &["Mesh"], |_| 0));
+        split_materials(model)
+    };
+    let [left, right] = [[-0.3, 0.4, 0.85], [0.3, 0.4, 0.85]];
+    assert_eq!(with(&[(left, 0.06), (right, 0.06)]), [("Atlas".to_owned(), 1152), ("Atlas/eyes".to_owned(), 2304)]);
+    for (what, balls) in [
+        ("one", vec![(left, 0.06)]),
+        ("unequal", vec![(left, 0.06), (right, 0.05)]),
+        ("large", vec![(left, 0.2), (right, 0.2)]),
+        ("low", vec![([-0.3, -0.4, 0.85], 0.06), ([0.3, -0.4, 0.85], 0.06)]),
+    ] {
+        assert_eq!(with(&balls).len(), 1, "{what}");
+    }
+}
+
 #[test]
 fn listed_nodes_and_joints_are_split_off() {
     let model = animal(|_| false);

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Minimum roundness 36π V² / A³ of a connected component (volume V, area A). It is 1 for a sphere, and 0.76 for a
 /// sphere compressed to half its height. It is 0.52 for a cube, and 0 for a sheet.
-const ROUND: f64 = 0.6;
+pub(super) const ROUND: f64 = 0.6;
 /// Maximum relative difference in area between the two connected components of a pair.
 const ALIKE: f64 = 0.05;
 /// Maximum number of connected components of a material. Two eyes of a few layers each have no more than this.

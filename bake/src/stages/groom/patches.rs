@@ -1,9 +1,11 @@
 //! Patches: connected parts of a material, with size, colour and neighbours.
 
-use super::pairs::{components, edges};
+use super::pairs::{ROUND, components, edges};
+use crate::sample::{Encoding, Wrap, bilinear};
 use glam::DVec3;
 use pelage_formats::meaning::luminance;
 use pelage_import::mesh::{Model, RestPose};
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
 /// Triangle of the mesh at rest.
@@ -104,6 +106,34 @@ impl FaceMesh {
         skin
     }
 
+    /// Separates the dark faces of a material: gives them the number of a new material, which is returned. A face
+    /// has the colour of its texture, or else of its vertices, times that of the material.
+    ///
+    /// * `dark`: maximum luminance, absolute and relative to the mean of the material
+    pub(super) fn separate_dark(&mut self, model: &Model, material: usize, dark: [f64; 2]) -> usize {
+        let look = &model.materials[material];
+        let image = look.base_color_image.and_then(|image| model.images.get(image));
+        for (face, triangle) in self.faces.iter_mut().zip(&model.mesh.triangles) {
+            let Some(image) = image.filter(|_| face.material == material) else { continue };
+            let [a, b, c] = triangle.map(|v| model.mesh.uvs.get(v as usize).copied().unwrap_or_default());
+            // Midpoints between the centre and the corners.
+            let sample = |corner| {
+                let color = bilinear(image, (a + b + c) / 6.0 + corner / 2.0, Wrap::Repeat, Encoding::Srgb);
+                luminance(color.as_dvec4().truncate())
+            };
+            let texture = [a, b, c].map(sample).into_iter().sum::<f64>() / 3.0;
+            face.luminance = Some(texture * luminance(DVec3::from_slice(&look.base_color.map(f64::from))));
+        }
+        let own = self.faces.iter().filter(|face| face.material == material);
+        let average = mean(&mut own.filter_map(|face| Some((face.area, face.luminance?))));
+        let most = dark[0].min(dark[1] * average.unwrap_or(0.0));
+        let number = self.eyes.len();
+        self.eyes.push(false);
+        let is_dark = |face: &&mut Face| face.material == material && face.luminance.is_some_and(|l| l <= most);
+        self.faces.iter_mut().filter(is_dark).for_each(|face| face.material = number);
+        number
+    }
+
     /// Marks a material as belonging to eyes.
     pub(super) fn add_eyes(&mut self, material: usize) {
         self.eyes[material] = true;
@@ -111,9 +141,7 @@ impl FaceMesh {
 
     /// Returns the mean linear luminance of all faces whose colour is known, weighted by area.
     pub(super) fn mean_luminance(&self) -> f64 {
-        let known = || self.faces.iter().filter_map(|face| Some((face.area, face.luminance?)));
-        let area: f64 = known().map(|(area, _)| area).sum();
-        known().map(|(area, luminance)| area * luminance).sum::<f64>() / area.max(f64::MIN_POSITIVE)
+        mean(&mut self.faces.iter().filter_map(|face| Some((face.area, face.luminance?)))).unwrap_or(0.0)
     }
 
     /// Returns the centre of the model's bounding box, metres.
@@ -135,16 +163,19 @@ impl FaceMesh {
     pub(super) fn patches(&self, material: usize) -> Vec<Patch> {
         let own: Vec<usize> = (0..self.faces.len()).filter(|i| self.faces[*i].material == material).collect();
         let places: Vec<[u32; 3]> = own.iter().map(|i| self.faces[*i].places).collect();
-        let patch = |piece: &Vec<usize>| self.patch(material, piece.iter().map(|i| own[*i]).collect());
+        let elsewhere = LazyCell::new(|| {
+            let others = self.faces.iter().filter(|face| face.material != material && !self.eyes[face.material]);
+            mean(&mut others.filter_map(|face| Some((face.area, face.luminance?))))
+        });
+        let patch = |piece: &Vec<usize>| self.patch(material, piece.iter().map(|i| own[*i]).collect(), || *elsewhere);
         components(&places).iter().map(patch).collect()
     }
 
-    fn patch(&self, material: usize, triangles: Vec<usize>) -> Patch {
+    /// Measures a patch.
+    ///
+    /// * `elsewhere`: mean linear luminance of the other materials
+    fn patch(&self, material: usize, triangles: Vec<usize>, elsewhere: impl Fn() -> Option<f64>) -> Patch {
         let place = |place: &u32| self.positions.get(place).copied().unwrap_or_default();
-        let mean = |weighed: &mut dyn Iterator<Item = (f64, f64)>| {
-            let (sum, all) = weighed.fold((0.0, 0.0), |(sum, all), (weight, v)| (sum + weight * v, all + weight));
-            (all > 0.0).then(|| sum / all)
-        };
         let faces = || triangles.iter().map(|i| &self.faces[*i]);
         let (mut rim, mut beside, mut touches_eyes) = (Vec::new(), Vec::new(), false);
         for edge in faces().flat_map(|face| edges(&face.places)) {
@@ -158,10 +189,6 @@ impl FaceMesh {
             let told = others().filter(|face| !self.eyes[face.material]).filter_map(|face| face.luminance);
             beside.extend(told.map(|luminance| (length, luminance)));
         }
-        let elsewhere = || {
-            let others = self.faces.iter().filter(|face| face.material != material && !self.eyes[face.material]);
-            mean(&mut others.filter_map(|face| Some((face.area, face.luminance?))))
-        };
         let area: f64 = faces().map(|face| face.area).sum();
         let corners: Vec<DVec3> = faces().flat_map(|face| face.places).map(|p| place(&p)).collect();
         Patch {
@@ -184,6 +211,17 @@ impl Patch {
         self.corners.iter().map(|p| (*p - from).dot(direction)).fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Whether the patch is a closed surface that is about as round as a ball.
+    pub(super) fn is_ball(&self) -> bool {
+        let (mut volume, mut area) = (0.0, 0.0);
+        for [a, b, c] in self.corners.as_chunks().0.iter().map(|corners: &[DVec3; 3]| corners.map(|p| p - self.center))
+        {
+            volume += a.dot(b.cross(c)) / 6.0;
+            area += (b - a).cross(c - a).length() / 2.0;
+        }
+        self.rim.is_empty() && 36.0 * std::f64::consts::PI * volume * volume >= ROUND * area.powi(3)
+    }
+
     /// Whether the patch protrudes from its border, like a cap or a thorn and unlike a flat spot. It must extend at
     /// least 1.3 times as far from the centre of the border as the border itself.
     pub(super) fn is_tip(&self) -> bool {
@@ -192,4 +230,10 @@ impl Patch {
         let length = self.corners.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
         width > 0.0 && length >= 1.3 * width
     }
+}
+
+/// Returns the mean of values with weights; `None` without weight.
+fn mean(weighed: &mut dyn Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let (sum, all) = weighed.fold((0.0, 0.0), |(sum, all), (weight, v)| (sum + weight * v, all + weight));
+    (all > 0.0).then(|| sum / all)
 }

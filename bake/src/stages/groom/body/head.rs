@@ -4,10 +4,12 @@
 //! Distances along the surface grow from the tip of the nose, so their gradient vanishes only at the tip, at the tips
 //! of the ears, and behind the ears.
 //!
-//! Names of joints tell which part is the head. Bodies without them keep a single direction.
+//! Names of joints tell which part is the head, and on bodies without joints, its shape does ([`super::shape`]). Bodies
+//! without a head found in this way keep a single direction.
 
 use super::input::Body;
 use super::parts::Region;
+use super::shape::ShapedHead;
 use super::welded_mesh::WeldedMesh;
 use super::{HeadAxis, PARTS, bare, head_joint, parts_of_places, regions};
 use crate::stages::groom::geodesic::geodesic_distances;
@@ -26,13 +28,14 @@ const SMOOTHING: f32 = 0.1;
 const REACH: f32 = 4.0;
 
 /// Returns the wanted comb direction of each vertex of the mesh, at rest: on the head away from the tip of the nose,
-/// and `elsewhere` on the rest of the body. Lengths are weights: 1 on the body, and more on the head. Returns `None` if
-/// the body has no head with a snout that is named by a joint.
+/// and on the rest of the body the direction that is returned with them. Lengths are weights: 1 on the body, and more
+/// on the head. Returns `None` if the body has no head with a snout that is named by a joint or found by shape.
+///
+/// On a body without joints, the direction of the rest is turned by quarter turns to point away from the head.
 ///
 /// * `elsewhere`: unit vector
 /// * `smoothing_m`: distance over which directions of weight 1 are smoothed, metres, above 0
-pub(crate) fn comb_of_head(body: &Body<'_>, elsewhere: Vec3, smoothing_m: f32) -> Option<Vec<Vec3>> {
-    let animation = body.animation.filter(|_| !body.mesh.skin.is_empty())?;
+pub(crate) fn comb_of_head(body: &Body<'_>, elsewhere: Vec3, smoothing_m: f32) -> Option<(Vec<Vec3>, Vec3)> {
     let radius_m = body.bounds.radius;
     if !(radius_m > 0.0 && radius_m.is_finite()) {
         return None;
@@ -41,14 +44,30 @@ pub(crate) fn comb_of_head(body: &Body<'_>, elsewhere: Vec3, smoothing_m: f32) -
     let to_skin = |p: Vec3| (p - center) / radius_m;
     let skin = WeldedMesh::new(body.mesh, body.rest, center, radius_m);
     let furred = bare::furred_places(body, &skin);
-    let joint = to_skin(head_joint(animation, &regions::of_nodes(animation))?);
-    let head = Head::of_rig(&skin, &furred, joint, &parts_of_places(body, &skin, to_skin))?;
+    let (head, elsewhere) = match body.animation.filter(|_| !body.mesh.skin.is_empty()) {
+        Some(animation) => {
+            let joint = to_skin(head_joint(animation, &regions::of_nodes(animation))?);
+            (Head::of_rig(&skin, &furred, joint, &parts_of_places(body, &skin, to_skin))?, elsewhere)
+        }
+        None => {
+            let ShapedHead { skull, head, axis } = ShapedHead::find(&skin)?;
+            let nose = Nose::new(&skin, &furred, &skull, &axis)?;
+            (Head { share: head, nose }, turned_away(elsewhere, axis.forward))
+        }
+    };
     let away = directions_away(&skin, &head.nose);
     let share = skin.spread(&head.share, TRANSITION * head.nose.head_length);
     let finer = smoothing_m / (SMOOTHING * head.nose.head_length * radius_m);
     let weight = (finer * finer).max(1.0);
     let wish = |place: usize| elsewhere.lerp(away[place], share[place]) * (1.0 + share[place] * (weight - 1.0));
-    Some(skin.place_of.iter().map(|place| wish(*place as usize)).collect())
+    Some((skin.place_of.iter().map(|place| wish(*place as usize)).collect(), elsewhere))
+}
+
+/// Turns a direction about y by quarter turns until it points most away from `forward`.
+fn turned_away(direction: Vec3, forward: Vec3) -> Vec3 {
+    let quarter = |v: &Vec3| Vec3::new(v.z, v.y, -v.x);
+    let turns = std::iter::successors(Some(direction), |v| Some(quarter(v))).take(4);
+    turns.min_by(|a, b| a.dot(forward).total_cmp(&b.dot(forward))).unwrap_or(direction)
 }
 
 /// Head with a snout.

@@ -5,6 +5,7 @@
 //! * `thickness`: thickness of the body at each welded vertex, the only cue for limbs and trunk without names
 //! * `bare`: distance from eyes, nose and mouth
 //! * `head`: comb direction of the head, away from the tip of the nose
+//! * `shape`, `tips`: head of a body without joints, by its ears, nose and symmetry
 //! * `welded_mesh`: welded vertices, neighbours, distances along the surface, and smoothing
 //!
 //! The result is approximate, because photographs of animals agree in little more than the order of lengths. The groom
@@ -15,7 +16,9 @@ mod head;
 mod input;
 mod parts;
 mod regions;
+mod shape;
 mod thickness;
+mod tips;
 mod welded_mesh;
 mod words;
 

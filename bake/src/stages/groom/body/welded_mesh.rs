@@ -135,6 +135,11 @@ impl WeldedMesh {
         &self.neighbors[self.starts[place] as usize..self.starts[place + 1] as usize]
     }
 
+    /// Returns the neighbours of a welded vertex.
+    pub(super) fn neighbors_of(&self, place: u32) -> impl Iterator<Item = u32> {
+        self.around(place as usize).iter().map(|neighbor| neighbor.place)
+    }
+
     /// Returns the distance of each welded vertex from the nearest of `seeds` along the edges (Dijkstra 1959). It is
     /// infinite beyond `reach`. Each seed has an initial distance.
     pub(in crate::stages::groom) fn distances(&self, seeds: impl Iterator<Item = (u32, f32)>, reach: f32) -> Vec<f32> {

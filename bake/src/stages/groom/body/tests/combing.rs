@@ -19,6 +19,7 @@ fn combed(mesh: &Mesh, animation: Option<&Animation>, smoothing_m: f32) -> Optio
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let bounds = bounds(&rest);
     comb_of_head(&Body { mesh, rest: &rest, animation, furred: &[true], bounds: &bounds }, BACK, smoothing_m)
+        .map(|(wishes, _)| wishes)
 }
 
 /// Returns the animal with a joint for its trunk, and one with the given name at the given height for its head.
@@ -58,6 +59,55 @@ fn hair_on_heads_is_combed_away_from_the_tip_of_the_nose() {
     // The head is 0.85 m long. With a weight of 138, directions are smoothed over 85 mm instead of 1 m.
     let heaviest = combed(&mesh, Some(&animation), 1.0).unwrap().into_iter().map(Vec3::length).fold(0.0, f32::max);
     assert!((80.0..160.0).contains(&heaviest), "{heaviest}");
+}
+
+/// Pulls blocks of 2 x 2 vertices of the animal out into ears: first ring, first position around it in 24ths, height.
+fn with_ears(ears: &[(usize, usize, f32)]) -> Mesh {
+    let mut mesh = surface_of_revolution(&animal());
+    for (ring, around, height) in ears {
+        for vertex in [0, 1, 24, 25].map(|step| ring * 24 + around + step) {
+            let p = &mut mesh.positions[vertex];
+            *p += Vec3::new(p.x, p.y, 0.0).normalize() * *height;
+        }
+    }
+    mesh
+}
+
+/// Ears above the animal's cheeks.
+const EARS: [(usize, usize, f32); 2] = [(25, 3, 0.5), (25, 8, 0.5)];
+
+#[test]
+fn heads_without_joints_are_found_by_ears_and_nose_whichever_way_they_look() {
+    for quarter in 0..4 {
+        let turn = glam::Quat::from_rotation_y(std::f32::consts::FRAC_PI_2 * quarter as f32 + 0.2);
+        let mut mesh = with_ears(&EARS);
+        mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
+        let wishes = combed(&mesh, None, 0.01).unwrap();
+        let at = |ring: usize, around: usize| turn.inverse() * wishes[ring * 24 + around];
+        // Brow, nape and snout: up, back along the body, and back.
+        assert!(at(29, 6).y > 0.7, "{quarter}: {}", at(29, 6));
+        assert!(at(32, 6).z < -0.7 && at(32, 18).z < -0.7, "{quarter}: {} {}", at(32, 6), at(32, 18));
+        assert!(at(2, 6).distance(BACK) < 0.3, "{quarter}: {}", at(2, 6));
+    }
+}
+
+#[test]
+fn heads_without_joints_need_all_cues() {
+    let bent = |mut mesh: Mesh| {
+        mesh.positions.iter_mut().for_each(|p| p.x += (p.z - 0.7).max(0.0));
+        mesh
+    };
+    let [left, right] = EARS;
+    for (what, mesh) in [
+        ("one ear", with_ears(&[left])),
+        ("below", with_ears(&[(25, 15, 0.5), (25, 20, 0.5)])),
+        ("unequal", with_ears(&[left, (25, 8, 1.2)])),
+        ("one above the other", with_ears(&[left, (25, 0, 0.5)])),
+        ("far from the nose", with_ears(&[(4, 3, 0.5), (4, 8, 0.5)])),
+        ("bent snout", bent(with_ears(&[left, right]))),
+    ] {
+        assert_eq!(combed(&mesh, None, 0.01), None, "{what}");
+    }
 }
 
 #[test]
