@@ -79,7 +79,11 @@ fn importer_and_gltf_crate_read_the_same_vertices() {
         let size = seen.positions.iter().fold(0.0_f32, |a, p| a.max(p.length()));
         assert!(mesh.positions.iter().zip(&seen.positions).all(|(a, b)| a.abs_diff_eq(*b, 1e-5 * size)), "{name}");
         assert_eq!(mesh.uvs, seen.uvs, "{name}");
-        assert_eq!(mesh.triangles, seen.triangles, "{name}");
+        // The importer moves the triangles of the duck's eyes to the end.
+        let [mut found, mut expected] = [mesh.triangles.clone(), seen.triangles.clone()];
+        found.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(found, expected, "{name}");
         assert_eq!(mesh.skin.len(), seen.joints.len(), "{name}");
         // The importer sorts joints by weight and replaces those of weight zero, so the total weight per joint is
         // compared.

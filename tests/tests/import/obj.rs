@@ -296,7 +296,7 @@ const READABLE: &[(&str, usize, usize, usize)] = &[
     ("static/cube_no_bottom.obj", 40, 1, 1),
     ("static/fish_control_mesh.obj", 220, 1, 1),
     ("static/goathead.obj", 5522, 1, 1),
-    ("static/human_neutral.obj", 20_908, 1, 1),
+    ("static/human_neutral.obj", 20_908, 2, 2),
     ("static/penguin.obj", 6720, 1, 1),
     ("static/plane_holes.obj", 16_747, 1, 1),
     ("static/spot.obj", 5856, 1, 1),

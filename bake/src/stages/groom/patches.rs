@@ -219,7 +219,7 @@ impl Patch {
             volume += a.dot(b.cross(c)) / 6.0;
             area += (b - a).cross(c - a).length() / 2.0;
         }
-        self.rim.is_empty() && 36.0 * std::f64::consts::PI * volume * volume >= ROUND * area.powi(3)
+        self.rim.is_empty() && 36.0 * std::f64::consts::PI * volume * volume >= ROUND * area * area * area
     }
 
     /// Whether the patch protrudes from its border, like a cap or a thorn and unlike a flat spot. It must extend at

@@ -134,7 +134,7 @@ fn are_ears_of([a, b]: &[&ThinPart; 2], nose: Vec3, largest: f32) -> bool {
         && length >= LENGTH[0] * width
         && length <= LENGTH[1] * width
         && way.y <= -HIGHER * length
-        && way.x.hypot(way.z) >= AHEAD * length
+        && libm::hypotf(way.x, way.z) >= AHEAD * length
         && way.dot(apart).abs() <= ASIDE * length * width
 }
 
