@@ -87,8 +87,8 @@ pub struct GroomMap {
 /// Writes a groom map of a model.
 ///
 /// * `coordinates`: texture coordinates to use, the model's own or the atlas. The default is the recipe's choice, or
-///   the atlas if a furred part has no texture coordinates, or most have no area as in a palette. A recipe with a projection uses the model's own: a
-///   projected image shows both sides of a body at once and cannot be painted.
+///   the atlas if a furred part has no texture coordinates, or most have no area as in a palette. A recipe with a
+///   projection uses the model's own: a projected image shows both sides of a body at once and cannot be painted.
 /// * `texels`: width and height of the image
 ///
 /// # Errors

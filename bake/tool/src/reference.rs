@@ -408,7 +408,7 @@ fn refuse_fast_path(args: &ViewArgs) -> Result<(), Failure> {
     let given = FAST_PATH.iter().find(|entry| refused(entry)).map(|(flag, _)| *flag);
     match given.or(args.frames.map(|_| "frames")) {
         Some(flag) => Err(Failure::Usage(format!(
-            "--{flag} applies to `render` only: a reference image has neither layers, shadow maps nor a ground; leave it out"
+            "--{flag} applies to `render` only: a reference image has no layers, shadow maps and ground; leave it out"
         ))),
         None => Ok(()),
     }

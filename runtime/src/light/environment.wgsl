@@ -95,9 +95,9 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
     return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
 }
 
-// Returns the share of light, spread about a direction, that other strands let through (formulas 4.15). Low light passes
-// through much more hair than high light, so the share of the mean direction is not the mean share. The light arrives
-// from two heights, one standard deviation above and below the mean height.
+// Returns the share of light, spread about a direction, that other strands let through (formulas 4.15). Low light
+// passes through much more hair than high light, so the share of the mean direction is not the mean share. The light
+// arrives from two heights, one standard deviation above and below the mean height.
 fn visible_past_strands_spread(b: Baked, towards: vec3<f32>) -> f32 {
     let long = length(towards);
     let square = mean_square(clamp(long, LEAST_MEAN, 1.0), towards.z / long);
