@@ -199,8 +199,8 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         var color = srgb_channels(unpack4x8unorm(point.z).rgb);
         var deeper = color;
         if MULTIPLE && !HANGS {
-            let half_as_high = strand.of_tile * constants.points + i * constants.step / 2u;
-            deeper = srgb_channels(unpack4x8unorm(tile[half_as_high].z).rgb) * tint.rgb;
+            let far_below = strand.of_tile * constants.points + i * constants.step / 4u;
+            deeper = srgb_channels(unpack4x8unorm(tile[far_below].z).rgb) * tint.rgb;
         }
         var seen_by = unpack4x8unorm(point.w);
         if WET {
