@@ -63,6 +63,7 @@ mod scene;
 mod skin;
 mod source;
 mod unfold;
+pub mod union_find;
 mod views;
 mod weights;
 

@@ -2,10 +2,11 @@
 
 use super::normals::{NormalInput, complete_normals};
 use super::notes::Notes;
+use super::union_find::root;
 use crate::mesh::{Mesh, MorphRows, RowDelta};
 use glam::Vec3;
 use pelage_formats::Animation;
-use pelage_formats::meaning::{HIDDEN_SIZE, measured_pose};
+use pelage_formats::meaning::{HIDDEN_SIZE, largest_shifts};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Maximum area of hidden surface, as a share of its area where a clip shows it.
@@ -30,7 +31,7 @@ struct Region {
 /// Surface is hidden at rest if its triangles have no area, or one below [`HIDDEN_AREA`]. At rest all vertices of
 /// connected hidden surface get the same position. Vertices of visible triangles are unchanged.
 pub(super) fn unfold(mesh: &mut Mesh, rows: &mut MorphRows, animation: &Animation) {
-    let shifts = measured_pose(animation).shifts;
+    let shifts = largest_shifts(animation);
     if shifts.iter().all(|shift| *shift == 0.0) {
         return;
     }
@@ -66,22 +67,22 @@ pub(super) fn unfold(mesh: &mut Mesh, rows: &mut MorphRows, animation: &Animatio
         (mesh.positions[v].to_array().map(bits), mesh.morph_rows[v], skin.joints, skin.weights.map(bits))
     };
     let visible: HashSet<VertexKey> = visible.iter().flatten().map(|v| key(*v)).collect();
-    let mut points: HashMap<VertexKey, usize> = HashMap::new();
-    let mut parents: Vec<usize> = Vec::new();
-    let mut point_of: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut points: HashMap<VertexKey, u32> = HashMap::new();
+    let mut parents: Vec<u32> = Vec::new();
+    let mut point_of: BTreeMap<u32, u32> = BTreeMap::new();
     for (triangle, _) in &hidden {
         let mut joined = None;
         for v in triangle.iter().filter(|v| !visible.contains(&key(**v))) {
             let point = *points.entry(key(*v)).or_insert_with(|| {
-                parents.push(parents.len());
-                parents.len() - 1
+                parents.push(parents.len() as u32);
+                parents.len() as u32 - 1
             });
             point_of.insert(*v, point);
             let root = root(&mut parents, point);
-            parents[root] = *joined.get_or_insert(root);
+            parents[root as usize] = *joined.get_or_insert(root);
         }
     }
-    let mut regions: BTreeMap<usize, Region> = BTreeMap::new();
+    let mut regions: BTreeMap<u32, Region> = BTreeMap::new();
     for (triangle, areas) in &hidden {
         let Some(v) = triangle.iter().find(|v| point_of.contains_key(v)) else { continue };
         let anchor = mesh.positions[*v as usize];
@@ -94,7 +95,7 @@ pub(super) fn unfold(mesh: &mut Mesh, rows: &mut MorphRows, animation: &Animatio
         region.areas.retain(|_, area| *area >= SHOWN_AREA * largest);
     }
 
-    let mut row_of_point: HashMap<usize, u32> = HashMap::new();
+    let mut row_of_point: HashMap<u32, u32> = HashMap::new();
     let mut unlit = Vec::new();
     for (v, point) in &point_of {
         let region = &regions[&root(&mut parents, *point)];
@@ -132,13 +133,4 @@ pub(super) fn unfold(mesh: &mut Mesh, rows: &mut MorphRows, animation: &Animatio
         complete_normals(&mut Notes::default(), &mut [hidden]);
         unlit.into_iter().for_each(|v| mesh.normals[v] = normals[v]);
     }
-}
-
-/// Returns the representative of a point's region.
-fn root(parents: &mut [usize], mut point: usize) -> usize {
-    while parents[point] != point {
-        parents[point] = parents[parents[point]];
-        point = parents[point];
-    }
-    point
 }

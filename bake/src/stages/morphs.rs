@@ -1,7 +1,7 @@
 //! Morph targets on the vertices of a package: changes of positions, normals and the tile's axes.
 
 use glam::{DMat3, DVec3, Vec3};
-use pelage_formats::meaning::{measured_pose, shown};
+use pelage_formats::meaning::{largest_shifts, shown};
 use pelage_formats::{Animation, MeshData, MorphDelta, Morphs};
 use pelage_import::mesh::{Model, RowDelta};
 use std::collections::{BTreeMap, HashMap};
@@ -94,7 +94,7 @@ pub fn mesh_morphs(mesh: &MeshData, rows: &[u32], model: &Model) -> Option<Morph
             }
         }
     }
-    let shifts = model.animation.as_ref().map(|animation| measured_pose(animation).shifts).unwrap_or_default();
+    let shifts = model.animation.as_ref().map(largest_shifts).unwrap_or_default();
     let mut morphs = Morphs { motion: motion.clone(), first: vec![0], deltas: Vec::new() };
     for (v, (vertex, group)) in mesh.geometry.iter().zip(&group_of).enumerate() {
         let (sum, area) = still[*group as usize];
@@ -156,7 +156,7 @@ fn hidden_at(row: &[RowDelta]) -> Option<Vec3> {
 
 /// Returns a mesh with the vertices that are hidden at rest as clips show them.
 pub fn shown_mesh(mesh: &MeshData, morphs: &Morphs, animation: &Animation) -> MeshData {
-    let (mut mesh, shifts) = (mesh.clone(), measured_pose(animation).shifts);
+    let (mut mesh, shifts) = (mesh.clone(), largest_shifts(animation));
     let vertices = mesh.geometry.iter_mut().enumerate();
     vertices.for_each(|(v, vertex)| *vertex = shown(vertex, morphs.of_vertex(v), &shifts));
     mesh

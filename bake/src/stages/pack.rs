@@ -374,7 +374,8 @@ fn hair_motion(pieces: &PackInput<'_>) -> Option<(HairMotion, hair_motion::Fitte
     let mesh = sections.iter().find_map(|s| if let Content::Mesh(mesh) = s { Some(mesh) } else { None })?;
     let animation = sections.iter().find_map(|s| if let Content::Animation(a) = s { Some(&**a) } else { None });
     let morphs = sections.iter().find_map(|s| if let Content::Morphs(morphs) = s { Some(morphs) } else { None });
-    let shown = morphs.zip(animation).map(|(morphs, animation)| morphs::shown_mesh(mesh, morphs, animation));
+    let moving = morphs.zip(animation).filter(|_| !pieces.hair.groups.is_empty());
+    let shown = moving.map(|(morphs, animation)| morphs::shown_mesh(mesh, morphs, animation));
     hair_motion::group_motion(&pieces.recipe.strands, pieces.hair, shown.as_ref().unwrap_or(mesh), animation)
 }
 

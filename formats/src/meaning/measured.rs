@@ -11,28 +11,26 @@ use crate::sections::morphs::MorphDelta;
 use glam::Vec3;
 
 /// Returns the pose at which areas and lengths are measured. Joints are at rest, except that nodes hidden by a scale of
-/// zero have the largest scale that they reach in any clip. The shifts are those at which the clips show the vertices
-/// that morph targets hide; they apply to [`shown`] only.
+/// zero have the largest scale that they reach in any clip.
 pub fn measured_pose(animation: &Animation) -> Pose {
     let mut pose = Pose::default();
-    if animation.nodes.iter().any(|node| node.scale.contains(&0.0)) {
-        let (nodes, joints) = (animation.nodes.clone(), animation.joints.clone());
-        let mut shown = Animation { nodes, joints, ..Animation::default() };
-        for (node, largest) in shown.nodes.iter_mut().zip(hidden_scales(animation)) {
-            node.scale = largest.map_or(node.scale, Vec3::into);
-        }
-        pose.sample(&shown, None, 0.0);
-    } else {
+    if animation.nodes.iter().all(|node| !node.scale.contains(&0.0)) {
         pose.sample(animation, None, 0.0);
+        return pose;
     }
-    pose.shifts = largest_shifts(animation);
+    let (nodes, joints) = (animation.nodes.clone(), animation.joints.clone());
+    let mut shown = Animation { nodes, joints, ..Animation::default() };
+    for (node, largest) in shown.nodes.iter_mut().zip(hidden_scales(animation)) {
+        node.scale = largest.map_or(node.scale, Vec3::into);
+    }
+    pose.sample(&shown, None, 0.0);
     pose
 }
 
 /// Returns a stored vertex as a morph target shows it, if it is hidden at rest. Other vertices are unchanged.
 ///
 /// The tangent of a hidden vertex is zero. The targets that show it restore the tangent, and the first of them gives
-/// the shape. `shifts` come from [`measured_pose`].
+/// the shape. `shifts` come from [`largest_shifts`].
 pub fn shown(vertex: &GeometryVertex, deltas: &[MorphDelta], shifts: &[f32]) -> GeometryVertex {
     let is_hidden = vertex.tangent[..3] == [0.0; 3];
     match deltas.iter().find(|delta| is_hidden && delta.tangent != [0.0; 3]) {
@@ -63,7 +61,7 @@ pub fn hidden_scales(animation: &Animation) -> Vec<Option<Vec3>> {
 
 /// Returns the difference of each target's weight from its value at rest, at the key of any clip where it is largest; 0
 /// for targets that no clip animates.
-fn largest_shifts(animation: &Animation) -> Vec<f32> {
+pub fn largest_shifts(animation: &Animation) -> Vec<f32> {
     let targets = &animation.morphs.targets;
     let mut largest = vec![0.0_f32; targets.len()];
     for channel in &animation.morphs.channels {

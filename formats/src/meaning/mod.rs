@@ -37,7 +37,9 @@ pub use layers::{
     MOST_DEVIATION_PX, TOTAL_MAP_LAYERS, detail_count, detail_fade, detail_layer, detail_pairs, detail_position,
     layer_height, represented_layers, simplest_list,
 };
-pub use measured::{hidden_scales, key_values, measured_pose, measured_vertices, shown, shown_vertices};
+pub use measured::{
+    hidden_scales, key_values, largest_shifts, measured_pose, measured_vertices, shown, shown_vertices,
+};
 pub use root::{RootOffset, root_offset};
 pub use skinning::{
     HIDDEN_SIZE, blend, handedness_of, morphed, normalize_or, posed, posed_vertices, skin_matrix, transform_normal,

@@ -203,10 +203,13 @@ fn unnamed_eyes(skin: &mut FaceMesh, open: &[usize]) -> Vec<usize> {
 /// such patches must be few, so that the spots of a coat stay furred.
 fn eyes_in_atlas(model: &Model, rest: &RestPose) -> Vec<usize> {
     let mut skin = FaceMesh::new(model, rest, &weld(&rest.positions), &[false]);
-    let of_pairs = |skin: &FaceMesh, patches: Vec<Patch>, alike: f64| -> Vec<usize> {
-        let small: Vec<Patch> = patches.iter().filter(|patch| can_be_eye(skin, patch, PAINTED_EYE)).cloned().collect();
-        let paired: Vec<&Patch> = small.iter().filter(|patch| partners(skin, patch, &small, alike) == 1).collect();
-        let are_eyes = patches.len() <= MOST_SPOTS && matches!(paired.len(), 2 | 4);
+    let of_pairs = |skin: &FaceMesh, mut patches: Vec<Patch>, alike: f64| -> Vec<usize> {
+        if patches.len() > MOST_SPOTS {
+            return Vec::new();
+        }
+        patches.retain(|patch| can_be_eye(skin, patch, PAINTED_EYE));
+        let paired: Vec<&Patch> = patches.iter().filter(|patch| partners(skin, patch, &patches, alike) == 1).collect();
+        let are_eyes = matches!(paired.len(), 2 | 4);
         paired.into_iter().filter(|_| are_eyes).flat_map(|patch| patch.triangles.clone()).collect()
     };
     let balls = skin.patches(0).into_iter().filter(Patch::is_ball).collect();

@@ -7,6 +7,7 @@
 use super::topology::{NONE, Topology};
 use glam::DVec3;
 use pelage_import::mesh::Mesh;
+use pelage_import::union_find::root;
 use std::collections::HashMap;
 
 /// Largest distance at which positions are joined, as a share of the mesh's extent: a few rounding steps of an f32.
@@ -151,13 +152,6 @@ fn join_points(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<
 /// shared points.
 fn components(points: usize, faces: &[[u32; 3]]) -> (Vec<u32>, Vec<Faults>) {
     let mut parent: Vec<u32> = (0..points as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
     for [a, b, c] in faces {
         let a = root(&mut parent, *a);
         for other in [*b, *c] {

@@ -4,6 +4,7 @@ use super::input::Body;
 use super::welded_mesh::WeldedMesh;
 use crate::noise::smooth_step;
 use crate::stages::cells::{TriangleGrid, closest_barycentric};
+use pelage_import::union_find::root;
 
 /// Distance from bare parts within which hair is shortened, in body radii.
 const REACH: f32 = 0.15;
@@ -57,18 +58,11 @@ pub(super) fn proximity(body: &Body<'_>, skin: &WeldedMesh) -> Vec<f32> {
 
 /// Returns the bare triangles whose connected part is small.
 fn small_parts(skin: &WeldedMesh, bare: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    // Find connected components (union-find); the smallest vertex index represents each of them.
+    // The smallest vertex index represents each connected component.
     let mut least: Vec<u32> = (0..skin.len() as u32).collect();
-    fn find(least: &mut [u32], mut place: u32) -> u32 {
-        while least[place as usize] != place {
-            least[place as usize] = least[least[place as usize] as usize];
-            place = least[place as usize];
-        }
-        place
-    }
     for face in bare {
         for other in &face[1..] {
-            let (a, b) = (find(&mut least, face[0]), find(&mut least, *other));
+            let (a, b) = (root(&mut least, face[0]), root(&mut least, *other));
             least[a.max(b) as usize] = a.min(b);
         }
     }
@@ -78,8 +72,8 @@ fn small_parts(skin: &WeldedMesh, bare: &[[u32; 3]]) -> Vec<[u32; 3]> {
     };
     let mut areas = vec![0.0; skin.len()];
     for face in bare {
-        areas[find(&mut least, face[0]) as usize] += area(face);
+        areas[root(&mut least, face[0]) as usize] += area(face);
     }
     let whole: f32 = skin.areas.iter().sum();
-    bare.iter().filter(|face| areas[find(&mut least, face[0]) as usize] <= LARGEST * whole).copied().collect()
+    bare.iter().filter(|face| areas[root(&mut least, face[0]) as usize] <= LARGEST * whole).copied().collect()
 }

@@ -3,6 +3,7 @@
 
 use super::welded_mesh::WeldedMesh;
 use crate::stages::groom::geodesic::geodesic_distances;
+use pelage_import::union_find::root;
 
 /// Minimum length of an extremity, in body radii.
 const SHORTEST: f32 = 0.08;
@@ -24,14 +25,8 @@ pub(super) fn tips(skin: &WeldedMesh, thickness: &[Option<f32>]) -> Vec<u32> {
     // Farthest vertex of the connected part of each vertex, among the vertices that are at least as far away.
     let mut tip_of = vec![u32::MAX; skin.len()];
     for place in order {
-        let tip = |mut place: u32| {
-            while tip_of[place as usize] != place {
-                place = tip_of[place as usize];
-            }
-            place
-        };
-        let visited = skin.neighbors_of(place).filter(|next| tip_of[*next as usize] != u32::MAX);
-        let mut joined: Vec<u32> = visited.map(tip).collect();
+        let mut joined: Vec<u32> = skin.neighbors_of(place).filter(|next| tip_of[*next as usize] != u32::MAX).collect();
+        joined.iter_mut().for_each(|next| *next = root(&mut tip_of, *next));
         joined.sort_unstable_by(farthest_first);
         joined.dedup();
         let top = joined.first().copied().unwrap_or(place);
