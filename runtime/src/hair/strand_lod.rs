@@ -61,7 +61,7 @@ const MIXED_FROM: f32 = 0.8;
 
 /// Strand width in pixels at and above which strands with blended edges replace layers. The switch is abrupt: strands
 /// are as bright as layers, and layers drawn between them would fill gaps that should stay dark.
-const BLENDED_FROM_PX: f32 = 0.2025;
+const BLENDED_FROM_PX: f32 = 0.10125;
 
 /// Progress of the transition from layers to strands at which all strands are present.
 const STRANDS_COMPLETE_AT: f32 = 0.6;
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!([0.7, 0.81, 0.91].map(|px| of(StrandEdges::Samples, px, 1)), [0.0, 0.5, 1.0]);
         assert_eq!([0.08, 0.10125, 0.12].map(|px| of(StrandEdges::Samples, px, 4)), [0.0, 0.5, 1.0]);
         for samples in [1, 4] {
-            assert_eq!([0.175, 0.2, 0.21].map(|px| of(StrandEdges::Blended, px, samples)), [0.0, 0.0, 1.0]);
+            assert_eq!([0.08, 0.1, 0.105].map(|px| of(StrandEdges::Blended, px, samples)), [0.0, 0.0, 1.0]);
         }
     }
 }

@@ -20,6 +20,12 @@ const DIRECTIONS: usize = 1024;
 /// Half width of the fade-in above the lowest light direction ([`HORIZON_SINE`]), as the sine of the elevation: half
 /// the spacing of directions.
 const RISE: f32 = 0.05;
+/// Maximum number of parts into which an environment is divided.
+const PARTS: usize = 2;
+/// Minimum distance between the centres of two parts, as 1 minus the cosine of their angle.
+const LEAST_APART: f32 = 0.15;
+/// Number of rounds in which the centres of parts move to the mean of their lights.
+const ROUNDS: usize = 8;
 /// Largest value of a half float.
 const MAX_HALF: f32 = 65_000.0;
 
@@ -53,7 +59,8 @@ impl EnvironmentCache {
             return sky.clone();
         }
         let (layers, most) = build_map(environment);
-        let map = texture(gpu, "pelage environment", [MAP_SIZE, MAP_SIZE, 3], &layers);
+        let count = layers.len() as u32 / (MAP_SIZE * MAP_SIZE);
+        let map = texture(gpu, "pelage environment", [MAP_SIZE, MAP_SIZE, count], &layers);
         let sky = Arc::new(EnvironmentMap { of: environment.clone(), map, max_irradiance: most });
         self.sky = Some(sky.clone());
         sky
@@ -110,42 +117,88 @@ impl EnvironmentCache {
     }
 }
 
-/// Returns the three layers of the map over the direction that a surface faces, and the maximum of the irradiance
-/// divided by π. Layers: total light from above the horizon and slightly below it; mean direction of that light;
-/// irradiance divided by π.
+/// Returns the directions of the centres of the parts into which an environment is divided (formulas 4.15). They are
+/// clusters of its lobes, so that they turn with the environment; a single one if all its light is uniform.
+fn part_centres(environment: &Environment) -> Vec<Vec3> {
+    // The wider a lobe, the less its direction matters.
+    let weighted: Vec<(Vec3, f32)> = environment
+        .lobes
+        .iter()
+        .map(|lobe| {
+            let light = lobe.light();
+            let mean = 1.0 / light.sharpness.tanh() - 1.0 / light.sharpness;
+            (light.towards.as_vec3(), (luminance(lobe.integral()) * mean) as f32)
+        })
+        .filter(|(_, weight)| *weight > 0.0)
+        .collect();
+    let nearest = |centres: &[Vec3], way: Vec3| centres.iter().map(|centre| way.dot(*centre)).fold(-1.0, f32::max);
+    let mut centres: Vec<Vec3> = Vec::new();
+    for _ in 0..PARTS {
+        let gain = |(way, weight): &(Vec3, f32)| weight * (1.0 - nearest(&centres, *way));
+        let Some(next) = weighted.iter().max_by(|a, b| gain(a).total_cmp(&gain(b))) else { break };
+        if 1.0 - nearest(&centres, next.0) < LEAST_APART {
+            break;
+        }
+        centres.push(next.0);
+        for _ in 0..ROUNDS {
+            let mut sums = vec![Vec3::ZERO; centres.len()];
+            for (way, weight) in &weighted {
+                sums[nearest_of(&centres, *way)] += *way * *weight;
+            }
+            centres = centres.iter().zip(sums).map(|(old, sum)| sum.try_normalize().unwrap_or(*old)).collect();
+        }
+    }
+    if centres.is_empty() { vec![Vec3::Y] } else { centres }
+}
+
+/// Returns the index of the direction nearest to `way`.
+fn nearest_of(centres: &[Vec3], way: Vec3) -> usize {
+    let by_cosine = |a: &usize, b: &usize| way.dot(centres[*a]).total_cmp(&way.dot(centres[*b]));
+    (0..centres.len()).max_by(by_cosine).unwrap_or(0)
+}
+
+/// Returns the layers of the map over the direction that a surface faces, and the maximum of the irradiance divided by
+/// π. Three layers for each part of the environment: total light from above the horizon and slightly below it; mean
+/// direction of that light; irradiance divided by π.
 fn build_map(environment: &Environment) -> (Vec<Vec4>, f32) {
-    let lights: Vec<(Vec3, Vec3, f32)> = (0..DIRECTIONS)
+    let centres = part_centres(environment);
+    let lights: Vec<(usize, Vec3, Vec3, f32)> = (0..DIRECTIONS)
         .map(|i| {
             let y = 1.0 - (2.0 * i as f64 + 1.0) / DIRECTIONS as f64;
             let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
             let out = (1.0 - y * y).sqrt();
             let way = DVec3::new(out * cos, y, out * sin);
             let light = environment.radiance(way) * (4.0 * std::f64::consts::PI / DIRECTIONS as f64);
-            (way.as_vec3(), light.as_vec3(), luminance(light) as f32)
+            let way = way.as_vec3();
+            (nearest_of(&centres, way), way, light.as_vec3(), luminance(light) as f32)
         })
         .collect();
     let place = |i: u32| 2.0 * i as f32 / (MAP_SIZE - 1) as f32 - 1.0;
     let texels = MAP_SIZE * MAP_SIZE;
-    let mut layers = [(); 3].map(|()| Vec::with_capacity(texels as usize));
+    let mut layers = vec![Vec::with_capacity(texels as usize); 3 * centres.len()];
     let mut most = 0.0_f32;
     for (y, x) in (0..MAP_SIZE).flat_map(|y| (0..MAP_SIZE).map(move |x| (y, x))) {
         let normal = from_octahedral(Vec2::new(place(x), place(y)));
-        let (mut whole, mut middle, mut bright, mut falls) = (Vec3::ZERO, Vec3::ZERO, 0.0, Vec3::ZERO);
-        for (way, light, brightness) in &lights {
-            let height = normal.dot(*way);
-            let risen = (0.5 + (height + HORIZON_SINE as f32) / (2.0 * RISE)).clamp(0.0, 1.0);
-            whole += *light * risen;
-            middle += *way * (brightness * risen);
-            bright += brightness * risen;
-            falls += *light * height.max(0.0);
+        let mut irradiance_of_all = Vec3::ZERO;
+        for (part, layers) in layers.chunks_exact_mut(3).enumerate() {
+            let (mut whole, mut middle, mut bright, mut falls) = (Vec3::ZERO, Vec3::ZERO, 0.0, Vec3::ZERO);
+            for (_, way, light, brightness) in lights.iter().filter(|light| light.0 == part) {
+                let height = normal.dot(*way);
+                let risen = (0.5 + (height + HORIZON_SINE as f32) / (2.0 * RISE)).clamp(0.0, 1.0);
+                whole += *light * risen;
+                middle += *way * (brightness * risen);
+                bright += brightness * risen;
+                falls += *light * height.max(0.0);
+            }
+            let irradiance = falls / PI;
+            irradiance_of_all += irradiance;
+            let texel = |v: Vec3| v.min(Vec3::splat(MAX_HALF)).extend(0.0);
+            layers[0].push(texel(whole));
+            // In the dark, any direction will do.
+            layers[1].push(texel(if bright > 0.0 { middle / bright } else { 0.5 * normal }));
+            layers[2].push(texel(irradiance));
         }
-        let irradiance = falls / PI;
-        most = most.max(irradiance.max_element());
-        let texel = |v: Vec3| v.min(Vec3::splat(MAX_HALF)).extend(0.0);
-        layers[0].push(texel(whole));
-        // In the dark, any direction will do.
-        layers[1].push(texel(if bright > 0.0 { middle / bright } else { 0.5 * normal }));
-        layers[2].push(texel(irradiance));
+        most = most.max(irradiance_of_all.max_element());
     }
     (layers.concat(), most)
 }
@@ -175,6 +228,7 @@ fn texture(gpu: &Gpu, label: &str, [width, height, layers]: [u32; 3], texels: &[
 mod tests {
     use super::*;
     use crate::shared::environment::octahedral;
+    use pelage_formats::meaning::environment::LightLobe;
     use pelage_formats::meaning::scattering::broad::LEAST_MEAN;
 
     fn at(layers: &[Vec4], layer: u32, normal: Vec3) -> Vec3 {
@@ -198,5 +252,29 @@ mod tests {
         assert!(middle.distance(LEAST_MEAN as f32 * texel) < 0.01 && (most - 1.0).abs() < 0.01, "{middle} {most}");
         let (dark, most) = build_map(&Environment::default());
         assert_eq!((at(&dark, 0, Vec3::Y), most), (Vec3::ZERO, 0.0));
+    }
+
+    #[test]
+    fn lights_from_two_sides_are_two_parts_that_turn_with_the_environment() {
+        let lobe = |towards, radiance| LightLobe { towards, width_deg: 10.0, radiance };
+        let sky = |x: [f32; 3], z: [f32; 3]| Environment {
+            lobes: vec![lobe(x, [4.0, 0.0, 0.0]), lobe(z, [0.0, 0.0, 3.0])],
+            ..Environment::default()
+        };
+        let still = part_centres(&sky([1.0, 0.2, 0.0], [-1.0, 0.2, 0.3]));
+        let turned = part_centres(&sky([0.0, 0.2, -1.0], [0.3, 0.2, 1.0]));
+        let quarter = |way: &Vec3| Vec3::new(way.z, way.y, -way.x);
+        assert_eq!(still.len(), PARTS);
+        assert!(still.iter().map(quarter).zip(&turned).all(|(a, b)| a.distance(*b) < 1e-5), "{still:?} {turned:?}");
+        // Each part has the colour and direction of its own light.
+        let (layers, _) = build_map(&sky([1.0, 0.2, 0.0], [-1.0, 0.2, 0.3]));
+        for (part, centre) in still.iter().enumerate() {
+            let whole = at(&layers, 3 * part as u32, Vec3::Y);
+            let towards = at(&layers, 3 * part as u32 + 1, Vec3::Y).normalize();
+            assert!(
+                towards.dot(*centre) > 0.98 && whole.x * whole.z < 1e-3 * whole.length_squared(),
+                "{whole} {towards}"
+            );
+        }
     }
 }

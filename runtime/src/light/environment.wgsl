@@ -1,8 +1,8 @@
 //! uses light/baked, light/fibre, light/fills, light/gloss, light/point, light/scatter, light/visibility,
 //! shared/environment, shared/frame, shared/kajiya_kay, shared/scattering, shared/skinning, shared/tile_frame,
 //! shared/visibility, surface/place
-// Light from an environment map (formulas 4.15). The light from above the surface's horizon is treated as one light
-// that is spread about its mean direction.
+// Light from an environment map (formulas 4.15). The environment is divided into a few parts. The light of each part
+// from above the surface's horizon is treated as one light that is spread about its mean direction.
 
 @group(0) @binding(6) var environment_map: texture_2d_array<f32>;
 @group(0) @binding(7) var broad_tables: texture_2d_array<f32>;
@@ -20,7 +20,7 @@ const BROAD_TO: f32 = 24.0;
 const BROAD_FROM: f32 = 24.0;
 const BROAD_PHI: f32 = 16.0;
 
-// Environment light at a point of a surface.
+// Light of a part of the environment at a point of a surface.
 struct Around {
     // Total light from above the horizon of the surface.
     whole: vec3<f32>,
@@ -39,29 +39,63 @@ fn environment_texel(place: vec2<f32>, layer: u32) -> vec3<f32> {
 const LEAST_OPEN: f32 = 0.02;
 // Minimum length of a mean light direction.
 const LEAST_LONG: f32 = 0.05;
-// Minimum height of a mean light direction above the surface.
-const LEAST_HIGH: f32 = 0.05;
 
-// Returns the environment light at a point of a body with that colour (formulas 4.15).
-fn around_at(spot: Spot, color: vec3<f32>) -> Around {
-    let tile = tile_of(spot);
+// Number of layers of the environment map per part of the environment: total light, mean direction, and irradiance
+// divided by pi.
+const LAYERS_OF_PART: u32 = 3u;
+
+// Returns the number of parts of the environment.
+fn environment_parts() -> u32 {
+    return textureNumLayers(environment_map) / LAYERS_OF_PART;
+}
+
+// Openness of the body at a point, in the form that the environment map is sampled with.
+struct Openness {
+    // Texture coordinates in the environment map.
+    place: vec2<f32>,
+    // Open share of all directions, relative to that of most bodies.
+    share: f32,
+    // Share of the surface's irradiance that the body hides.
+    below: f32,
+}
+
+// Returns the openness of the body at a point.
+fn openness_at(spot: Spot, tile: TileFrame) -> Openness {
     let share = clamp(length(spot.open), LEAST_OPEN, 1.0 / USUALLY_OPEN);
     let open = spot.open / share;
     let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
-    let place = environment_place(facing);
-    var towards = to_tile(tile, environment_texel(place, 1u));
-    // The smaller the open share of the body, the narrower the spread of the light.
-    let long = max(length(towards), 1e-6);
-    towards *= max(1.0 - share * (1.0 - long), LEAST_LONG) / long;
-    // The mean direction must not point below the surface.
-    towards.z = max(towards.z, LEAST_HIGH);
-    let hidden = max(1.0 - share, 0.0);
-    let whole = environment_texel(place, 0u) * environment_share(color, hidden) * max(share, 1.0);
     // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
     // least: the contribution of an open cone is the square of its sine.
     let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
-    let irradiance = environment_texel(place, 2u) * environment_share(color, below * below);
+    return Openness(environment_place(facing), share, below * below);
+}
+
+// Returns the light of a part of the environment at a point of a body with that colour (formulas 4.15).
+fn around_at(at: Openness, tile: TileFrame, part: u32, color: vec3<f32>) -> Around {
+    let first = LAYERS_OF_PART * part;
+    var towards = to_tile(tile, environment_texel(at.place, first + 1u));
+    // The smaller the open share of the body, the narrower the spread of the light.
+    let long = max(length(towards), 1e-6);
+    towards *= max(1.0 - at.share * (1.0 - long), LEAST_LONG) / long;
+    let hidden = max(1.0 - at.share, 0.0);
+    let whole = environment_texel(at.place, first) * environment_share(color, hidden) * max(at.share, 1.0);
+    let irradiance = environment_texel(at.place, first + 2u) * environment_share(color, at.below);
     return Around(whole, irradiance, towards);
+}
+
+// Returns the irradiance of the environment at a point of a body with that colour, divided by pi.
+fn irradiance_at(spot: Spot, color: vec3<f32>) -> vec3<f32> {
+    let at = openness_at(spot, tile_of(spot));
+    return irradiance_of_parts(at.place) * environment_share(color, at.below);
+}
+
+// Returns the irradiance of all parts of the environment, divided by pi. `place`: coordinates in the environment map.
+fn irradiance_of_parts(place: vec2<f32>) -> vec3<f32> {
+    var sum = vec3(0.0);
+    for (var part = 0u; part < environment_parts(); part++) {
+        sum += environment_texel(place, LAYERS_OF_PART * part + 2u);
+    }
+    return sum;
 }
 
 // Returns the texture coordinates in the environment map for a surface that faces `facing`.
@@ -104,6 +138,18 @@ fn visible_past_strands_spread(b: Baked, towards: vec3<f32>) -> f32 {
     let deviation = vec3(0.0, 0.0, sqrt(max(square - towards.z * towards.z, 0.0)));
     let high = visible_past_strands_around(b, towards + deviation);
     return 0.5 * (high + visible_past_strands_around(b, towards - deviation));
+}
+
+// Mean of |z| of light that is spread evenly above the angle of BELOW, relative to the root of the mean of z squared.
+const ABSOLUTE_MEAN: f32 = 0.83;
+
+// Returns the mean height of spread light above the surface, weighted by the light's irradiance on the surface (formulas
+// 4.15).
+fn flux_height(towards: vec3<f32>) -> f32 {
+    let long = length(towards);
+    let square = mean_square(clamp(long, LEAST_MEAN, 1.0), towards.z / long);
+    let risen = 0.5 * (towards.z + ABSOLUTE_MEAN * sqrt(square));
+    return min(square / max(risen, 1e-3), 1.0);
 }
 
 // Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame: d_p of formulas
@@ -252,7 +298,7 @@ fn scatter_around(
         let to_there = halves[1];
         // Same as multiple_scattering_by_height, but divided by the sine, which the irradiance already includes.
         let root = 2.0 * d.root_lost;
-        let falls = (1.0 + root) / (1.0 + around.towards.z * root);
+        let falls = (1.0 + root) / (1.0 + flux_height(around.towards) * root);
         let spread = d.from_light * to_here + d.from_below * to_there;
         sent += around.irradiance * (sent_on * to_here + spread * falls);
     }
@@ -288,10 +334,27 @@ const DIFFUSE_PATH: f32 = 0.66;
 
 // Returns the light that hair sends to the eye from the environment (formulas 4.15).
 fn environment_on_hair(p: HairPoint) -> vec3<f32> {
-    let color = p.color * p.tint;
-    let around = around_at(p.spot, color / max(p.opacity, 1e-6));
-    let eye = to_tile(tile_of(p.spot), direction_to(frame.eye_ws, p.spot.position_ws));
+    let tile = tile_of(p.spot);
+    let eye = to_tile(tile, direction_to(frame.eye_ws, p.spot.position_ws));
+    let full = p.color * p.tint / max(p.opacity, 1e-6);
+    let at = openness_at(p.spot, tile);
+    var sum = vec3(0.0);
+    for (var part = 0u; part < environment_parts(); part++) {
+        let around = around_at(at, tile, part, full);
+        if any(around.whole > vec3(0.0)) {
+            sum += part_on_hair(p, around, full, eye);
+        }
+    }
+    return sum;
+}
+
+// Returns the light of a part of the environment that hair sends to the eye (formulas 4.15). `full`: tinted colour of
+// the hair, not premultiplied.
+fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
     var direct = visible_past_strands_around(p.baked, around.towards);
+    if BAKED_SHADOW && !HANGS && !SCATTERING {
+        direct = visible_past_strands_spread(p.baked, around.towards);
+    }
     if (HANGS && DEEP_SHADOW) || (!BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW)) {
         // The depth of a point in hanging hair is known only in the direction of the key light. Diffuse light crosses
         // the hair at a slant.
@@ -306,22 +369,24 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
         }
     }
     if SCATTERING {
-        let full = color / max(p.opacity, 1e-6);
         return p.opacity * scatter_around(p.direction, around, eye, full, p.deeper * p.tint, direct, p.baked);
     }
-    if BAKED_SHADOW && !HANGS {
-        direct = visible_past_strands_spread(p.baked, around.towards);
-    }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
-    let lit = color * instance.diffuse_constant * sent.x + instance.specular_constant * (sent.y * p.opacity);
-    return lit * around.whole * (direct / PI);
+    let lit = full * instance.diffuse_constant * sent.x + instance.specular_constant * sent.y;
+    return p.opacity * lit * around.whole * (direct / PI);
 }
 
 // Returns the environment light that the mat of an undercoat with that colour reflects.
 fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
-    let around = around_at(p.spot, color);
-    let direct = visible_past_strands_around(p.baked, around.towards);
-    return around.irradiance * reaches_mat(1.0, color, direct);
+    let tile = tile_of(p.spot);
+    let at = openness_at(p.spot, tile);
+    var sum = vec3(0.0);
+    for (var part = 0u; part < environment_parts(); part++) {
+        let around = around_at(at, tile, part, color);
+        let direct = visible_past_strands_around(p.baked, around.towards);
+        sum += around.irradiance * reaches_mat(1.0, color, direct);
+    }
+    return sum;
 }
 
 // Returns the environment light on a bare surface, by Lambert's law. `side`: -1 for the back of a double-sided part.
@@ -333,7 +398,7 @@ fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32, gloss: GlossPoin
     if side < 0.0 {
         // The openness of a body is known only for its outer side.
         let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
-        return color * enters * environment_texel(environment_place(normal), 2u);
+        return color * enters * irradiance_of_parts(environment_place(normal));
     }
-    return color * enters * around_at(spot, color).irradiance;
+    return color * enters * irradiance_at(spot, color);
 }

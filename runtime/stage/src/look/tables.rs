@@ -143,7 +143,7 @@ params! {
         /// Geometry by which hair is drawn.
         hair: LookHair = LookHair::Auto, needs "strands";
         /// Rendering of the edges of strands.
-        strand_edges: LookStrandEdges = LookStrandEdges::Samples, needs "drawn strands";
+        strand_edges: LookStrandEdges = LookStrandEdges::Blended, needs "drawn strands";
         /// Scattering model of hair, for packages with fibre data. Other hair is always lit as with `off`.
         scattering: LookScattering = LookScattering::Multiple, needs "fibres";
         /// Output: the picture, or false colours for its geometry or overdraw.
