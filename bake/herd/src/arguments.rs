@@ -177,7 +177,6 @@ fn recipe_fault(place: &str, set: &toml::Table, judge: &ArgumentValidators<'_>) 
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     #[test]

@@ -404,7 +404,6 @@ fn input(error: StageError) -> BakeError {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     #[test]

@@ -354,7 +354,6 @@ fn levels(inspect: &Value) -> Vec<Value> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     fn became(exit_code: u8, result: Value) -> Option<CommandOutcome> {

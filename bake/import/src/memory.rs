@@ -200,7 +200,6 @@ impl MeshMemory {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests")]
     use super::*;
     use crate::notes::Notes;
     use serde_json::json;

@@ -408,7 +408,6 @@ fn depfile_error(path: &Path, reason: String) -> BakeError {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
     use serde_json::json;
 

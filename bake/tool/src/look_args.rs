@@ -236,7 +236,6 @@ impl FromArgMatches for LookArgs {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
     use clap::{CommandFactory as _, Parser};
     use pelage_stage::{FillLight, LookDetail, LookStyle};

@@ -169,7 +169,6 @@ fn window_sums(values: &[[f64; 3]], width: usize, height: usize) -> Vec<[f64; 3]
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use pelage_bake::noise::uniform;
 

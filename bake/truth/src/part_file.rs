@@ -161,7 +161,6 @@ fn pixel_indices(of: &PartHeader) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn part(number: u32) -> TracedPart {

@@ -83,7 +83,6 @@ fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 

@@ -432,7 +432,6 @@ pub fn camera(view: &Viewpoint, aspect: f32) -> Camera {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::Look;
     use pelage_formats::{Manifest, PackageWriter};

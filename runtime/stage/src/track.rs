@@ -122,7 +122,6 @@ impl Track<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn track(keys: &[(f32, f32)]) -> Track<f32> {

@@ -180,7 +180,6 @@ pub fn shown(toml: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn state(edits: &Edits) -> String {
