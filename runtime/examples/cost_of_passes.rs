@@ -13,6 +13,8 @@
 //! fragments without opacity, and fragments hidden by layers above that transmit at most 1/512 of their light. To skip
 //! the latter, layers would be drawn from the outermost inwards with a mask of opaque pixels.
 
+#![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
+
 #[path = "support/mod.rs"]
 mod support;
 

@@ -8,6 +8,8 @@
 //! Without a package it uses a small furry sphere. Device and targets are those of `pelage-stage`. The application's
 //! ground and shader are in `support/ground.rs`.
 
+#![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
+
 #[path = "support/mod.rs"]
 mod support;
 

@@ -7,6 +7,8 @@
 //! Without a package it uses a small furry sphere. The picture shows the model twice. Fur and the application's ground
 //! and post occlude each other.
 
+#![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
+
 #[path = "support/mod.rs"]
 mod support;
 

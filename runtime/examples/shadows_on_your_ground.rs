@@ -7,6 +7,8 @@
 //!
 //! Without a package it uses a small furry sphere.
 
+#![allow(clippy::unwrap_used, reason = "an example stops at the first surprise")]
+
 #[path = "support/mod.rs"]
 mod support;
 
