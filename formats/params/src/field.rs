@@ -38,16 +38,14 @@ pub trait Field: Sized {
 
     /// Converts `raw` to a value and checks it against its range.
     ///
-    /// # Errors
-    /// Message with what was found and what was expected.
+    /// Fails with a message about the value found and the value expected.
     fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
         Self::from_raw(raw).filter(|value| value.in_range(range)).ok_or_else(|| raw.unexpected(&Self::expected(range)))
     }
 
     /// Checks the value against its range.
     ///
-    /// # Errors
-    /// Message with what was found and what was expected.
+    /// Fails with a message about the value found and the value expected.
     fn check(&self, range: &Self::Range) -> Result<(), String> {
         if self.in_range(range) {
             return Ok(());

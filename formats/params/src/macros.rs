@@ -144,8 +144,7 @@ macro_rules! params {
 
             /// Checks every field against its range.
             ///
-            /// # Errors
-            /// The first value outside its range, with what was found and what was expected.
+            /// Fails with the first value outside its range, with what was found and what was expected.
             pub fn validate(&self) -> Result<(), $crate::OutOfRange> {
                 $crate::validate_table(self)
             }
