@@ -70,9 +70,7 @@ impl Likeness {
     ///
     /// * `fur_px`: height of the fur on the screen, pixels
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
+    /// Fails with [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
     pub fn of(picture: &Picture, truth: &Picture, fur_px: f64) -> Result<Self, BakeError> {
         let (compared, _) = compare_pictures(picture, truth, &CompareParams::default())?;
         Ok(Self::of_compared(&compared, picture, truth, fur_px))
