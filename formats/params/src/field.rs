@@ -20,8 +20,11 @@ pub trait Field: Sized {
     /// Converts `raw` to a value, without a range check; `None` if it has the wrong type.
     fn from_raw(raw: &Raw) -> Option<Self>;
 
-    /// Whether the value is in its range.
-    fn in_range(&self, range: &Self::Range) -> bool;
+    /// Whether the value is in its range; true for types without one.
+    fn in_range(&self, range: &Self::Range) -> bool {
+        let _ = range;
+        true
+    }
 
     /// Returns the value as TOML; `None` if the key is unset.
     fn to_toml(&self) -> Option<String>;
@@ -231,10 +234,6 @@ impl Field for bool {
         }
     }
 
-    fn in_range(&self, (): &()) -> bool {
-        true
-    }
-
     fn to_toml(&self) -> Option<String> {
         Some(self.to_string())
     }
@@ -344,10 +343,6 @@ impl Field for String {
             Raw::String(s) => Some(s.clone()),
             _ => None,
         }
-    }
-
-    fn in_range(&self, (): &()) -> bool {
-        true
     }
 
     fn to_toml(&self) -> Option<String> {

@@ -59,10 +59,6 @@ macro_rules! words {
                 }
             }
 
-            fn in_range(&self, (): &()) -> bool {
-                true
-            }
-
             fn to_toml(&self) -> Option<String> {
                 Some(format!("{:?}", self.word()))
             }
