@@ -30,5 +30,5 @@ fn hair_colors_are_checked() {
         (|c| c[0] = Some([-1.0, 0.5, 0.5]), "colour 0 has -1, expected finite numbers of at least 0"),
         (|c| c.push(None), "colours, expected one for each of"),
     ];
-    assert_refused(colors, &cases, |colors| sample_with(|writer| writer.hair_colors(colors)));
+    assert_refused(Tag::HAIR_COLORS, colors, &cases, |colors| sample_with(|writer| writer.hair_colors(colors)));
 }

@@ -37,7 +37,7 @@ fn roots_contents_are_checked() {
         (|r| r.uv_per_tile[0] = -1.0, "uv_per_tile[0] is -1, expected a finite number of at least 0"),
         (|r| r.uv_per_tile.clear(), "uv_per_tile has 0 entries, expected one for each of"),
     ];
-    assert_refused(info, &cases, package);
+    assert_refused(Tag::ROOTS, info, &cases, package);
 }
 
 #[test]

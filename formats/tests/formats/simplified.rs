@@ -64,7 +64,7 @@ fn simplified_contents_are_checked() {
             "part 0 of list 0 has more indices than that part of the mesh",
         ),
     ];
-    assert_refused(lists, &cases, |levels| package(levels));
+    assert_refused(Tag::SIMPLIFIED, lists, &cases, |levels| package(levels));
     let mut levels = lists();
     levels.iter_mut().for_each(|level| level.part_counts.push(0));
     assert!(package(&levels).unwrap_err().to_string().contains("lists of 2 parts, expected 1, the"));

@@ -79,7 +79,7 @@ fn strand_contents_are_checked() {
         (|s| s.points[2].height = 1.5, "outside the fur"),
         (|s| s.points[2].radius = -1.0, "outside the fur"),
     ];
-    assert_refused(strands, &cases, package);
+    assert_refused(Tag::STRANDS, strands, &cases, package);
     let swap = |m: &mut Manifest| m.fur.wet = m.fur.wet.is_none().then(ShellTextures::default);
     let error = changed_sample_with(swap, |writer| writer.strands(&strands()));
     assert!(error.unwrap_err().to_string().contains("sets of points, expected"), "sets follow the manifest");

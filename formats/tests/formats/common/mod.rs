@@ -308,8 +308,9 @@ pub fn assert_every_byte_is_checked(bytes: &[u8], tag: Tag) {
 /// Change of a sample, and text that the resulting error contains.
 pub type Refusal<T> = (fn(&mut T), &'static str);
 
-/// Checks that each change of the sample makes `pack` fail with an error that contains the text.
+/// Checks that each change of the sample makes `pack` fail with an error in the section that contains the text.
 pub fn assert_refused<T>(
+    tag: Tag,
     sample: impl Fn() -> T,
     cases: &[Refusal<T>],
     pack: impl Fn(&T) -> Result<Vec<u8>, FormatError>,
@@ -317,7 +318,9 @@ pub fn assert_refused<T>(
     for (change, expected) in cases {
         let mut changed = sample();
         change(&mut changed);
-        let error = pack(&changed).unwrap_err().to_string();
+        let error = pack(&changed).unwrap_err();
+        assert_eq!(error.section(), Some(tag), "{error}");
+        let error = error.to_string();
         assert!(error.contains(expected), "expected {expected:?} in: {error}");
     }
 }
