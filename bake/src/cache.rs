@@ -85,9 +85,7 @@ impl Cache {
     /// Returns the hash of the tool's executable, which identifies the build. The hash is computed once for each path,
     /// size and modification time of the executable, and stored in the cache.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Io`] if the executable cannot be read.
+    /// Fails with [`BakeError::Io`] if the executable cannot be read.
     pub fn tool_hash(&self, program: &Path) -> Result<Digest, BakeError> {
         let fail = |source| BakeError::Io { path: program.to_owned(), action: "read", source };
         let found = std::fs::metadata(program).map_err(fail)?;
@@ -138,9 +136,7 @@ impl Cache {
     ///
     /// * `files`: paths of the files in `kept`
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Io`]. Entries written before the error are harmless.
+    /// Fails with [`BakeError::Io`]. Entries written before the error are harmless.
     pub fn store(
         &self,
         key: &Digest,
@@ -221,7 +217,6 @@ fn from_hex(text: &str) -> Option<Digest> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
     use crate::io_trace::TracedOutput;
 

@@ -24,8 +24,7 @@ impl EnvironmentFile {
     /// Replaces the lower hemisphere by level ground of the given albedo, linear RGB. From a set of lights, this makes
     /// a newly fitted set with at most `lobes` lobes. Returns the environment unchanged if `albedo` is `None`.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] only if the lights cannot be rendered.
+    /// Fails with [`BakeError::Internal`] only if the lights cannot be rendered.
     pub fn over_ground(self, albedo: Option<[f32; 3]>, lobes: usize) -> Result<Self, BakeError> {
         let Some(albedo) = albedo else { return Ok(self) };
         Ok(match self {
@@ -43,8 +42,7 @@ impl EnvironmentFile {
 
     /// Reads an environment map; the extension selects the format: `.hdr`, `.exr` or `.toml`.
     ///
-    /// # Errors
-    /// [`BakeError::Input`] if the file cannot be read or its contents do not match the extension.
+    /// Fails with [`BakeError::Input`] if the file cannot be read or its contents do not match the extension.
     pub fn read(path: &Path) -> Result<Self, BakeError> {
         let file = path.display().to_string();
         let input = |place: &str, reason: String| BakeError::Input { file: file.clone(), place: place.into(), reason };

@@ -26,18 +26,14 @@ pub const MAX_FILE_BYTES: u64 = 2 << 30;
 
 /// Reads a whole file that the user named, which may be a pipe.
 ///
-/// # Errors
-///
-/// [`BakeError::Io`], also for a folder, a device, and a file larger than [`MAX_FILE_BYTES`].
+/// Fails with [`BakeError::Io`], also for a folder, a device, and a file larger than [`MAX_FILE_BYTES`].
 pub fn read_file(path: &Path) -> Result<Vec<u8>, BakeError> {
     read_whole(path, |kind| kind.is_file() || is_pipe(kind), || "an input".to_owned())
 }
 
 /// Reads a text file; `what` is the expected content for messages, such as `a recipe in TOML`.
 ///
-/// # Errors
-///
-/// The errors of [`read_file`]; [`BakeError::Input`] with the byte offset if the file is not UTF-8.
+/// Fails with the errors of [`read_file`]; [`BakeError::Input`] with the byte offset if the file is not UTF-8.
 pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
     String::from_utf8(read_file(path)?).map_err(|error| BakeError::Input {
         file: path.display().to_string(),
@@ -49,9 +45,7 @@ pub fn read_text(path: &Path, what: &str) -> Result<String, BakeError> {
 /// Reads a whole file that another file names. Only regular files are accepted, because reading a pipe might block
 /// forever.
 ///
-/// # Errors
-///
-/// The errors of [`read_file`]; [`BakeError::Io`] also for a pipe.
+/// Fails with the errors of [`read_file`]; [`BakeError::Io`] also for a pipe.
 pub fn read_named_file(path: &Path) -> Result<Vec<u8>, BakeError> {
     read_file_named_by(path, "another input")
 }
@@ -134,10 +128,8 @@ pub enum Reach {
 /// Reads a model and the files that it refers to, relative to its folder. All must be regular files. At most the
 /// declared length of each buffer is read.
 ///
-/// # Errors
-///
-/// [`BakeError::Io`] if the model itself cannot be read, otherwise the errors of [`import`]. A buffer or image that is
-/// missing or outside `reach` is reported as an error in the model, at its reference.
+/// Fails with [`BakeError::Io`] if the model itself cannot be read, otherwise the errors of [`import`]. A buffer or
+/// image that is missing or outside `reach` is reported as an error in the model, at its reference.
 pub fn read_model(path: &Path, options: &ImportOptions, reach: Reach) -> Result<Model, BakeError> {
     read_model_noting(path, options, reach, &mut |_| ())
 }
@@ -145,9 +137,7 @@ pub fn read_model(path: &Path, options: &ImportOptions, reach: Reach) -> Result<
 /// Reads a model as [`read_model`] does. Calls `named` with the path of each referenced file within `reach`, before the
 /// file is read.
 ///
-/// # Errors
-///
-/// The errors of [`read_model`].
+/// Fails with the errors of [`read_model`].
 pub fn read_model_noting(
     path: &Path,
     options: &ImportOptions,
@@ -215,9 +205,7 @@ fn stays_inside(folder: &Path, relative: &Path) -> bool {
 /// * `file`: path of the recipe as the user gave it, for messages
 /// * `place`: maps a name in the recipe to a path
 ///
-/// # Errors
-///
-/// [`BakeError::Input`] in the recipe, with key and image, if a file cannot be read or decoded.
+/// Fails with [`BakeError::Input`] in the recipe, with key and image, if a file cannot be read or decoded.
 pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Recipe) -> Result<MapImages, BakeError> {
     let mut read = MapImages::default();
     let mut texels_left = MAX_TEXELS;
@@ -263,9 +251,7 @@ pub fn read_map_images(file: &str, place: &dyn Fn(&str) -> PathBuf, recipe: &Rec
 
 /// Reads a PNG or EXR image.
 ///
-/// # Errors
-///
-/// [`BakeError::Io`]; [`BakeError::Input`] for a file that is neither.
+/// Fails with [`BakeError::Io`]; [`BakeError::Input`] for a file that is neither.
 pub fn read_picture(path: &Path) -> Result<Picture, BakeError> {
     let fail = |(place, reason)| BakeError::Input { file: path.display().to_string(), place, reason };
     Picture::decode(&read_file(path)?).map_err(fail)
@@ -306,28 +292,22 @@ fn relative_path(uri: &str) -> Result<PathBuf, String> {
 /// The bytes go to a temporary file in the same folder, which is then renamed, or removed on failure. A new file has
 /// the permissions that the umask leaves. Symbolic links are followed; devices and pipes are written to directly.
 ///
-/// # Errors
-///
-/// [`BakeError::Io`], naming `path` or its folder. [`BakeError::SameFile`] for a file that a guarded command has read
-/// ([`crate::io_guard`]).
+/// Fails with [`BakeError::Io`], naming `path` or its folder. [`BakeError::SameFile`] for a file that a guarded command
+/// has read ([`crate::io_guard`]).
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
     write_atomic_with(path, |out| out.write_all(bytes))
 }
 
 /// Writes a file as [`write_atomic`] does, even if the command has read it: an edit that the user asked for.
 ///
-/// # Errors
-///
-/// [`BakeError::Io`], naming `path` or its folder.
+/// Fails with [`BakeError::Io`], naming `path` or its folder.
 pub fn rewrite_atomic(path: &Path, bytes: &[u8]) -> Result<(), BakeError> {
     write_unguarded(path, |out| out.write_all(bytes))?.map_or(Ok(()), PendingFile::commit)
 }
 
 /// Fails if a file cannot be written: its folder is missing or read-only, or it is a folder itself.
 ///
-/// # Errors
-///
-/// The errors of [`write_atomic`].
+/// Fails with the errors of [`write_atomic`].
 pub fn require_writable(path: &Path) -> Result<(), BakeError> {
     let is_device = std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     // Dropping the pending file removes it.
@@ -336,9 +316,7 @@ pub fn require_writable(path: &Path) -> Result<(), BakeError> {
 
 /// Writes a file as [`write_atomic`] does, with the contents that `write` streams.
 ///
-/// # Errors
-///
-/// [`BakeError::Io`], naming `path` or its folder; also for an error of `write`.
+/// Fails with [`BakeError::Io`], naming `path` or its folder; also for an error of `write`.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut dyn std::io::Write) -> io::Result<()>,
@@ -348,9 +326,7 @@ pub fn write_atomic_with(
 
 /// Writes several files. They appear only after all of them were written completely; if writing fails, none appears.
 ///
-/// # Errors
-///
-/// The errors of [`write_atomic`]. If renaming a file fails, the files before it already exist.
+/// Fails with the errors of [`write_atomic`]. If renaming a file fails, the files before it already exist.
 pub fn write_all_atomic(files: &[(&Path, &[u8])]) -> Result<(), BakeError> {
     let whole = files.iter().map(|(path, bytes)| write_temporary(path, |out| out.write_all(bytes)));
     let whole = whole.collect::<Result<Vec<_>, _>>()?;
@@ -438,9 +414,7 @@ fn write_unguarded(
 
 /// Returns the SHA-256 of the first `most` bytes of a file.
 ///
-/// # Errors
-///
-/// The operating system's error if the file cannot be read.
+/// Fails with the operating system's error if the file cannot be read.
 pub fn digest(path: &Path, most: u64) -> io::Result<io_trace::Digest> {
     let mut hash = Sha256::new();
     io::copy(&mut std::fs::File::open(path)?.take(most), &mut hash)?;

@@ -102,9 +102,7 @@ impl Guard {
 /// * `inputs`: files that the command will read
 /// * `outputs`: files that it will write; further ones are checked when they are written
 ///
-/// # Errors
-///
-/// [`BakeError::SameFile`] if an output is an input, or two outputs are the same file. Both stay guarded.
+/// Fails with [`BakeError::SameFile`] if an output is an input, or two outputs are the same file. Both stay guarded.
 pub fn start(inputs: &[DeclaredFile], outputs: Vec<DeclaredFile>) -> Result<(), BakeError> {
     let mut started = Guard { outputs, ..Guard::default() };
     for DeclaredFile { role, path } in inputs {
@@ -118,9 +116,7 @@ pub fn start(inputs: &[DeclaredFile], outputs: Vec<DeclaredFile>) -> Result<(), 
 /// Fails if an output is one of the files read so far. Functions that find files while they read call this, so that a
 /// long command fails early.
 ///
-/// # Errors
-///
-/// [`BakeError::SameFile`].
+/// Fails with [`BakeError::SameFile`].
 pub fn check() -> Result<(), BakeError> {
     guard().as_ref().map_or(Ok(()), Guard::check_all)
 }
@@ -128,18 +124,14 @@ pub fn check() -> Result<(), BakeError> {
 /// Fails if an output known in advance, or the one at `path`, is a file that the command has read. [`crate::io`] calls
 /// this before each write; code that writes without it calls this itself.
 ///
-/// # Errors
-///
-/// [`BakeError::SameFile`].
+/// Fails with [`BakeError::SameFile`].
 pub fn check_write(path: &Path) -> Result<(), BakeError> {
     guard().as_ref().map_or(Ok(()), |guard| guard.check_all().and_then(|()| guard.check(path)))
 }
 
 /// Like [`check_write`], for a file that a failed command writes as well, such as its record.
 ///
-/// # Errors
-///
-/// [`BakeError::SameFile`] if `path` is an input or another output.
+/// Fails with [`BakeError::SameFile`] if `path` is an input or another output.
 pub fn check_write_alone(path: &Path) -> Result<(), BakeError> {
     guard().as_ref().map_or(Ok(()), |guard| guard.check(path))
 }

@@ -15,9 +15,7 @@ impl<I, O> Default for Memo<I, O> {
 impl<I: PartialEq, O: Clone> Memo<I, O> {
     /// Returns the result of `make` for `input`, which must determine it completely.
     ///
-    /// # Errors
-    ///
-    /// The errors of `make`; the previous result is kept.
+    /// Fails with the errors of `make`; the previous result is kept.
     pub fn make<E>(&mut self, input: I, make: impl FnOnce(&I) -> Result<O, E>) -> Result<O, E> {
         if let Some((_, made)) = self.0.as_ref().filter(|(of, _)| *of == input) {
             return Ok(made.clone());

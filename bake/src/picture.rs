@@ -37,9 +37,7 @@ impl Picture {
     /// Decodes a PNG or EXR. A PNG has 8 or 16 bits and is sRGB-encoded with straight alpha; its gAMA chunk is ignored.
     /// An EXR is linear and premultiplied, as is its convention.
     ///
-    /// # Errors
-    ///
-    /// Location in the file, and what was found and expected.
+    /// Fails with the location in the file, and what was found and expected.
     pub fn decode(bytes: &[u8]) -> Result<Self, (String, String)> {
         let at_start = |reason: String| ("byte 0".to_owned(), reason);
         let format = match image::guess_format(bytes) {
@@ -79,9 +77,7 @@ impl Picture {
 
 /// Encodes an image as PNG.
 ///
-/// # Errors
-///
-/// [`BakeError::Internal`] if the encoder fails.
+/// Fails with [`BakeError::Internal`] if the encoder fails.
 pub fn encode_png<P>(pixels: &ImageBuffer<P, Vec<P::Subpixel>>) -> Result<Vec<u8>, BakeError>
 where
     P: PixelWithColorType,

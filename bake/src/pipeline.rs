@@ -157,10 +157,8 @@ pub struct Baked {
 ///
 /// * `on_stage`: called with the name of each of [`STAGES`] when it begins
 ///
-/// # Errors
-///
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] if model and recipe do not fit together,
-/// [`BakeError::Internal`] for a bug in this crate.
+/// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] if model and recipe do not fit
+/// together, [`BakeError::Internal`] for a bug in this crate.
 pub fn bake(input: &BakeInput<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
     let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
     run(input, &mut outputs, on_stage)?;
@@ -177,9 +175,7 @@ pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
 
 /// Runs every step that the package depends on and whose output is missing. `on_stage` is called when a stage begins.
 ///
-/// # Errors
-///
-/// The errors of [`bake`]; [`BakeError::Internal`] if a required input is missing and no step makes it.
+/// Fails with the errors of [`bake`]; [`BakeError::Internal`] if a required input is missing and no step makes it.
 pub fn run<'a>(
     input: &BakeInput<'a>,
     outputs: &mut Outputs<'a>,
@@ -190,9 +186,7 @@ pub fn run<'a>(
 
 /// Runs the steps that the output `wanted` depends on, like [`run`] for the package.
 ///
-/// # Errors
-///
-/// The errors of [`run`].
+/// Fails with the errors of [`run`].
 pub fn make<'a>(
     input: &BakeInput<'a>,
     outputs: &mut Outputs<'a>,
@@ -223,9 +217,7 @@ pub fn make<'a>(
 impl Step {
     /// Runs the step and stores its output.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`run`].
+    /// Fails with the errors of [`run`].
     pub fn run<'a>(&self, input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
         (self.run)(input, outputs)
     }

@@ -24,9 +24,7 @@ impl<'a> Rebake<'a> {
     /// Bakes the model with the recipe in `input`. If it fails, the outputs made so far are kept. Images are compared
     /// by address, so images that were read again count as changed.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`crate::pipeline::bake`].
+    /// Fails with the errors of [`crate::pipeline::bake`].
     pub fn bake(&mut self, input: &BakeInput<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
         match self.before {
             Some((recipe, images)) if std::ptr::eq(images, input.images) => {

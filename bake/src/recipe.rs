@@ -140,9 +140,8 @@ impl DetailParams {
 impl Recipe {
     /// Parses a recipe; `file` is its name for messages.
     ///
-    /// # Errors
-    /// [`BakeError::Input`] with line and key for invalid TOML, an unknown table or key, a wrong type or a value
-    /// outside its range.
+    /// Fails with [`BakeError::Input`] with line and key for invalid TOML, an unknown table or key, a wrong type or a
+    /// value outside its range.
     pub fn parse(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
         recipe.merge(file, text)?;
@@ -153,8 +152,7 @@ impl Recipe {
     /// may omit keys. Such keys get the values of [`Coat::Natural`] and the shading model `kajiya-kay`, which were the
     /// defaults then.
     ///
-    /// # Errors
-    /// The errors of [`Recipe::parse`].
+    /// Fails with the errors of [`Recipe::parse`].
     pub fn parse_recorded(file: &str, text: &str) -> Result<Self, BakeError> {
         let mut recipe = Self::of_coat(Coat::Natural)?;
         recipe.shading.model = ShadingModel::KajiyaKay;
@@ -164,8 +162,7 @@ impl Recipe {
 
     /// Returns the recipe that names a coat and sets nothing else.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] if the coat's file is invalid.
+    /// Fails with [`BakeError::Internal`] if the coat's file is invalid.
     pub fn of_coat(coat: Coat) -> Result<Self, BakeError> {
         let mut recipe = Self::default();
         recipe.set(&format!("hair.coat={}", coat.word()))?;
@@ -176,8 +173,7 @@ impl Recipe {
     /// their values. If the text changes the coat, keys that it does not name also change, if they have the previous
     /// coat's value.
     ///
-    /// # Errors
-    /// The errors of [`Recipe::parse`]; keys before the error are already set.
+    /// Fails with the errors of [`Recipe::parse`]; keys before the error are already set.
     pub fn merge(&mut self, file: &str, text: &str) -> Result<(), BakeError> {
         self.change_with_coat(file, |recipe| pelage_params::read(recipe, text))
     }
@@ -185,8 +181,7 @@ impl Recipe {
     /// Sets one value, as in `--set hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`. Setting
     /// `hair.coat=winter` also changes the keys that have the previous coat's value.
     ///
-    /// # Errors
-    /// The errors of [`Recipe::parse`], with `--set` as the file; the recipe is then unchanged.
+    /// Fails with the errors of [`Recipe::parse`], with `--set` as the file; the recipe is then unchanged.
     pub fn set(&mut self, assignment: &str) -> Result<(), BakeError> {
         self.change_with_coat("--set", |recipe| pelage_params::set(recipe, assignment))
     }
@@ -293,8 +288,7 @@ impl Recipe {
 
     /// Checks every value against its range.
     ///
-    /// # Errors
-    /// [`BakeError::Params`] with the key, what was found and what was expected.
+    /// Fails with [`BakeError::Params`] with the key, what was found and what was expected.
     pub fn validate(&self) -> Result<(), BakeError> {
         Ok(pelage_params::validate(self)?)
     }

@@ -78,10 +78,8 @@ fn fault(file: &str, source: FormatError) -> BakeError {
 /// tables should be those of the package. A package without fins gets none, because the edges are known only from the
 /// model.
 ///
-/// # Errors
-///
-/// The errors of [`tile_hair`]; [`BakeError::Params`] for values out of range, [`BakeError::Input`] for a package
-/// without fur.
+/// Fails with the errors of [`tile_hair`]; [`BakeError::Params`] for values out of range, [`BakeError::Input`] for a
+/// package without fur.
 pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
     recipe.validate()?;
     let fault = |source| fault(file, source);
@@ -141,9 +139,7 @@ pub struct Slicer<'a> {
 impl<'a> Slicer<'a> {
     /// Bakes the model like [`crate::pipeline::bake`], and keeps the outputs that slicing does not change.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`crate::pipeline::bake`].
+    /// Fails with the errors of [`crate::pipeline::bake`].
     pub fn new(input: BakeInput<'a>, model: &'a Model) -> Result<Self, BakeError> {
         let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
         run(&input, &mut outputs, &mut |_| ())?;
@@ -156,9 +152,7 @@ impl<'a> Slicer<'a> {
     /// `recipe` differs from the slicer's own in nothing but `[slice]` and `[fins]`. Other differences cause a full
     /// bake.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`crate::pipeline::bake`].
+    /// Fails with the errors of [`crate::pipeline::bake`].
     pub fn slice(&self, recipe: &Recipe) -> Result<Vec<u8>, BakeError> {
         let own = self.input.recipe;
         let sliced = Recipe { slice: recipe.slice.clone(), fins: recipe.fins.clone(), ..own.clone() };

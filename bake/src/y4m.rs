@@ -19,9 +19,7 @@ pub struct Y4m<W> {
 impl<W: Write> Y4m<W> {
     /// Writes the header of a video of `width × height` square pixels and `fps` progressive frames per second.
     ///
-    /// # Errors
-    ///
-    /// Errors of `out`.
+    /// Fails with errors of `out`.
     pub fn new(mut out: W, width: u32, height: u32, fps: u32) -> io::Result<Self> {
         writeln!(out, "YUV4MPEG2 W{width} H{height} F{fps}:1 Ip A1:1 C444 XCOLORRANGE=LIMITED")?;
         Ok(Self { out, width, height, planes: Vec::new() })
@@ -31,9 +29,7 @@ impl<W: Write> Y4m<W> {
     /// pixel. The bytes are treated as R'G'B' of BT.709, which has the same primaries and, on screens, nearly the same
     /// curve.
     ///
-    /// # Errors
-    ///
-    /// Errors of `out`, and [`io::ErrorKind::InvalidInput`] for a frame of another size.
+    /// Fails with errors of `out`, and [`io::ErrorKind::InvalidInput`] for a frame of another size.
     pub fn frame(&mut self, rgb: &[u8]) -> io::Result<()> {
         let pixels = self.width as usize * self.height as usize;
         if rgb.len() != 3 * pixels {
@@ -50,9 +46,7 @@ impl<W: Write> Y4m<W> {
 
     /// Flushes buffered data.
     ///
-    /// # Errors
-    ///
-    /// Errors of `out`.
+    /// Fails with errors of `out`.
     pub fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
     }
@@ -69,7 +63,6 @@ fn ycbcr(rgb: [u8; 3]) -> [u8; 3] {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
     use super::*;
 
     #[test]

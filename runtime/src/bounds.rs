@@ -84,7 +84,6 @@ impl Hull {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};

@@ -7,7 +7,7 @@
 
 use crate::instance::Instance;
 use crate::params::{HairMotionParams, Wind};
-use bytemuck::{Pod, Zeroable};
+use crate::shared::shader_struct::shader_struct;
 use glam::{Mat3, Mat4, Vec3};
 use pelage_formats::Pose;
 use pelage_formats::meaning::hair_motion::{Capsule, steps};
@@ -69,16 +69,17 @@ fn colliders(instance: &Instance, pose: &Pose) -> Vec<Capsule> {
     of_body.chain(instance.colliders.iter().copied()).collect()
 }
 
-/// Wind in a frame; layout as in `hair/wind.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(crate) struct WindBlock {
-    pub(crate) velocity: [f32; 3],
-    pub(crate) gust: f32,
-    pub(crate) gust_s: f32,
-    pub(crate) turbulence: f32,
-    pub(crate) eddy_m: f32,
-    pub(crate) time_s: f32,
+shader_struct! {
+    /// Wind in a frame; layout as in `hair/wind.wgsl`.
+    #[derive(Default)]
+    pub(crate) struct WindBlock {
+        pub(crate) velocity: [f32; 3],
+        pub(crate) gust: f32,
+        pub(crate) gust_s: f32,
+        pub(crate) turbulence: f32,
+        pub(crate) eddy_m: f32,
+        pub(crate) time_s: f32,
+    }
 }
 
 impl GuideMotion {

@@ -5,12 +5,12 @@ use crate::frame_tests::gpu;
 use crate::instance::Instance;
 use crate::params::{FrameParams, HairMotionParams, RendererOptions, SelfShadow, Wind};
 use crate::renderer::Renderer;
-use crate::swing_tests::read;
+use crate::swing_tests::{read, white_skin};
 use glam::{Mat3, Mat4, Quat, Vec3};
 use pelage_formats::meaning::fur_motion::{
     Frame, Tip, advance, freedom, initial_tip, lean, leaning_direction, tip_offset,
 };
-use pelage_formats::{AttributeVertex, FurInfo, GeometryVertex, Manifest, Material, MeshData, PackageWriter, Part};
+use pelage_formats::{AttributeVertex, FurInfo, GeometryVertex, Manifest, MeshData, PackageWriter, Part};
 use pelage_stage::Gpu;
 
 const HEIGHTS_M: [f32; 6] = [0.03, 0.06, 0.004, 0.03, 0.03, 0.0];
@@ -35,17 +35,8 @@ fn package() -> Vec<u8> {
         indices: sides.iter().flatten().copied().collect(),
         ..MeshData::default()
     };
-    let skin = Material {
-        name: "skin".into(),
-        base_color: [1.0; 4],
-        base_color_texture: None,
-        groom_texture: None,
-        alpha_cutoff: None,
-        furred: false,
-        double_sided: false,
-    };
     let manifest = Manifest {
-        materials: vec![skin],
+        materials: vec![white_skin()],
         parts: vec![Part { material: 0, first_index: 0, index_count: 24 }],
         fur: FurInfo { height_m: 0.06, ..FurInfo::default() },
         ..Manifest::default()

@@ -61,19 +61,14 @@ mod study;
 mod surface;
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod frame_tests;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod layout_tests;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod lean_tests;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod light_tests;
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod swing_tests;
 
 pub use bounds::Sphere;

@@ -36,6 +36,19 @@ pub fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&gpu.read_buffer(&copy).unwrap())
 }
 
+/// Returns a white material without hair.
+pub fn white_skin() -> Material {
+    Material {
+        name: "skin".into(),
+        base_color: [1.0; 4],
+        base_color_texture: None,
+        groom_texture: None,
+        alpha_cutoff: None,
+        furred: false,
+        double_sided: false,
+    }
+}
+
 /// Octahedron with one guide on each side.
 struct Scene {
     corners: Vec<[Vec3; 3]>,
@@ -81,15 +94,7 @@ impl Scene {
         // The guides are quantised and resampled, as in the package.
         let points = (0..8).map(|side| smoothed(&group.guide(side), POINTS)).collect();
         let manifest = Manifest {
-            materials: vec![Material {
-                name: "skin".into(),
-                base_color: [1.0; 4],
-                base_color_texture: None,
-                groom_texture: None,
-                alpha_cutoff: None,
-                furred: false,
-                double_sided: false,
-            }],
+            materials: vec![white_skin()],
             parts: vec![Part { material: 0, first_index: 0, index_count: 24 }],
             ..Manifest::default()
         };
@@ -114,12 +119,8 @@ impl Scene {
         at: &dyn Fn(u32) -> (Mat4, Vec<Capsule>),
         wind: Wind,
     ) -> Vec<Vec3> {
-        let springs = Springs {
-            drag_per_s: MOTION.drag_per_s,
-            shape_hz: MOTION.shape_hz,
-            bend_hz: MOTION.bend_hz,
-            friction: MOTION.friction,
-        };
+        let GroupMotion { drag_per_s, shape_hz, bend_hz, friction, .. } = MOTION;
+        let springs = Springs { drag_per_s, shape_hz, bend_hz, friction };
         let mut all = Vec::new();
         for (side, points) in self.points.iter().enumerate() {
             let ballast = gravity_compensation(points, triangle_frame(self.corners[side]));

@@ -97,9 +97,7 @@ fn key_of(assignment: &str) -> &str {
 impl HerdFile {
     /// Reads a herd file, and validates its values with the commands that they are passed to.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::parse`]; also [`BakeError::Input`] with line and key for values that a command would reject.
+    /// Fails like [`Self::parse`]; also with [`BakeError::Input`], line and key for values that a command would reject.
     pub fn read(source: TomlText<'_>, judge: &ArgumentValidators<'_>) -> Result<Self, BakeError> {
         let file = Self::parse(source)?;
         let fault = file.words_fault(judge);
@@ -177,7 +175,6 @@ fn recipe_fault(place: &str, set: &toml::Table, judge: &ArgumentValidators<'_>) 
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     #[test]

@@ -203,9 +203,7 @@ pub(super) type Fault = (String, String);
 impl HerdFile {
     /// Parses a herd file. [`Self::read`] also validates the values that are passed to commands.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Input`] with line and key for invalid or contradictory content.
+    /// Fails with [`BakeError::Input`] with line and key for invalid or contradictory content.
     pub fn parse(source: TomlText<'_>) -> Result<Self, BakeError> {
         let mut file: Self = source.parse().map_err(input)?;
         let fault = |(key, reason): Fault| Self::fault(source, &key, reason);
@@ -404,7 +402,6 @@ fn input(error: StageError) -> BakeError {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     #[test]

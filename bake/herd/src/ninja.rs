@@ -121,7 +121,6 @@ fn value(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::super::estimate::CommandCost;
     use super::*;
 

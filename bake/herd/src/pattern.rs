@@ -13,18 +13,14 @@ impl Patterns {
     /// Parses patterns. `*` matches characters within a name, `**` matches folders. A pattern without a slash matches
     /// names in any folder.
     ///
-    /// # Errors
-    ///
-    /// Invalid pattern, and the reason.
+    /// Fails with the invalid pattern, and the reason.
     pub fn new(fit: &[String]) -> Result<Self, String> {
         Ok(Self { fit: matchers(fit)?, except: Vec::new() })
     }
 
     /// Adds exclusions: paths that match one of `except` do not match.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::new`].
+    /// Fails like [`Self::new`].
     pub fn excluding(self, except: &[String]) -> Result<Self, String> {
         Ok(Self { except: matchers(except)?, ..self })
     }
@@ -65,7 +61,6 @@ pub fn base(pattern: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     #[test]

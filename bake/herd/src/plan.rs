@@ -134,9 +134,7 @@ pub(super) fn join(folder: &str, name: &str) -> String {
 
 /// Plans the commands of a herd.
 ///
-/// # Errors
-///
-/// [`BakeError::Input`] in the herd file if no model matches, or two outputs have the same name.
+/// Fails with [`BakeError::Input`] in the herd file if no model matches, or two outputs have the same name.
 pub fn plan(input: &PlanInput<'_>) -> Result<Plan, BakeError> {
     if input.models.is_empty() {
         return Err(fault(input, "model", "no file matches these patterns, expected at least one model".into()));

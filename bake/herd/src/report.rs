@@ -101,9 +101,7 @@ impl<'a> Report<'a> {
     /// * `tool`: name and version of the tool
     /// * `picture`: returns a thumbnail as a data URL, `data:image/jpeg;base64,…`; `None` if the picture does not exist
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Internal`] if the data cannot be serialized.
+    /// Fails with [`BakeError::Internal`] if the data cannot be serialized.
     pub fn page(
         &self,
         title: &str,
@@ -354,7 +352,6 @@ fn levels(inspect: &Value) -> Vec<Value> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     fn became(exit_code: u8, result: Value) -> Option<CommandOutcome> {

@@ -88,10 +88,8 @@ pub use source::{Resolve, path_as_uri};
 /// second argument is the maximum number of bytes, at which it cuts off longer contents. If it fails with
 /// [`std::io::ErrorKind::NotFound`], it is called again with other spellings of the name.
 ///
-/// # Errors
-///
-/// [`BakeError::Input`] with byte offset, JSON pointer or line for any fault in the model or in a file that it names.
-/// [`BakeError::Params`] for options outside their range.
+/// Fails with [`BakeError::Input`] with byte offset, JSON pointer or line for any fault in the model or in a file that
+/// it names. [`BakeError::Params`] for options outside their range.
 pub fn import<'r>(
     file: &str,
     bytes: &[u8],
@@ -121,10 +119,8 @@ pub fn import<'r>(
 /// The arguments are those of [`import`]. Positions are in world space and in the file's unit. The attributes `_RADIUS`
 /// and `COLOR_0` are read if all line primitives have them.
 ///
-/// # Errors
-///
-/// [`BakeError::Input`] as for [`import`], and also for a scene without lines, an odd number of line ends, or lines
-/// that are all left out.
+/// Fails with [`BakeError::Input`] as for [`import`], and also for a scene without lines, an odd number of line ends,
+/// or lines that are all left out.
 pub fn import_strands<'r>(
     file: &str,
     bytes: &[u8],

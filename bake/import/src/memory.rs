@@ -60,9 +60,8 @@ pub(super) struct MeshMemory {
 impl MeshMemory {
     /// Adds a primitive that will be read.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Input`] at `at` if the meshes exceed the limits of a package, or the memory that they may take.
+    /// Fails with [`BakeError::Input`] at `at` if the meshes exceed the limits of a package, or the memory that they
+    /// may take.
     pub fn count_primitive<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
@@ -98,9 +97,7 @@ impl MeshMemory {
 
     /// Adds morph deltas that were read, and the memory that they take.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::count_primitive`]; also more deltas than a package may have.
+    /// Fails like [`Self::count_primitive`]; also for more deltas than a package may have.
     pub fn add_deltas<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
@@ -120,9 +117,7 @@ impl MeshMemory {
 
     /// Adds a primitive that a node shows.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::add_deltas`].
+    /// Fails like [`Self::add_deltas`].
     pub fn place<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
@@ -140,9 +135,7 @@ impl MeshMemory {
 
     /// Adds a distinct row of morph deltas of the whole model.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::count_primitive`].
+    /// Fails like [`Self::count_primitive`].
     pub fn place_row<'a>(
         &mut self,
         source: &mut Source<'a, '_>,
@@ -200,7 +193,6 @@ impl MeshMemory {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests")]
     use super::*;
     use crate::notes::Notes;
     use serde_json::json;

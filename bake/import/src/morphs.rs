@@ -175,9 +175,7 @@ impl ModelMorphs {
     /// Adds the rows of a primitive's vertices to the model, and their indices to `mesh`. `morph` holds the primitive's
     /// morph targets, and the index of the first of them in the model.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Input`] at `at`, the primitive, if the rows exceed the memory that the meshes may take.
+    /// Fails with [`BakeError::Input`] at `at`, the primitive, if the rows exceed the memory that the meshes may take.
     pub(super) fn add_rows<'a>(
         &mut self,
         source: &mut Source<'a, '_>,

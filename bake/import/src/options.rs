@@ -23,9 +23,7 @@ impl ImportOptions {
 
     /// Checks that the options are in range.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Params`] for a unit outside its range.
+    /// Fails with [`BakeError::Params`] for a unit outside its range.
     pub fn validate(&self) -> Result<(), BakeError> {
         self.unit_m.check(&Self::UNIT_M).map_err(|reason| BakeError::Params { what: "model.unit_m", reason })
     }

@@ -356,7 +356,6 @@ pub(super) fn mirrors(matrix: &Mat4) -> bool {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
 

@@ -206,9 +206,7 @@ impl<'a, 'r> Source<'a, 'r> {
 
     /// Adds `bytes` to the size of the model's decompressed data.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Input`] at `at` if the sum exceeds `MAX_UNPACKED`.
+    /// Fails with [`BakeError::Input`] at `at` if the sum exceeds `MAX_UNPACKED`.
     pub fn count_unpacked(&mut self, at: &JsonNode<'_>, bytes: u64) -> Result<(), BakeError> {
         self.unpacked_bytes = self.unpacked_bytes.saturating_add(bytes);
         if self.unpacked_bytes > MAX_UNPACKED {

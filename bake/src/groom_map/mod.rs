@@ -91,9 +91,8 @@ pub struct GroomMap {
 ///   projection uses the model's own: a projected image shows both sides of a body at once and cannot be painted.
 /// * `texels`: width and height of the image
 ///
-/// # Errors
-/// The errors of [`crate::pipeline::bake`] up to the `groom` stage. [`BakeError::Input`] if the map is to use the
-/// model's own texture coordinates, but the model has none.
+/// Fails with the errors of [`crate::pipeline::bake`] up to the `groom` stage. [`BakeError::Input`] if the map is to
+/// use the model's own texture coordinates, but the model has none.
 pub fn groom_map(
     input: &BakeInput<'_>,
     model: &Model,

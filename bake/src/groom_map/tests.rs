@@ -1,7 +1,6 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::Recipe;
+use crate::stages::fixtures::{part, torus as torus_mesh};
 use crate::stages::groom::MapImages;
 use pelage_import::mesh::{Material, MeshPart};
 
@@ -11,37 +10,15 @@ const SIDES: u32 = 14;
 /// Builds a torus about the y axis with radii 0.3 m and 0.12 m and noisy vertex colours. With texture coordinates, it
 /// is a single chart, cut along both circles.
 fn torus(with_uvs: bool) -> Model {
-    let mut mesh = Mesh::default();
-    let seam = u32::from(with_uvs);
-    for (i, j) in (0..RINGS + seam).flat_map(|i| (0..SIDES + seam).map(move |j| (i, j))) {
-        let (s, t) = (i as f32 / RINGS as f32, j as f32 / SIDES as f32);
-        let (a, b) = ((s * std::f32::consts::TAU), (t * std::f32::consts::TAU));
-        let out = Vec3::new(a.cos(), 0.0, a.sin());
-        let normal = out * b.cos() + Vec3::Y * b.sin();
-        mesh.positions.push(out * 0.3 + normal * 0.12);
-        mesh.normals.push(normal);
-        mesh.uvs.push(if with_uvs { Vec2::new(s, t) } else { Vec2::ZERO });
-        let (i, j) = (i % RINGS, j % SIDES);
+    let mut mesh = torus_mesh(RINGS, SIDES, with_uvs);
+    let row = SIDES + u32::from(with_uvs);
+    for (k, color) in (0..).zip(&mut mesh.colors) {
+        let (i, j) = (k / row % RINGS, k % row % SIDES);
         let odd = |k: u32| ((i * 7919 + j * 104_729 + k * 31) % 197) as u8 + 29;
-        mesh.colors.push([odd(0), odd(1), odd(2), 255]);
+        *color = [odd(0), odd(1), odd(2), 255];
     }
-    let row = SIDES + seam;
-    for (i, j) in (0..RINGS).flat_map(|i| (0..SIDES).map(move |j| (i, j))) {
-        let wrap = |k: u32, n: u32| if with_uvs { k } else { k % n };
-        let at = |i: u32, j: u32| wrap(i, RINGS) * row + wrap(j, SIDES);
-        mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
-        mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
-    }
-    let triangle_count = mesh.triangles.len();
-    let part = MeshPart {
-        source: "torus".into(),
-        material: 0,
-        first_triangle: 0,
-        triangle_count,
-        has_uvs: with_uvs,
-        ..MeshPart::default()
-    };
-    mesh.parts = vec![part];
+    let whole = part(0, 0, mesh.triangles.len());
+    mesh.parts = vec![MeshPart { source: "torus".into(), has_uvs: with_uvs, ..whole }];
     Model { mesh, materials: vec![Material { name: "coat".into(), ..Material::default() }], ..Model::default() }
 }
 

@@ -69,9 +69,7 @@ impl Mask {
 
     /// Returns the union of both sets.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Params`] if the sizes differ.
+    /// Fails with [`BakeError::Params`] if the sizes differ.
     pub fn union(&self, other: &Self) -> Result<Self, BakeError> {
         self.same_size(other)?;
         let pixels = self.pixels.iter().zip(&other.pixels).map(|(a, b)| *a || *b).collect();
@@ -80,9 +78,7 @@ impl Mask {
 
     /// Checks that both sets have the same size.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Params`] if the sizes differ.
+    /// Fails with [`BakeError::Params`] if the sizes differ.
     pub fn same_size(&self, other: &Self) -> Result<(), BakeError> {
         if (self.width, self.height) == (other.width, other.height) {
             return Ok(());

@@ -58,9 +58,7 @@ impl Layout<'_> {
 /// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of
 /// [`BakeInput`](super::BakeInput).
 ///
-/// # Errors
-///
-/// The errors of [`bake`](super::bake()) that this stage can raise.
+/// Fails with the errors of [`bake`](super::bake()) that this stage can raise.
 pub fn lay_out_model<'a>(
     file: &str,
     model: &Model,

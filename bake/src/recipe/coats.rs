@@ -51,8 +51,7 @@ impl Coat {
 /// Changes the coat of a recipe: keys that have the value of coat `before` get that of coat `after`, all others keep
 /// theirs.
 ///
-/// # Errors
-/// The error in the file of a coat.
+/// Fails with the error in the file of a coat.
 pub(super) fn change<S: Tables>(recipe: &mut S, before: Coat, after: Coat) -> Result<(), ParamError> {
     let with = |coat: Coat| {
         let mut recipe = S::default();

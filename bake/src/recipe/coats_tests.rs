@@ -1,5 +1,4 @@
 //! Tests of the coats' files and of recipes that name a coat.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::{Coat, coats_page};
 use crate::recipe::{Recipe, keys};

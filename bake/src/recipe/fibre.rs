@@ -112,7 +112,6 @@ fn optics(eta: f32, along_deg: f32, tilt_deg: f32, around: f32) -> FibreOptics {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use crate::recipe::Recipe;
 
     #[test]

@@ -1,5 +1,4 @@
 //! Tests of the table of key images.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::KEY_PICTURES;
 use crate::recipe::{Recipe, keys};

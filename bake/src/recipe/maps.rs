@@ -107,57 +107,21 @@ fn file_path(text: &str) -> Option<String> {
 impl ScalarMap {
     /// Returns the path of the image, if the map is an image.
     pub fn image(&self) -> Option<&str> {
-        match self {
-            Self::Image { path, .. } => Some(path),
-            Self::Constant(_) | Self::Vertex(_) => None,
-        }
-    }
-
-    /// Returns the string that denotes the map in a recipe, if the map is written as a string.
-    fn name(&self) -> Option<String> {
-        match self {
-            Self::Constant(_) => None,
-            Self::Vertex(channel) => Some(format!("{VERTEX}{}", channel.suffix())),
-            Self::Image { path, channel } => Some(format!("{path}{}", channel.suffix())),
-        }
+        if let Self::Image { path, .. } = self { Some(path) } else { None }
     }
 }
 
 impl VectorMap {
     /// Returns the path of the image, if the map is an image.
     pub fn image(&self) -> Option<&str> {
-        match self {
-            Self::Image { path, .. } => Some(path),
-            Self::Constant(_) | Self::Vertex => None,
-        }
-    }
-
-    /// Returns the string that denotes the map in a recipe, if the map is written as a string.
-    fn name(&self) -> Option<String> {
-        match self {
-            Self::Constant(_) => None,
-            Self::Vertex => Some(VERTEX.to_owned()),
-            Self::Image { path, flow } => Some(format!("{path}{}", if *flow { "#uv" } else { "" })),
-        }
+        if let Self::Image { path, .. } = self { Some(path) } else { None }
     }
 }
 
 impl ColorMap {
     /// Returns the path of the image, if the map is an image.
     pub fn image(&self) -> Option<&str> {
-        match self {
-            Self::Image(path) => Some(path),
-            Self::Constant(_) | Self::Vertex => None,
-        }
-    }
-
-    /// Returns the string that denotes the map in a recipe, if the map is written as a string.
-    fn name(&self) -> Option<String> {
-        match self {
-            Self::Constant(_) => None,
-            Self::Vertex => Some(VERTEX.to_owned()),
-            Self::Image(path) => Some(path.clone()),
-        }
+        if let Self::Image(path) = self { Some(path) } else { None }
     }
 }
 
@@ -192,7 +156,8 @@ impl Field for ScalarMap {
     fn to_toml(&self) -> Option<String> {
         match self {
             Self::Constant(value) => value.to_toml(),
-            named => named.name().as_deref().and_then(quoted),
+            Self::Vertex(channel) => quoted(&format!("{VERTEX}{}", channel.suffix())),
+            Self::Image { path, channel } => quoted(&format!("{path}{}", channel.suffix())),
         }
     }
 }
@@ -224,7 +189,8 @@ impl Field for VectorMap {
     fn to_toml(&self) -> Option<String> {
         match self {
             Self::Constant(v) => v.to_toml(),
-            named => named.name().as_deref().and_then(quoted),
+            Self::Vertex => quoted(VERTEX),
+            Self::Image { path, flow } => quoted(&format!("{path}{}", if *flow { "#uv" } else { "" })),
         }
     }
 }
@@ -254,7 +220,8 @@ impl Field for ColorMap {
     fn to_toml(&self) -> Option<String> {
         match self {
             Self::Constant(color) => color.to_toml(),
-            named => named.name().as_deref().and_then(quoted),
+            Self::Vertex => quoted(VERTEX),
+            Self::Image(path) => quoted(path),
         }
     }
 }
@@ -271,10 +238,6 @@ impl Field for FilePath {
             Raw::String(text) => file_path(text).map(Self),
             _ => None,
         }
-    }
-
-    fn in_range(&self, (): &()) -> bool {
-        true
     }
 
     fn to_toml(&self) -> Option<String> {

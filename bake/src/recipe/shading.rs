@@ -67,14 +67,8 @@ impl ShadingParams {
 
 impl From<&ShadingParams> for pelage_formats::Shading {
     fn from(params: &ShadingParams) -> Self {
-        Self {
-            ambient: params.ambient,
-            diffuse: params.diffuse,
-            specular: params.specular,
-            diffuse_exponent: params.diffuse_exponent,
-            specular_exponent: params.specular_exponent,
-            ambient_floor: params.ambient_floor,
-            back_light_range: params.back_light_range,
-        }
+        let ShadingParams { ambient, diffuse, specular, diffuse_exponent, specular_exponent, .. } = *params;
+        let ShadingParams { ambient_floor, back_light_range, .. } = *params;
+        Self { ambient, diffuse, specular, diffuse_exponent, specular_exponent, ambient_floor, back_light_range }
     }
 }

@@ -1,8 +1,5 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
-use pelage_params::{Field, Item, Raw, Tables as _};
-use pelage_stage::Viewpoint;
+use pelage_params::{Item, Tables as _};
 use proptest::prelude::*;
 
 fn error(text: &str) -> String {
@@ -280,280 +277,115 @@ fn documented_toml_parses_to_the_same_recipe() {
     assert_eq!(Recipe::parse("r.toml", &format!("\u{feff}{}", recipe.to_toml())).unwrap(), recipe);
 }
 
-fn grooms() -> impl Strategy<Value = GroomParams> {
-    let path = || "[a-zäß][a-z ]{0,5}/[a-z\"'.]{1,9}[a-z]";
-    let channel = || prop::sample::select(&[Channel::Red, Channel::Green, Channel::Blue, Channel::Alpha][..]);
-    let scalar = move |range: std::ops::RangeInclusive<f32>| {
-        prop_oneof![
-            range.prop_map(ScalarMap::Constant),
-            channel().prop_map(ScalarMap::Vertex),
-            (path(), channel()).prop_map(|(path, channel)| ScalarMap::Image { path, channel }),
-        ]
-    };
-    let share = move || scalar(0.0..=1.0);
-    let vector = move || {
-        prop_oneof![
-            [0.1f32..=1.0, -1.0..=1.0, -1.0..=1.0].prop_map(VectorMap::Constant),
-            Just(VectorMap::Vertex),
-            (path(), any::<bool>()).prop_map(|(path, flow)| VectorMap::Image { path, flow }),
-        ]
-    };
-    let color = move || {
-        prop_oneof![
-            [0f32..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(|c| ColorMap::Constant(SrgbColor(c))),
-            Just(ColorMap::Vertex),
-            path().prop_map(ColorMap::Image),
-        ]
-    };
-    use prop::option::of;
-    let material = ("\\PC{1,9}", of(share()), of(scalar(0.25..=4.0)), of(vector()), of(share()), of(color())).prop_map(
-        |(name, length, density, comb, bare, color)| MaterialGroom {
-            name,
-            length,
-            density,
-            comb,
-            bare,
-            color,
-            ..MaterialGroom::default()
-        },
-    );
-    let number = || of(0f32..=1.0);
-    let joint = ("\\PC{1,9}", number(), of(0.25f32..=4.0), number(), number(), number()).prop_map(
-        |(name, length, density, lean, wetness, bare)| JointGroom { name, length, density, lean, wetness, bare },
-    );
-    let bare = (share(), of(0f32..=1e3));
-    let hair_color = of([0f32..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(SrgbColor));
-    let whole =
-        (share(), scalar(0.25..=4.0), share(), of(vector()), share(), bare, of(color()), 0f32..=1.0, hair_color);
-    let tables = (prop::collection::vec(material, 0..3), prop::collection::vec(joint, 0..3));
-    let coordinates = prop::sample::select(GroomCoordinates::ALL);
-    (coordinates, whole, tables).prop_map(|(coordinates, w, (material, joint))| GroomParams {
-        coordinates,
-        length: w.0,
-        density: w.1,
-        lean: w.2,
-        comb: w.3,
-        wetness: w.4,
-        bare: w.5.0,
-        bare_margin_m: w.5.1,
-        color: w.6,
-        hair_color: w.8,
-        material,
-        joint,
-        by_body: w.7,
-    })
+/// Source of random words for keys, which follows the descriptions of the values that keys expect.
+struct Words {
+    seed: u64,
+    /// Number of values drawn so far.
+    drawn: u64,
+    texts: Vec<String>,
+    names: Vec<String>,
+    paths: Vec<String>,
 }
 
-fn inks() -> impl Strategy<Value = InkParams> {
-    use prop::option::of;
-    let share = || {
-        prop_oneof![(0f32..=1.0).prop_map(ScalarMap::Constant), Just(ScalarMap::Vertex(crate::recipe::Channel::Blue))]
-    };
-    let place = || [-1e3f32..=1e3, -1e3..=1e3, -1e3..=1e3];
-    let path = || of("[a-z /.]{1,9}".prop_filter_map("a path", |p| FilePath::from_raw(&Raw::String(p))));
-    let fill = of(prop::sample::select(InkFill::ALL));
-    let material = ("\\PC{1,9}", fill, of(place()), of(share()), of(share()))
-        .prop_map(|(name, fill, center, amount, line)| MaterialInk { name, fill, center, amount, line });
-    let numbers = (any::<bool>(), of(place()), 0f32..=100.0, -4f32..=4.0, of(1e-6f32..=1e3), 0f32..=4.0);
-    (numbers, (share(), share(), share()), prop::collection::vec(material, 0..3), (path(), path()), 5u32..=11).prop_map(
-        |(n, (wash, solid, lines), material, (stroke_image, wash_image), texels)| InkParams {
-            enabled: n.0,
-            center: n.1,
-            speed: n.2,
-            range: n.3,
-            grain_size_m: n.4,
-            line: n.5,
-            wash,
-            solid,
-            lines,
-            material,
-            stroke_image,
-            wash_image,
-            wash_texels: 1 << texels,
-            ..InkParams::default()
-        },
-    )
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
 }
 
-/// Returns a group in which every key is set if `share` is above 0.5.
-fn some_group(count: u32, share: f32) -> HairGroupParams {
-    let given = share > 0.5;
-    HairGroupParams {
-        name: format!("hair {count}"),
-        material: given.then(|| "M\"ane*".to_owned()),
-        mask: Some(ScalarMap::Constant(share)),
-        file: given.then(|| FilePath("hair/guides.tfx".into())),
-        turn_deg: given.then_some([share, -90.0, 0.0]),
-        hairs: Some(count),
-        style: given.then_some(Style::Curly),
-        root_color: given.then_some(SrgbColor([share; 3])),
-        parting_m: Some(share - 0.5),
-        ..HairGroupParams::default()
+impl Words {
+    fn below(&mut self, count: u64) -> u64 {
+        self.drawn += 1;
+        crate::noise::hash(self.seed, self.drawn) % count
+    }
+
+    fn one<T: Clone>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len() as u64) as usize].clone()
+    }
+
+    fn number(&mut self, [least, most]: [f32; 2]) -> f32 {
+        let share = self.below(1 << 24) as f32 / (1 << 24) as f32;
+        (least + share * (most - least)).clamp(least, most)
+    }
+
+    fn vector(&mut self, range: [f32; 2]) -> String {
+        format!("{:?}", [0; 3].map(|_| self.number(range)))
+    }
+
+    /// Draws a word that satisfies the description `expected`.
+    fn word(&mut self, expected: &str) -> String {
+        let range = expected.split([' ', ',']).find_map(|word| word.split_once("..=")).unwrap_or(("-1", "1"));
+        let numbers = || [range.0, range.1].map(|number| number.parse().unwrap());
+        let whole = || [range.0, range.1].map(|number| number.parse::<u64>().unwrap());
+        let first = expected.split(' ').take(2).collect::<Vec<_>>().join(" ");
+        let path = self.one(&self.paths.clone());
+        if expected.contains("\"vertex\"") {
+            let suffixes: &[_] = if expected.contains("#a)") { &["", "#r", "#g", "#b", "#a"] } else { &[""] };
+            let of_image = if expected.contains("#uv") { &["", "#uv"] } else { suffixes };
+            match self.below(3) {
+                0 => return quoted(&format!("vertex{}", self.one(suffixes))),
+                1 => return quoted(&(path + self.one(of_image))),
+                _ => {}
+            }
+        }
+        match first.as_str() {
+            "a number" => format!("{:?}", self.number(numbers())),
+            "an integer" => (whole()[0] + self.below(whole()[1] - whole()[0] + 1)).to_string(),
+            "a power" => {
+                let [least, most] = whole().map(u64::ilog2);
+                (1 << (least + self.below(u64::from(most - least) + 1) as u32)).to_string()
+            }
+            "true or" => (self.below(2) == 1).to_string(),
+            "three numbers" | "[x, y," => self.vector(numbers()),
+            "the relative" => quoted(&path),
+            "a string" => quoted(&self.one(&self.names.clone())),
+            _ if expected.contains("#rrggbb") => self.vector([0.0, 1.0]),
+            "a list" => toml::Value::from(self.texts.clone()).to_string(),
+            _ => {
+                let choices: Vec<&str> = expected.split('"').skip(1).step_by(2).collect();
+                assert!(!choices.is_empty(), "no word for {expected}");
+                quoted(self.one(&choices))
+            }
+        }
+    }
+
+    /// Draws a table with a name. Keys without which some tables are invalid are always set.
+    fn table(&mut self, keys: &[pelage_params::TableKey]) -> String {
+        let mut table = format!("{{ name = {}", quoted(&self.one(&self.names.clone())));
+        for key in keys {
+            if ["at", "direction", "from", "radius_m"].contains(&key.name) || self.below(2) == 0 {
+                table += &format!(", {} = {}", key.name, self.word(&(key.expected)()));
+            }
+        }
+        table + " }"
+    }
+
+    fn view(&mut self) -> String {
+        let [eye, target] = [[-1e3, -1.0], [0.0, 1e3]].map(|range| self.vector(range).replace(['[', ']', ' '], ""));
+        quoted(&format!("{eye}/{target}/{}", self.number([1.0, 170.0])))
     }
 }
 
-fn some_collider(count: u32, share: f32) -> HairColliderParams {
-    HairColliderParams {
-        name: format!("skull {count}"),
-        joint: count.is_multiple_of(2).then(|| "Head".into()),
-        from: Some([share, 1.5, -0.25]),
-        to: count.is_multiple_of(3).then_some([share, 1.25, -0.5]),
-        radius_m: Some(0.125 + share),
-    }
-}
-
-fn some_tuft(count: u32, share: f32) -> TuftParams {
-    TuftParams {
-        name: "brow".into(),
-        at: Some([share, 0.0, -1.0]),
-        mirrored: Some(share > 0.5),
-        hairs: Some(count),
-        ..TuftParams::default()
-    }
-}
-
+/// Returns recipes in which any keys are set.
 fn recipes() -> impl Strategy<Value = Recipe> {
-    let unit = || 0.0f32..=1.0;
-    let color = || [unit(), unit(), unit()].prop_map(SrgbColor);
-    let hair = (
-        (prop::sample::select(Style::ALL), 0..=i64::MAX as u64, 1u32..=1_000_000, prop::option::of(1e-6f32..=1e3)),
-        (unit(), 1e-5f32..=0.25, 0f32..=0.25, unit(), -360f32..=360.0, unit(), 1e-3f32..=100.0, unit()),
-        (unit(), unit(), prop::option::of(1u32..=1_000_000), prop::sample::select(Coat::ALL), 1e-4f32..=10.0),
-        (prop::option::of(1e-6f32..=1e4), prop::option::of(1e-7f32..=0.1), prop::option::of(0f32..=0.1)),
-    )
-        .prop_map(|(a, b, c, metric)| HairParams {
-            style: a.0,
-            seed: a.1,
-            density: a.2,
-            length_m: a.3,
-            length_variation: b.0,
-            root_radius: b.1,
-            tip_radius: b.2,
-            lean: b.3,
-            lean_direction_deg: b.4,
-            curl_radius: b.5,
-            curl_pitch: b.6,
-            frizz: b.7,
-            clump: c.0,
-            dry_clump: c.1,
-            clump_count: c.2,
-            coat: c.3,
-            length_per_radius: c.4,
-            density_mm2: metric.0,
-            root_radius_m: metric.1,
-            tip_radius_m: metric.2,
-        });
-    let pack = (
-        prop::sample::select(ShellFormat::ALL),
-        prop::sample::select(DirectionFormat::ALL),
-        prop::sample::select(BaseColorFormat::ALL),
-        4u32..=16_384,
-        prop::sample::select(BcQuality::ALL),
-    )
-        .prop_map(|p| PackParams {
-            shell_format: p.0,
-            direction_format: p.1,
-            base_color_format: p.2,
-            base_color_max: p.3,
-            bc_quality: p.4,
-        });
-    let view = ([-1e3f32..=1e3, -1e3..=1e3, -1e3..=1e3], 1f32..=170.0).prop_map(|(eye, fov_deg)| Viewpoint {
-        eye: eye.into(),
-        target: glam::Vec3::from(eye) + 1.0,
-        fov_deg,
-    });
-    let judge = (prop::collection::vec(view, 0..3), 16u32..=4096, 1u32..=65_536);
-    let coat = (
-        (prop::option::of("[a-z /.]{1,9}".prop_filter_map("a path", |p| FilePath::from_raw(&Raw::String(p)))),),
-        (prop::sample::select(PatternProjection::ALL), prop::sample::select(PatternWrap::ALL), 6u32..=13),
-    );
-    let underfur = ((0u32..=1_000_000, 0.01f32..=1.0), prop::option::of(color()), prop::option::of(unit())).prop_map(
-        |((density, length), tip, lean)| UnderfurParams {
-            density,
-            length,
-            tip,
-            lean,
-            style: lean.map(|_| Style::Curly),
-            ..UnderfurParams::default()
-        },
-    );
-    let rest = (
-        (
-            1e-6f32..=1e6,
-            prop::option::of(prop::collection::vec(any::<String>(), 0..3)),
-            prop::option::of(1e-6f32..=1e3),
-        ),
-        (color(), color(), unit(), any::<bool>(), prop::option::of((color(), unit()))),
-        ([0f32..=100.0, 0.0..=100.0, 0.0..=100.0], 0f32..=10_000.0, 0f32..=0.999, 0.001f32..=0.999),
-        (4u32..=256, 4u32..=11, 0.25f32..=4.0),
-        (any::<bool>(), prop::option::of(1e-3f32..=8.0)),
-        (any::<bool>(), 0.05f32..=64.0, 0.1f32..=1.0, 0f32..=1e4, 0f32..=1e4),
-    );
-    ((hair, underfur), pack, rest, (coat, grooms(), judge, inks())).prop_map(
-        |((hair, underfur), pack, (model, color, shading, slice, fins, detail), (coat, groom, judge, ink))| Recipe {
-            model: ModelParams { unit_m: model.0, bare: model.1 },
-            surface: SurfaceParams { source: SurfaceSource::Model, tile_size_m: model.2, ..SurfaceParams::default() },
-            hair,
-            underfur,
-            groom,
-            color: ColorParams {
-                gain: color.4.map(|band| 0.1 + band.1),
-                root: Some(color.0),
-                tip: color.4.map(|_| color.1),
-                band: color.4.map(|band| band.0),
-                band_at: color.4.map_or(0.5, |band| band.1),
-                band_width: 0.25,
-                variation: color.2,
-                base_color: color.3,
-                at_root: coat.0.0.is_some(),
-                pattern: coat.0.0,
-                pattern_projection: coat.1.0,
-                pattern_size_m: model.2,
-                pattern_wrap: coat.1.1,
-                pattern_texels: 1 << coat.1.2,
-            },
-            shading: ShadingParams {
-                ambient: shading.0,
-                specular_exponent: shading.1,
-                ambient_floor: shading.2,
-                back_light_range: shading.3,
-                model: if color.3 { ShadingModel::Marschner } else { ShadingModel::KajiyaKay },
-                ..ShadingParams::default()
-            },
-            fibre: FibreParams {
-                eta: 1.2 + 0.8 * color.2,
-                eumelanin: model.2.map(|x| x.min(100.0)),
-                group: vec![OtherFibre { name: "x".into(), around: Some(color.2), ..OtherFibre::default() }],
-                material: vec![
-                    OtherFibre { name: "y".into(), eta: Some(1.3), ..OtherFibre::default() };
-                    slice.1 as usize % 3
-                ],
-                ..FibreParams::default()
-            },
-            slice: SliceParams { layers: slice.0, tile_texels: 1 << slice.1, filter_width: slice.2 },
-            visibility: VisibilityParams { enabled: color.3, directions: 2 * slice.0 },
-            strands: StrandParams {
-                enabled: !color.3,
-                points: slice.0.clamp(2, 33),
-                group: vec![some_group(slice.0, shading.2); slice.1 as usize % 3],
-                tuft: vec![some_tuft(slice.0, shading.2); slice.1 as usize % 2],
-                colliders: color.3,
-                collider: vec![some_collider(slice.0, shading.2); slice.1 as usize % 3],
-            },
-            fins: FinParams { enabled: fins.0, depth: fins.1 },
-            detail: DetailParams {
-                enabled: detail.0,
-                simplified: !detail.0,
-                gap_px: detail.1,
-                fade: detail.2,
-                fins_px: detail.3,
-                coat_px: detail.4,
-            },
-            ink,
-            pack,
-            judge: JudgeParams { views: judge.0, width: judge.1, height: judge.1, samples: judge.2 },
-        },
-    )
+    let texts = |pattern| prop::collection::vec(pattern, 3);
+    let names = (texts("\\PC{1,9}"), texts("[a-zäß][a-z ]{0,5}/[a-z\"'.]{1,9}[a-z]"));
+    (any::<u64>(), prop::collection::vec(any::<String>(), 0..3), names).prop_map(|(seed, texts, (names, paths))| {
+        let mut words = Words { seed, drawn: 0, texts, names, paths };
+        let mut recipe = Recipe::default();
+        for key in keys() {
+            let list = |entry: &mut dyn FnMut() -> String, count| {
+                format!("[{}]", (0..count).map(|_| entry()).collect::<Vec<_>>().join(", "))
+            };
+            let count = words.below(3);
+            let word = match (key.control)() {
+                _ if words.below(4) == 0 => continue,
+                pelage_params::Control::Tables(keys) => list(&mut || words.table(keys), count),
+                _ if key.name == "judge.views" => list(&mut || words.view(), count),
+                _ => words.word(&(key.expected)()),
+            };
+            recipe.set(&format!("{}={word}", key.name)).unwrap();
+        }
+        recipe
+    })
 }
 
 proptest! {

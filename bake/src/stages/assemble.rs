@@ -65,8 +65,7 @@ impl Content<'_> {
 
 /// Writes a package in version `version` of the format: the manifest, then the sections in order.
 ///
-/// # Errors
-/// The error of opening or validating the written package.
+/// Fails with the error of opening or validating the written package.
 pub fn assemble<'a>(
     version: u32,
     manifest: Manifest,
@@ -100,8 +99,7 @@ pub fn assemble<'a>(
 /// Copies the sections of a package whose tags `take` accepts, except the manifest. They are unchanged and keep their
 /// order.
 ///
-/// # Errors
-/// The error of a damaged section.
+/// Fails with the error of a damaged section.
 pub fn copied_sections<'a>(package: &Package<'a>, take: impl Fn(Tag) -> bool) -> Result<Vec<Content<'a>>, FormatError> {
     let taken = package.sections().iter().enumerate().filter(|(_, s)| s.tag != Tag::MANIFEST && take(s.tag));
     taken.map(|(index, s)| Ok(Content::Bytes(s.tag, package.section_bytes(index)?.into()))).collect()
@@ -117,8 +115,7 @@ pub fn borrowed_texture<'a>((name, file): &'a NamedTexture<'_>) -> NamedTexture<
 
 /// Returns a texture of an opened package, unchanged.
 ///
-/// # Errors
-/// The error of a damaged or missing texture.
+/// Fails with the error of a damaged or missing texture.
 pub fn copied_texture<'a>(package: &Package<'a>, index: u32) -> Result<NamedTexture<'a>, FormatError> {
     let name = package.manifest().textures.get(index as usize).map_or("", |entry| &entry.name);
     Ok((name.to_owned().into(), package.texture(index)?.ktx2.into()))

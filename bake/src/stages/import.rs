@@ -8,9 +8,7 @@ pub use pelage_import::{ImportOptions, Resolve, import_strands, input_record};
 
 /// Reads a model with [`pelage_import::import`] and gives noses, eyes and claws materials of their own.
 ///
-/// # Errors
-///
-/// Same as [`pelage_import::import`].
+/// Fails like [`pelage_import::import`].
 pub fn import<'r>(
     file: &str,
     bytes: &[u8],

@@ -43,10 +43,8 @@ pub fn is_metric(recipe: &Recipe) -> bool {
 ///
 /// * `bounds`: bounds of the model at rest, metres
 ///
-/// # Errors
-///
-/// [`BakeError::Params`] if a tile of the width set in the recipe cannot hold the hair. The message contains the key,
-/// what was found and what would be possible.
+/// Fails with [`BakeError::Params`] if a tile of the width set in the recipe cannot hold the hair. The message contains
+/// the key, what was found and what would be possible.
 pub fn to_tile_units(recipe: &Recipe, bounds: &Bounds) -> Result<TileRecipe, BakeError> {
     let mut done = TileRecipe { recipe: recipe.clone(), ..TileRecipe::default() };
     if !is_metric(recipe) {

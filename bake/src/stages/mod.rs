@@ -7,6 +7,8 @@ pub mod assemble;
 mod cells;
 pub mod detail;
 pub mod fins;
+#[cfg(test)]
+pub(crate) mod fixtures;
 pub mod groom;
 pub mod hair_groups;
 pub mod hair_motion;

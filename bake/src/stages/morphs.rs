@@ -164,7 +164,6 @@ pub fn shown_mesh(mesh: &MeshData, morphs: &Morphs, animation: &Animation) -> Me
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
     use pelage_formats::{Animation, AttributeVertex, GeometryVertex, MorphMotion, MorphTarget, SkinVertex};
     use pelage_import::mesh::{MorphRows, RowDelta};

@@ -262,9 +262,8 @@ pub struct PackInput<'a> {
 
 /// Assembles and validates the package, and returns it with the warnings of all stages.
 ///
-/// # Errors
-/// [`BakeError::Params`] if a value derived from the model's size is outside the range of a recipe. All other errors
-/// are [`BakeError::Internal`], because earlier stages have checked all user input.
+/// Fails with [`BakeError::Params`] if a value derived from the model's size is outside the range of a recipe. All
+/// other errors are [`BakeError::Internal`], because earlier stages have checked all user input.
 pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeError> {
     let PackInput { recipe, skin, .. } = *pieces;
     let mut textures = Textures::default();
@@ -407,9 +406,7 @@ fn resolved(pieces: &PackInput<'_>) -> Recipe {
 
 /// Adds the record of how settings were chosen to a package.
 ///
-/// # Errors
-///
-/// [`BakeError::Internal`] if the package, which was just written, does not open.
+/// Fails with [`BakeError::Internal`] if the package, which was just written, does not open.
 pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError> {
     let write = || {
         let opened = Package::open(package, &Limits::default())?;
@@ -432,10 +429,8 @@ pub fn with_choice(package: &[u8], choice: Choice) -> Result<Vec<u8>, BakeError>
 /// * `text`: recipe
 /// * `inputs`: files that such a bake reads, in the order of reading
 ///
-/// # Errors
-///
-/// Errors of [`Recipe::parse`] for the text; [`BakeError::Internal`] if the package, which was just written, does not
-/// open.
+/// Fails with errors of [`Recipe::parse`] for the text; [`BakeError::Internal`] if the package, which was just written,
+/// does not open.
 pub fn with_recipe(package: &[u8], file: &str, text: &str, inputs: Vec<InputRecord>) -> Result<Vec<u8>, BakeError> {
     let fault = |fault| BakeError::Internal(format!("the package with its recipe cannot be read back: {fault}"));
     let opened = Package::open(package, &Limits::default()).map_err(fault)?;

@@ -41,8 +41,7 @@ impl FibreTables {
 /// * `materials`: names of the materials in order
 /// * `groups`: names of the hair groups in order
 ///
-/// # Errors
-/// [`BakeError::Params`] if there are more kinds of fibres than a package can hold.
+/// Fails with [`BakeError::Params`] if there are more kinds of fibres than a package can hold.
 pub fn tables<'a>(
     params: &FibreParams,
     materials: impl Iterator<Item = &'a str> + Clone,
@@ -82,7 +81,6 @@ pub fn tables<'a>(
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
     use crate::recipe::OtherFibre;
     use pelage_formats::meaning::scattering::Angles;

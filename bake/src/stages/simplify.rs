@@ -202,7 +202,6 @@ fn attributes(mesh: &MeshData, animation: Option<&Animation>, tile_size_m: f32, 
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
     use pelage_formats::{AttributeVertex, GeometryVertex};

@@ -46,10 +46,8 @@ fn meters(value: f64) -> String {
 /// Rejects a model if its size leads to lengths outside the range of a recipe. Only settings that the recipe leaves
 /// open are derived from the model.
 ///
-/// # Errors
-///
-/// [`BakeError::Input`] with the model's size, the derived value, and the unit that would give the model an animal's
-/// size.
+/// Fails with [`BakeError::Input`] with the model's size, the derived value, and the unit that would give the model an
+/// animal's size.
 pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
     let mut told = recipe.clone();
     told.hair.length_m = Some(lengths.length_m);
@@ -73,9 +71,7 @@ pub fn check(file: &str, recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) ->
 
 /// Rejects hair that is longer than the model: one of the two has another unit, and the bake would take minutes.
 ///
-/// # Errors
-///
-/// [`BakeError::Params`] with both lengths, and the unit that would give the model an animal's size.
+/// Fails with [`BakeError::Params`] with both lengths, and the unit that would give the model an animal's size.
 pub fn check_hair(recipe: &Recipe, bounds: &Bounds, lengths: &Lengths) -> Result<(), BakeError> {
     let longest = sides_m(bounds).into_iter().fold(0.0, f64::max);
     if f64::from(lengths.length_m) <= longest || longest == 0.0 {

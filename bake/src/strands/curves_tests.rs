@@ -1,4 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 
 /// Adds strands of two points. Their x is the index of the strand.

@@ -86,9 +86,8 @@ impl std::ops::AddAssign for GroomReport {
 
 /// Grows the tile's strands of a package again from its recipe; `None` for a package without fur.
 ///
-/// # Errors
-/// [`BakeError::Input`] if the recipe cannot be read, or if it gives other strands than those the package was sliced
-/// from.
+/// Fails with [`BakeError::Input`] if the recipe cannot be read, or if it gives other strands than those the package
+/// was sliced from.
 pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, BakeError> {
     let fur = &manifest.fur;
     if fur.layers == 0 {
@@ -128,8 +127,7 @@ pub fn tile_hair(file: &str, manifest: &Manifest) -> Result<Option<TileHair>, Ba
 /// Strands with the same fibre form one group, named by [`PosedMesh::fibre_group_name`]. The same arguments give the
 /// same strands in the same order, whatever the number of threads.
 ///
-/// # Errors
-/// [`BakeError::Params`] if there would be more strands than memory permits.
+/// Fails with [`BakeError::Params`] if there would be more strands than memory permits.
 pub fn grow_on(skin: &PosedMesh, hair: &TileHair, tile_size_m: f64) -> Result<(Curves, GroomReport), BakeError> {
     hair.strands.validate()?;
     let ground = skin.ground();

@@ -1,4 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 use crate::strands::TILE_GROUP;
 use crate::strands::{PosedMaterial, PosedVertex};

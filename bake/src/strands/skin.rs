@@ -95,16 +95,14 @@ impl PosedMesh {
     /// * `file`: the package's name as the user gave it, for messages
     /// * `layers`: clips of the skeleton, as for [`Pose::blend`]; an empty list for the rest pose
     ///
-    /// # Errors
-    /// [`BakeError::Package`] for a damaged section.
+    /// Fails with [`BakeError::Package`] for a damaged section.
     pub fn posed(file: &str, package: &Package<'_>, layers: &[ClipLayer]) -> Result<Self, BakeError> {
         Self::morphed(file, package, layers, &[])
     }
 
     /// Reads and poses the mesh like [`PosedMesh::posed`]. Morph target weights are given as for [`Pose::morph`].
     ///
-    /// # Errors
-    /// Same as [`PosedMesh::posed`].
+    /// Fails like [`PosedMesh::posed`].
     pub fn morphed(
         file: &str,
         package: &Package<'_>,

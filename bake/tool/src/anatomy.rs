@@ -65,9 +65,7 @@ pub struct MorphSummary {
 impl Anatomy {
     /// Reads the anatomy from a package.
     ///
-    /// # Errors
-    ///
-    /// Errors of damaged sections.
+    /// Fails with errors of damaged sections.
     pub fn of(package: &Package<'_>) -> Result<Self, FormatError> {
         let manifest = package.manifest();
         let animation = package.animation()?;

@@ -10,8 +10,7 @@ use pelage_truth::TrueCamera;
 
 /// Checks that a look with a sky background has a sky.
 ///
-/// # Errors
-/// [`Failure::Usage`] if the sky is missing.
+/// Fails with [`Failure::Usage`] if the sky is missing.
 pub fn check(look: &Look) -> Result<(), Failure> {
     if look.picture.background == Some(Background::Sky) && look.environment.sky.is_none() {
         let reason = "--background sky: found no environment map, expected --environment as well";

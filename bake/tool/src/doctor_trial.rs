@@ -21,9 +21,7 @@ const RAYS: u64 = 1 << 22;
 /// kept stay applied for the next test, in the order of `advice`. Returns `advice` untested if nothing can be drawn:
 /// without an adapter, for a picture of more than [`RAYS`] pixels, or if the package cannot be resliced.
 ///
-/// # Errors
-///
-/// Errors of drawing, if there is an adapter.
+/// Fails with errors of drawing, if there is an adapter.
 pub fn try_advice(
     file: &NamedPackage<'static>,
     view: &PictureView,

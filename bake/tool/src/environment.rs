@@ -16,8 +16,7 @@ use std::sync::OnceLock;
 
 /// Reads an environment map and returns its lights.
 ///
-/// # Errors
-/// Message with the file, the location in it, and the error.
+/// Fails with a message that names the file, the location in it, and the error.
 #[cfg(feature = "view")]
 pub fn lights_of(path: &Path, lobes: u32, ground: Option<[f32; 3]>) -> LightsRead {
     let of = read(path, lobes, ground).map_err(|error| error.to_string())?;
@@ -50,8 +49,7 @@ impl PartialEq for Sky {
 impl Sky {
     /// Reads the environment map of a look; `None` if the look has none.
     ///
-    /// # Errors
-    /// Unreadable file, or a file that is not an environment map.
+    /// Fails for an unreadable file, and for a file that is not an environment map.
     pub fn of(look: &Look) -> Result<Option<Self>, Failure> {
         let Some(source) = &look.environment.sky else { return Ok(None) };
         let of = match &source.kind {

@@ -93,9 +93,7 @@ impl DeclaredFiles {
 
     /// Starts guarding the command.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::SameFile`] if an output is an input, or two outputs are the same file.
+    /// Fails with [`BakeError::SameFile`] if an output is an input, or two outputs are the same file.
     pub fn guard(&self) -> Result<(), BakeError> {
         io_guard::start(&self.inputs, self.outputs.clone())
     }

@@ -363,9 +363,7 @@ fn peak_bytes() -> Option<u64> {
 /// Formats a Make rule: the written files depend on the files that were read. Each of the latter also gets an empty
 /// rule.
 ///
-/// # Errors
-///
-/// Path that cannot be written in a rule.
+/// Fails with the path that cannot be written in a rule.
 fn make_rule(written: &[PathBuf], read: &[PathBuf]) -> Result<Vec<u8>, String> {
     let words = |paths: &[PathBuf]| paths.iter().map(|path| make_word(path)).collect::<Result<Vec<_>, _>>();
     let (targets, sources) = (words(written)?, words(read)?);
@@ -408,7 +406,6 @@ fn depfile_error(path: &Path, reason: String) -> BakeError {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
     use serde_json::json;
 

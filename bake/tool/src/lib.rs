@@ -103,9 +103,7 @@ struct Cli<C: Commands> {
 pub trait Commands: Subcommand {
     /// Runs a subcommand.
     ///
-    /// # Errors
-    ///
-    /// Failure that determines the exit code.
+    /// Fails with the failure that determines the exit code.
     fn run(&self, invocation: &Invocation<'_>, output: &mut Output) -> Result<Exit, Failure>;
 
     /// Returns the description for the cache; `None` for a subcommand that is not cached.

@@ -47,9 +47,7 @@ pub struct ChosenSetting {
 /// Chooses the setting that meets `limits`. If the size limit excludes all settings with individual strands, searches
 /// those without.
 ///
-/// # Errors
-///
-/// [`BakeError::Input`], exit code 3, if no setting meets the limits; the message names the nearest.
+/// Fails with [`BakeError::Input`], exit code 3, if no setting meets the limits; the message names the nearest.
 pub fn choose(
     file: &str,
     source: Source<'_>,

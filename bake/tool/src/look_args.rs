@@ -21,9 +21,7 @@ pub struct LookArgs {
 impl LookArgs {
     /// Applies the options to `look`: first the values of `--look` in order, then the flags.
     ///
-    /// # Errors
-    ///
-    /// Unreadable or invalid look file.
+    /// Fails for an unreadable or invalid look file.
     pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
         for word in &self.looks {
             if is_assignment(word) {
@@ -71,9 +69,7 @@ pub struct SamplesArgs {
 impl SamplesArgs {
     /// Applies the option to `look`.
     ///
-    /// # Errors
-    ///
-    /// Number other than 1 or 4.
+    /// Fails for a number other than 1 or 4.
     pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
         let Some(word) = &self.samples else { return Ok(()) };
         SAMPLES.apply(look, word).map_err(|error| Failure::Usage(format!("--samples: {}", error.reason)))
@@ -236,7 +232,6 @@ impl FromArgMatches for LookArgs {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
     use clap::{CommandFactory as _, Parser};
     use pelage_stage::{FillLight, LookDetail, LookStyle};

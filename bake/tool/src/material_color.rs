@@ -43,9 +43,7 @@ pub struct MaterialColor {
 /// * `areas`: area of each material at rest, square metres
 /// * `triangles`: returns the triangles of a material
 ///
-/// # Errors
-///
-/// Damaged sections.
+/// Fails for damaged sections.
 pub fn material_colors<T: Iterator<Item = ColoredTriangle>>(
     package: &Package<'_>,
     recipe: &Recipe,

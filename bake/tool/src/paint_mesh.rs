@@ -21,8 +21,7 @@ pub enum MeshFormat {
 impl MeshFormat {
     /// Returns the format for the extension of a file name.
     ///
-    /// # Errors
-    /// [`Failure::Usage`] for any other extension.
+    /// Fails with [`Failure::Usage`] for any other extension.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension() {
             Some(extension) if extension.eq_ignore_ascii_case("obj") => Ok(Self::Obj),
@@ -37,8 +36,7 @@ impl MeshFormat {
 /// * `materials`: names of the model's materials
 /// * `png`: the map
 ///
-/// # Errors
-/// [`BakeError::Internal`] for a mesh larger than the format allows.
+/// Fails with [`BakeError::Internal`] for a mesh larger than the format allows.
 pub fn write(format: MeshFormat, map: &GroomMap, materials: &[String], png: &[u8]) -> Result<Vec<u8>, Failure> {
     match format {
         MeshFormat::Obj => Ok(obj(map, materials).into_bytes()),

@@ -46,9 +46,7 @@ impl PictureArgs {
 
     /// Returns a recipe whose layers and tile suit the pictures. Bakes with the coarsest tile to determine them.
     ///
-    /// # Errors
-    ///
-    /// Same as [`pipeline::bake`].
+    /// Fails like [`pipeline::bake`].
     pub fn fit(&self, told: BakeInput<'_>, model: &Model) -> Result<TileRecipe, Failure> {
         let bounds = groom::bounds(&RestPose::of(&model.mesh, model.animation.as_ref()));
         let mut coarse = metric::to_tile_units(told.recipe, &bounds)?.recipe;

@@ -21,9 +21,7 @@ pub struct Scene {
 impl Scene {
     /// Reads a scene and its packages; `bytes` are the contents of the file at `path`.
     ///
-    /// # Errors
-    ///
-    /// Invalid scene, with line and key, or unreadable file that it names.
+    /// Fails for an invalid scene, with line and key, and for an unreadable file that it names.
     pub fn read(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
         let file = SceneFile::parse(&path.display().to_string(), bytes)?;
         let folder = path.parent().unwrap_or(Path::new(""));

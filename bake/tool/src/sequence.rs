@@ -272,7 +272,6 @@ fn names(output: &Path, Frames { first, end, .. }: Frames) -> Result<Vec<PathBuf
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::*;
 
     #[test]

@@ -70,15 +70,10 @@ pub struct FurDetail {
 
 /// Returns the level of detail of the fur of each copy.
 pub fn detail(frame: &Frame) -> Vec<FurDetail> {
-    let of = |d: &InstanceDetail| FurDetail {
-        level: d.level,
-        fade: d.fade,
-        layers: d.layers,
-        of_layers: d.of_layers,
-        triangles: d.triangles,
-        fins: d.fins,
-        coat: d.coat,
-        fur_px: d.fur_px.filter(|px| px.is_finite()),
+    let of = |detail: &InstanceDetail| {
+        let InstanceDetail { level, fade, layers, of_layers, triangles, fins, coat, fur_px, .. } = *detail;
+        let fur_px = fur_px.filter(|px| px.is_finite());
+        FurDetail { level, fade, layers, of_layers, triangles, fins, coat, fur_px }
     };
     frame.report().instances.iter().map(of).collect()
 }

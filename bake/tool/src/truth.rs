@@ -126,8 +126,7 @@ impl ReferenceTracer {
     /// Enables scattering between fibres, even if look and package disable it. Uses the package's fibres, or human hair
     /// if it has none.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] for fibres that the reference does not support, which no package contains.
+    /// Fails with [`BakeError::Internal`] for fibres that the reference does not support, which no package contains.
     pub fn scatter(&mut self, bounces: u32) -> Result<(), Failure> {
         let scattering = self.scattering.take().map_or_else(|| TrueScattering::new(Fibre::default(), 1), Ok)?;
         self.scattering = Some(scattering.with_bounces(bounces));

@@ -55,9 +55,7 @@ impl Default for PictureView {
 impl PictureView {
     /// Creates the view, and applies the look options to `look`.
     ///
-    /// # Errors
-    ///
-    /// Unreadable or invalid look file or environment map.
+    /// Fails for an unreadable or invalid look file or environment map.
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
         backdrop::check(&look)?;
@@ -117,9 +115,7 @@ impl PictureView {
 
     /// Returns the clips that pose the skeleton of the model; `package` is the opened `file`.
     ///
-    /// # Errors
-    ///
-    /// Unknown clip, damaged package.
+    /// Fails for an unknown clip or a damaged package.
     pub fn layers(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<ClipLayer>, StageError> {
         let layer = |name: Option<&str>, share: f32| {
             let playing = Playback::named(file, package, name)?;
@@ -132,9 +128,7 @@ impl PictureView {
 
     /// Returns the weights of individual morph targets; `package` is the opened `file`.
     ///
-    /// # Errors
-    ///
-    /// Unknown target, damaged package.
+    /// Fails for an unknown target or a damaged package.
     pub fn morph_weights(
         &self,
         file: &NamedPackage<'_>,
@@ -146,9 +140,7 @@ impl PictureView {
 
     /// Returns the points of a model that the camera must frame; `package` is the opened `file`.
     ///
-    /// # Errors
-    ///
-    /// Unknown clip or part, damaged package.
+    /// Fails for an unknown clip or part, or a damaged package.
     pub fn outline(&self, file: &NamedPackage<'_>, package: &Package<'_>) -> Result<Vec<Vec3>, StageError> {
         let (clip, part) = (find_clip(file, package, self.clip.as_deref())?, self.framing.look_at.as_deref());
         let points = outline(file, package, clip, part)?;

@@ -144,7 +144,6 @@ pub fn parse_seconds(text: &str) -> Result<f32, String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
     use super::super::view::PictureView;
     use super::*;
     use clap::Parser;

@@ -66,9 +66,7 @@ impl RecipeChoices<'_> {
     /// * `inputs`: files of the model, as the package records them
     /// * `images`: images of the recipe
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::text`].
+    /// Fails like [`Self::text`].
     pub fn put_into(
         &self,
         baked: &mut Baked,
@@ -92,9 +90,7 @@ impl RecipeChoices<'_> {
     /// * `recorded`: recipe of the package, with all unset keys filled in
     /// * `decisions`: choices of the bake for unset keys
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Internal`] if the line of a decision is not a line of a recipe.
+    /// Fails with [`BakeError::Internal`] if the line of a decision is not a line of a recipe.
     fn text(&self, recorded: &str, decisions: &[Decision]) -> Result<String, BakeError> {
         let mut recipe = Recipe::parse_recorded("the package's recipe", recorded)?;
         for Decision { what, line, .. } in decisions {

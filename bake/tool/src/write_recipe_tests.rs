@@ -1,5 +1,4 @@
 //! Tests of the written recipe's text and path.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::*;
 

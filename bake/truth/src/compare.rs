@@ -84,9 +84,7 @@ impl FlipMap {
 
     /// Encodes [`Self::magma`] as PNG.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Internal`] if the encoder fails.
+    /// Fails with [`BakeError::Internal`] if the encoder fails.
     pub fn png(&self) -> Result<Vec<u8>, BakeError> {
         encode_png(&self.magma())
     }
@@ -95,18 +93,14 @@ impl FlipMap {
 /// Compares two pictures of sRGB-encoded bytes with straight alpha, as stored in PNG, at the default pixels per degree.
 /// If the arguments are swapped, the figures change only by rounding.
 ///
-/// # Errors
-///
-/// [`BakeError::Params`] if the sizes differ.
+/// Fails with [`BakeError::Params`] if the sizes differ.
 pub fn compare(a: &RgbaImage, b: &RgbaImage, over: [u8; 3]) -> Result<(Comparison, FlipMap), BakeError> {
     compare_pictures(&a.into(), &b.into(), &CompareParams { over, ..CompareParams::default() })
 }
 
 /// Compares two pictures of linear light.
 ///
-/// # Errors
-///
-/// [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
+/// Fails with [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
 pub fn compare_pictures(a: &Picture, b: &Picture, params: &CompareParams) -> Result<(Comparison, FlipMap), BakeError> {
     if (a.width, a.height) != (b.width, b.height) || a.pixels.len() != b.pixels.len() || a.pixels.is_empty() {
         let size = |p: &Picture| format!("{}x{}", p.width, p.height);

@@ -70,9 +70,7 @@ impl Likeness {
     ///
     /// * `fur_px`: height of the fur on the screen, pixels
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
+    /// Fails with [`BakeError::Params`] if the sizes differ, or if the pictures have no pixels.
     pub fn of(picture: &Picture, truth: &Picture, fur_px: f64) -> Result<Self, BakeError> {
         let (compared, _) = compare_pictures(picture, truth, &CompareParams::default())?;
         Ok(Self::of_compared(&compared, picture, truth, fur_px))
@@ -169,7 +167,6 @@ fn window_sums(values: &[[f64; 3]], width: usize, height: usize) -> Vec<[f64; 3]
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use pelage_bake::noise::uniform;
 

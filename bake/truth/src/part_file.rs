@@ -72,9 +72,7 @@ impl TracedPart {
 
     /// Decodes a file.
     ///
-    /// # Errors
-    ///
-    /// The position of the fault in the file, and the reason.
+    /// Fails with the position of the fault in the file, and the reason.
     pub fn decode(bytes: &[u8]) -> Result<Self, (String, String)> {
         let wrong = |place: &str, reason: String| (place.to_owned(), reason);
         let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| {
@@ -121,9 +119,7 @@ impl TracedPart {
 
     /// Adds another part of the same picture to this one.
     ///
-    /// # Errors
-    ///
-    /// The reason, if the other part belongs to a different picture.
+    /// Fails with the reason, if the other part belongs to a different picture.
     pub fn add(&mut self, other: &Self) -> Result<(), String> {
         let whole = |of: &PartHeader| PartHeader { part: 0, primary_rays: 0, shadow_rays: 0, ..of.clone() };
         let (here, there) = (whole(&self.of), whole(&other.of));
@@ -161,7 +157,6 @@ fn pixel_indices(of: &PartHeader) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn part(number: u32) -> TracedPart {

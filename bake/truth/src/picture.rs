@@ -71,8 +71,7 @@ impl TrueScene {
     /// * `hair`: the tile that the strands are copies of; provides the undercoat. `None` leaves furred surfaces bare
     /// * `shading`: shading parameters of `hair.strands`
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] for positions that are not finite.
+    /// Fails with [`BakeError::Internal`] for positions that are not finite.
     pub fn new(curves: Curves, skin: PosedMesh, hair: Option<&TileHair>, shading: Shading) -> Result<Self, BakeError> {
         let wet = hair.and_then(|h| h.wet.as_ref());
         let directions =

@@ -1,4 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use crate::{Lens, TrueLight};
 use glam::{Vec3, Vec4};
@@ -18,6 +17,13 @@ fn strand(curves: &mut Curves, from: Vec3, to: Vec3, radius_m: f32) {
 
 fn scene(curves: Curves) -> TrueScene {
     TrueScene::new(curves, PosedMesh::default(), None, Shading::default()).unwrap()
+}
+
+/// Returns a strand that rises to the right.
+fn rising_strand() -> TrueScene {
+    let mut curves = Curves::default();
+    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
+    scene(curves)
 }
 
 /// Returns a camera that views two metres of the plane z = 0 from the front.
@@ -319,9 +325,7 @@ fn empty_scene_gives_an_empty_picture() {
 
 #[test]
 fn sample_portions_add_up_and_a_trace_can_be_cancelled() {
-    let mut curves = Curves::default();
-    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
-    let scene = scene(curves);
+    let scene = rising_strand();
     let part = |samples| {
         scene.portion(&camera(), &lighting(), (40, 40), &Portion::of_samples(samples), &mut |_, _| {
             ControlFlow::Continue(())
@@ -342,9 +346,7 @@ fn sample_portions_add_up_and_a_trace_can_be_cancelled() {
 
 #[test]
 fn samples_added_one_by_one_give_the_picture_of_all() {
-    let mut curves = Curves::default();
-    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
-    let scene = scene(curves);
+    let scene = rising_strand();
     let mut sums = PictureSums::new((40, 40), Part::default());
     for count in [1, 1, 3, 2] {
         let added = scene.add_samples(&camera(), &lighting(), &mut sums, count, &mut |_, _| ControlFlow::Continue(()));
@@ -356,9 +358,7 @@ fn samples_added_one_by_one_give_the_picture_of_all() {
 
 #[test]
 fn row_portions_have_the_pixels_of_the_whole() {
-    let mut curves = Curves::default();
-    strand(&mut curves, Vec3::new(-0.6, -0.3, 0.0), Vec3::new(0.5, 0.4, 0.0), 0.05);
-    let scene = scene(curves);
+    let scene = rising_strand();
     let size = (70, 45);
     let whole = scene.picture(&camera(), &lighting(), size, 2, &mut |_, _| {});
     let mut pixels = vec![[f32::NAN; 4]; whole.pixels.len()];

@@ -28,17 +28,15 @@ impl TrueScattering {
     /// Creates scattering with one fibre for all strands. Light hits hair or surface at most `bounces` times, at least
     /// 1. With 1, only direct light scattered by a single fibre counts.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] for a fibre without near-field scattering: it is smooth all around, or does not conserve
-    /// energy.
+    /// Fails with [`BakeError::Internal`] for a fibre without near-field scattering: it is smooth all around, or does
+    /// not conserve energy.
     pub fn new(fibre: Fibre, bounces: u32) -> Result<Self, BakeError> {
         Ok(Self { fibres: vec![near(fibre)?], runs: Vec::new(), bounces: bounces.max(1) })
     }
 
     /// Adds a run named `name` with another fibre. It begins where the last run ends and stops before strand `end`.
     ///
-    /// # Errors
-    /// Same as [`Self::new`].
+    /// Fails like [`Self::new`].
     pub fn with_run(mut self, name: &str, end: u32, fibre: Fibre) -> Result<Self, BakeError> {
         self.runs.push((name.to_owned(), end, self.fibres.len()));
         self.fibres.push(near(fibre)?);
@@ -83,7 +81,6 @@ fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use pelage_formats::meaning::scattering::azimuthal::GlintShape;
 

@@ -131,7 +131,6 @@ fn pick(sums: &[f64], place: f64) -> (usize, f64) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use pelage_bake::noise::uniform;
 

@@ -27,9 +27,7 @@ pub struct VisiblePoint {
 impl SurfaceVisibility {
     /// Builds the acceleration structure.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Internal`] for positions that are not finite.
+    /// Fails with [`BakeError::Internal`] for positions that are not finite.
     pub fn new(skin: PosedMesh) -> Result<Self, BakeError> {
         Ok(Self { tracer: Tracer::new(Curves::default(), skin)? })
     }

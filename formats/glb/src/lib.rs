@@ -137,9 +137,8 @@ pub fn bounds(numbers: &[f32], width: usize) -> Value {
 /// Writes the part of the file before the buffer: header, JSON chunk and, unless `length` is 0, the start of the BIN
 /// chunk (glTF 2.0, section 4.4). The caller then writes `length` bytes, a multiple of 4.
 ///
-/// # Errors
-///
-/// Errors of `out`; [`io::ErrorKind::InvalidInput`] if the file would exceed the 4 GiB limit of the container.
+/// Fails with errors of `out`; [`io::ErrorKind::InvalidInput`] if the file would exceed the 4 GiB limit of the
+/// container.
 pub fn write_head(document: &Value, length: usize, out: &mut dyn Write) -> io::Result<()> {
     write_head_of_text(document.to_string().into_bytes(), length, out)
 }
@@ -166,18 +165,14 @@ fn write_head_of_text(mut text: Vec<u8>, length: usize, out: &mut dyn Write) -> 
 
 /// Returns a whole file. `bytes` is the buffer, padded with zeros to a multiple of 4.
 ///
-/// # Errors
-///
-/// Same as for [`write_head`], if the file exceeds 4 GiB.
+/// Fails like [`write_head`] if the file exceeds 4 GiB.
 pub fn container(document: &Value, bytes: &[u8]) -> io::Result<Vec<u8>> {
     container_of_text(document.to_string().into_bytes(), bytes)
 }
 
 /// Returns a whole file like [`container`], but with arbitrary document text. For tests of readers.
 ///
-/// # Errors
-///
-/// Same as for [`container`].
+/// Fails like [`container`].
 pub fn container_of_text(text: Vec<u8>, bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut out = Vec::new();
     let length = bytes.len().next_multiple_of(4);

@@ -20,8 +20,11 @@ pub trait Field: Sized {
     /// Converts `raw` to a value, without a range check; `None` if it has the wrong type.
     fn from_raw(raw: &Raw) -> Option<Self>;
 
-    /// Whether the value is in its range.
-    fn in_range(&self, range: &Self::Range) -> bool;
+    /// Whether the value is in its range; true for types without one.
+    fn in_range(&self, range: &Self::Range) -> bool {
+        let _ = range;
+        true
+    }
 
     /// Returns the value as TOML; `None` if the key is unset.
     fn to_toml(&self) -> Option<String>;
@@ -38,16 +41,14 @@ pub trait Field: Sized {
 
     /// Converts `raw` to a value and checks it against its range.
     ///
-    /// # Errors
-    /// Message with what was found and what was expected.
+    /// Fails with a message about the value found and the value expected.
     fn read(raw: &Raw, range: &Self::Range) -> Result<Self, String> {
         Self::from_raw(raw).filter(|value| value.in_range(range)).ok_or_else(|| raw.unexpected(&Self::expected(range)))
     }
 
     /// Checks the value against its range.
     ///
-    /// # Errors
-    /// Message with what was found and what was expected.
+    /// Fails with a message about the value found and the value expected.
     fn check(&self, range: &Self::Range) -> Result<(), String> {
         if self.in_range(range) {
             return Ok(());
@@ -233,10 +234,6 @@ impl Field for bool {
         }
     }
 
-    fn in_range(&self, (): &()) -> bool {
-        true
-    }
-
     fn to_toml(&self) -> Option<String> {
         Some(self.to_string())
     }
@@ -346,10 +343,6 @@ impl Field for String {
             Raw::String(s) => Some(s.clone()),
             _ => None,
         }
-    }
-
-    fn in_range(&self, (): &()) -> bool {
-        true
     }
 
     fn to_toml(&self) -> Option<String> {

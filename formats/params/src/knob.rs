@@ -56,8 +56,7 @@ pub trait Table {
 
     /// Sets the value of a key.
     ///
-    /// # Errors
-    /// Message with what was found and what was expected; the table is then unchanged.
+    /// Fails with a message about the value found and the value expected; the table is then unchanged.
     fn read(&mut self, key: &str, raw: &Raw) -> Result<(), String>;
 
     /// Returns the value of a key as TOML; `None` if it is unset.
@@ -65,8 +64,7 @@ pub trait Table {
 
     /// Checks the value of a key against its range.
     ///
-    /// # Errors
-    /// Message with what was found and what was expected.
+    /// Fails with a message about the value found and the value expected.
     fn check(&self, key: &str) -> Result<(), String>;
 }
 
@@ -140,16 +138,14 @@ pub(crate) fn knob_named<S: Tables>(name: &str) -> Option<&'static Knob> {
 
 /// Checks every value of a set against its range.
 ///
-/// # Errors
-/// The first value outside its range.
+/// Fails with the first value outside its range.
 pub fn validate<S: Tables>(set: &S) -> Result<(), OutOfRange> {
     set.tables().into_iter().try_for_each(validate_table)
 }
 
 /// Checks every value of a table against its range.
 ///
-/// # Errors
-/// The first value outside its range.
+/// Fails with the first value outside its range.
 pub fn validate_table(table: &dyn Table) -> Result<(), OutOfRange> {
     table
         .knobs()

@@ -22,8 +22,7 @@ pub trait Item: Sized {
 
     /// Converts `raw` to an entry.
     ///
-    /// # Errors
-    /// Reason for the failure; `None` if [`Self::expected_list`] already says everything.
+    /// Fails with the reason; `None` if [`Self::expected_list`] already says everything.
     fn read(raw: &Raw) -> Result<Self, Option<String>>;
 
     /// Whether the value is allowed in a list.

@@ -59,10 +59,6 @@ macro_rules! words {
                 }
             }
 
-            fn in_range(&self, (): &()) -> bool {
-                true
-            }
-
             fn to_toml(&self) -> Option<String> {
                 Some(format!("{:?}", self.word()))
             }
@@ -144,8 +140,7 @@ macro_rules! params {
 
             /// Checks every field against its range.
             ///
-            /// # Errors
-            /// The first value outside its range, with what was found and what was expected.
+            /// Fails with the first value outside its range, with what was found and what was expected.
             pub fn validate(&self) -> Result<(), $crate::OutOfRange> {
                 $crate::validate_table(self)
             }

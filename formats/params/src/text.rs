@@ -33,9 +33,8 @@ impl<'a> Source<'a> {
 
 /// Reads a TOML text: keys in the text are set, everything else keeps its value.
 ///
-/// # Errors
-/// Line and key of malformed TOML, an unknown table or key, a wrong type or a value outside its range. Keys before the
-/// error are already set.
+/// Fails with line and key of malformed TOML, an unknown table or key, a wrong type or a value outside its range. Keys
+/// before the error are already set.
 pub fn read<S: Tables>(set: &mut S, text: &str) -> Result<(), ParamError> {
     let source = Source::new(text);
     for (name, value) in source.parse()?.get_ref() {
@@ -56,8 +55,7 @@ pub fn read<S: Tables>(set: &mut S, text: &str) -> Result<(), ParamError> {
 
 /// Reads a parsed table like [`read`], such as one inside another file.
 ///
-/// # Errors
-/// Same as for [`read`], without a line.
+/// Fails like [`read`], without a line.
 pub fn read_table<S: Tables>(set: &mut S, document: &toml::Table) -> Result<(), ParamError> {
     for (name, value) in document {
         match value {
@@ -93,8 +91,7 @@ fn read_key<S: Tables>(set: &mut S, table: &str, key: &str, raw: &Raw) -> Result
 
 /// Sets one value, as in `hair.length_m=0.02`. Strings need no quotes: `hair.style=curly`.
 ///
-/// # Errors
-/// Same as for [`read`], without a line; the set is then unchanged.
+/// Fails like [`read`], without a line; the set is then unchanged.
 pub fn set<S: Tables>(set: &mut S, assignment: &str) -> Result<(), ParamError> {
     let Some((name, word)) = assignment.split_once('=') else {
         let reason = format!("found no '=', expected key=value, such as {}", S::EXAMPLE);
@@ -105,8 +102,7 @@ pub fn set<S: Tables>(set: &mut S, assignment: &str) -> Result<(), ParamError> {
 
 /// Sets the value of one key from a word of a command line.
 ///
-/// # Errors
-/// Same as for [`set`].
+/// Fails like [`set`].
 pub fn set_word<S: Tables>(set: &mut S, name: &str, word: &str) -> Result<(), ParamError> {
     let fail = |reason: String| ParamError { line: None, key: name.to_owned(), reason };
     let knob = knob_named::<S>(name).ok_or_else(|| fail(unknown_key::<S>(name)))?;

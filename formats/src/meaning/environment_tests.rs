@@ -1,4 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 use core::f64::consts::PI;
 

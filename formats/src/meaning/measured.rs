@@ -87,8 +87,7 @@ pub fn key_values(interpolation: Interpolation, width: usize, stored: usize) -> 
 
 /// Returns the stored vertices of a package; vertices that are hidden at rest are [`shown`].
 ///
-/// # Errors
-/// [`FormatError`] for a damaged section.
+/// Fails with [`FormatError`] for a damaged section.
 pub fn shown_vertices(package: &Package<'_>, mesh: &MeshView<'_>) -> Result<Vec<GeometryVertex>, FormatError> {
     let Some((morphs, animation)) = package.morphs()?.zip(package.animation()?) else {
         return Ok(mesh.geometry().collect());
@@ -99,8 +98,7 @@ pub fn shown_vertices(package: &Package<'_>, mesh: &MeshView<'_>) -> Result<Vec<
 
 /// Returns the vertices of a package in the pose at which areas and lengths are measured ([`measured_pose`]).
 ///
-/// # Errors
-/// [`FormatError`] for a damaged section.
+/// Fails with [`FormatError`] for a damaged section.
 pub fn measured_vertices(package: &Package<'_>, mesh: &MeshView<'_>) -> Result<Vec<GeometryVertex>, FormatError> {
     let pose = package.animation()?.map(|animation| measured_pose(&animation)).unwrap_or_default();
     let mut vertices = shown_vertices(package, mesh)?;

@@ -156,9 +156,7 @@ impl InkShading {
 
     /// Checks every number; returns the field, what was found and what was expected.
     ///
-    /// # Errors
-    ///
-    /// The first number that is out of its range.
+    /// Fails with the first number that is out of its range.
     pub fn check(&self) -> Result<(), String> {
         for (what, value) in [("wash_speed", self.wash_speed), ("wash_range", self.wash_range)] {
             if !value.is_finite() {

@@ -1,5 +1,4 @@
 //! Tests of the section list, its use, and the caching of sections.
-#![allow(clippy::unwrap_used, reason = "in tests a panic is the report")]
 
 use super::{SECTIONS, mesh, probe};
 use crate::*;

@@ -1,6 +1,6 @@
 //! The `HMOV` section: round trip and rejected contents.
 
-use crate::common::{furless_manifest, sample_animation, sample_mesh};
+use crate::common::{Refusal, assert_refused, furless_manifest, sample_animation, sample_mesh};
 use pelage_formats::*;
 
 fn group() -> HairGroup {
@@ -32,8 +32,7 @@ fn hair_motion_survives_a_round_trip() {
 
 #[test]
 fn invalid_hair_motion_is_refused_with_the_reason() {
-    type Change = fn(&mut HairMotion);
-    let cases: [(Change, &str); 11] = [
+    let cases: [Refusal<HairMotion>; 11] = [
         (|m| m.groups.truncate(1), "1 groups, expected the 2 of the section HAIR"),
         (|m| m.freedom.clear(), "0 lists of freedom, expected the 2 of the section HAIR"),
         (|m| m.freedom[1] = vec![1, 2], "freedom[1] has 2 values, expected none, or one for each of 1 guides"),
@@ -46,15 +45,7 @@ fn invalid_hair_motion_is_refused_with_the_reason() {
         (|m| m.colliders[0].to[1] = f32::INFINITY, "colliders[0] is"),
         (|m| m.colliders = vec![m.colliders[0]; 65], "65 colliders, expected at most 64"),
     ];
-    for (change, expected) in cases {
-        let mut motion = sample();
-        change(&mut motion);
-        let told = match packed(&[group(), group()], &motion) {
-            Err(error) => error.to_string(),
-            Ok(bytes) => Package::open(&bytes, &Limits::default()).unwrap().hair_motion().unwrap_err().to_string(),
-        };
-        assert!(told.contains("HMOV") && told.contains(expected), "{told}\nexpected {expected}");
-    }
+    assert_refused(Tag::HAIR_MOTION, sample, &cases, |motion| packed(&[group(), group()], motion));
     let bald = packed(&[], &HairMotion { groups: vec![GroupMotion::default()], ..HairMotion::default() });
     assert!(bald.is_err_and(|error| error.to_string().contains("expected the 0 of the section HAIR")));
 }

@@ -1,6 +1,6 @@
 //! Morph targets: round trip, weights sampled from clips, and displaced vertices.
 
-use crate::common::{morphed_package as packed, sample_animation, sample_morphs as sample};
+use crate::common::{Refusal, assert_refused, morphed_package as packed, sample_animation, sample_morphs as sample};
 use pelage_formats::meaning::{morphed, posed_vertices};
 use pelage_formats::*;
 
@@ -25,8 +25,7 @@ fn morph_targets_survive_a_round_trip_and_join_the_animation() {
 
 #[test]
 fn invalid_morphs_are_refused_with_the_reason() {
-    type Change = fn(&mut Morphs);
-    let cases: [(Change, &str); 12] = [
+    let cases: [Refusal<Morphs>; 12] = [
         (|m| m.motion.targets.clear(), "0 targets, expected 1 to 4096"),
         (|m| m.motion.targets[1].node = 2, "targets[1].node is 2, expected less than 2"),
         (|m| m.motion.targets[0].weight = f32::NAN, "targets[0].weight is NaN"),
@@ -40,15 +39,7 @@ fn invalid_morphs_are_refused_with_the_reason() {
         (|m| m.deltas[2].target = 2, "deltas[2].target is 2, expected less than 2"),
         (|m| m.deltas[1].tangent[2] = f32::INFINITY, "deltas[1] is"),
     ];
-    for (change, expected) in cases {
-        let mut morphs = sample();
-        change(&mut morphs);
-        let told = match packed(&morphs) {
-            Err(error) => error.to_string(),
-            Ok(bytes) => Package::open(&bytes, &Limits::default()).unwrap().morphs().unwrap_err().to_string(),
-        };
-        assert!(told.contains("MRPH") && told.contains(expected), "{told}\nexpected {expected}");
-    }
+    assert_refused(Tag::MORPHS, sample, &cases, packed);
     let rigid = PackageWriter::new(Manifest { parts: Vec::new(), ..Manifest::default() }).morphs(&sample());
     assert!(rigid.finish().is_err_and(|error| error.to_string().contains("without a skeleton")));
 }

@@ -282,3 +282,16 @@ fn debug_output_is_short() {
     assert_eq!(format!("{:?}", package.mesh().unwrap().unwrap()), "MeshView(5 vertices, 12 indices, skin)");
     assert!(!format!("{package:?}").contains("137, 80"), "the magic's bytes");
 }
+
+#[test]
+fn sections_that_a_package_lacks_are_read_as_none() -> Result<(), FormatError> {
+    let bytes = common::sample_package();
+    let package = common::open(&bytes);
+    assert!(package.roots()?.is_none() && package.simplified()?.is_none() && package.strands()?.is_none());
+    assert!(package.visibility()?.is_none() && package.visibility_textures()?.is_none());
+    assert!(package.ink()?.is_none() && package.ink_textures()?.is_none());
+    assert!(package.fibres()?.is_none() && package.fibre_tables()?.is_none());
+    assert!(package.openness()?.is_none() && package.bare_normals()?.is_none());
+    assert!(package.gloss()?.is_empty() && package.hair_colors()?.is_empty() && package.hair_groups()?.is_empty());
+    Ok(())
+}

@@ -1,6 +1,8 @@
 //! The `SIMP` section: round trip and rejected contents.
 
-use crate::common::{self, sample_manifest, sample_mesh};
+use crate::common::{
+    Refusal, assert_every_byte_is_checked, assert_refused, sample_manifest, sample_mesh, section_bytes,
+};
 use pelage_formats::*;
 
 /// Returns a package of one part with 12 indices, without hair, and with these lists.
@@ -39,24 +41,16 @@ fn simplified_levels_survive_a_round_trip() {
     assert_eq!([0, 1].map(|level| view.part_counts(level).collect::<Vec<_>>()), [vec![6], vec![3]]);
     assert_eq!(view.indices().collect::<Vec<_>>(), [0, 1, 2, 0, 1, 2, 0, 1, 2]);
     // Bytes that a reader in another language depends on.
-    let index = package.sections().iter().position(|s| s.tag == Tag::SIMPLIFIED).unwrap();
     let mut expected: Vec<u8> = [2u32, 1, 9, 0].into_iter().flat_map(u32::to_le_bytes).collect();
     expected.extend([0.25f32, 0.5].into_iter().flat_map(f32::to_le_bytes));
     expected.extend([6u32, 3].into_iter().flat_map(u32::to_le_bytes));
     expected.extend([0u32, 1, 2].repeat(3).into_iter().flat_map(u32::to_le_bytes));
-    assert_eq!(package.section_bytes(index).unwrap(), expected);
-}
-
-#[test]
-fn packages_without_simplified_levels_have_none() {
-    let bytes = common::sample_package();
-    assert!(Package::open(&bytes, &Limits::default()).unwrap().simplified().unwrap().is_none());
+    assert_eq!(section_bytes(&package, Tag::SIMPLIFIED), expected);
 }
 
 #[test]
 fn simplified_contents_are_checked() {
-    type Change = fn(&mut Vec<SimplifiedLevel>);
-    let cases: [(Change, &str); 9] = [
+    let cases: [Refusal<Vec<SimplifiedLevel>>; 9] = [
         (|l| l.clear(), "0 lists, expected 1..=64"),
         (|l| l[0].deviation_m = 0.0, "deviation 0 is 0, expected a finite number above 0"),
         (|l| l[0].deviation_m = f32::NAN, "deviation 0 is NaN"),
@@ -70,12 +64,7 @@ fn simplified_contents_are_checked() {
             "part 0 of list 0 has more indices than that part of the mesh",
         ),
     ];
-    for (change, expected) in cases {
-        let mut levels = lists();
-        change(&mut levels);
-        let error = package(&levels).unwrap_err().to_string();
-        assert!(error.contains(expected), "expected {expected:?} in: {error}");
-    }
+    assert_refused(Tag::SIMPLIFIED, lists, &cases, |levels| package(levels));
     let mut levels = lists();
     levels.iter_mut().for_each(|level| level.part_counts.push(0));
     assert!(package(&levels).unwrap_err().to_string().contains("lists of 2 parts, expected 1, the"));
@@ -87,12 +76,5 @@ fn simplified_contents_are_checked() {
 
 #[test]
 fn every_truncation_and_changed_byte_of_simplified_is_detected() {
-    let bytes = package(&lists()).unwrap();
-    let package = Package::open(&bytes, &Limits::default()).unwrap();
-    let section = package.sections().iter().find(|s| s.tag == Tag::SIMPLIFIED).unwrap();
-    for at in section.offset..section.offset + section.length {
-        let mut broken = bytes.clone();
-        broken[at as usize] ^= 0x10;
-        assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
-    }
+    assert_every_byte_is_checked(&package(&lists()).unwrap(), Tag::SIMPLIFIED);
 }

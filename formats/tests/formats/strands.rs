@@ -1,23 +1,14 @@
 //! The `STRN` section: round trip and rejected contents.
 
-use crate::common::{sample_manifest, sample_package};
+use crate::common::{
+    Refusal, assert_every_byte_is_checked, assert_refused, changed_sample_with, sample_manifest, sample_with,
+    section_bytes,
+};
 use pelage_formats::*;
 
 /// Returns the sample package with these strands.
 fn package(strands: &StrandsData) -> Result<Vec<u8>, FormatError> {
-    with(strands, |_| ())
-}
-
-fn with(strands: &StrandsData, change: impl FnOnce(&mut Manifest)) -> Result<Vec<u8>, FormatError> {
-    let sample = sample_package();
-    let opened = Package::open(&sample, &Limits::default())?;
-    let mut manifest = opened.manifest().clone();
-    change(&mut manifest);
-    let mut writer = PackageWriter::new(manifest);
-    for (index, section) in opened.sections().iter().enumerate().filter(|(_, s)| s.tag != Tag::MANIFEST) {
-        writer = writer.section(section.tag, opened.section_bytes(index)?.to_vec());
-    }
-    writer.strands(strands).finish()
+    sample_with(|writer| writer.strands(strands))
 }
 
 /// Returns two strands of three points, in two sets, because dry and wet hair are blended in the sample manifest.
@@ -55,8 +46,7 @@ fn strands_survive_a_round_trip_within_their_precision() {
         assert_eq!((found.color, found.visibility), (point.color, point.visibility));
     }
     // Bytes that a reader in another language depends on.
-    let index = package.sections().iter().position(|s| s.tag == Tag::STRANDS).unwrap();
-    let section = package.section_bytes(index).unwrap();
+    let section = section_bytes(&package, Tag::STRANDS);
     let sets = u32::from(view.has_wet()) + 1;
     let mut expected: Vec<u8> = [2u32, 3, sets, 0].into_iter().flat_map(u32::to_le_bytes).collect();
     let reach = 0.25 * (made.points.len() - 1) as f32;
@@ -72,15 +62,8 @@ fn strands_survive_a_round_trip_within_their_precision() {
 }
 
 #[test]
-fn packages_without_strands_have_none() {
-    let bytes = sample_package();
-    assert!(Package::open(&bytes, &Limits::default()).unwrap().strands().unwrap().is_none());
-}
-
-#[test]
 fn strand_contents_are_checked() {
-    type Change = fn(&mut StrandsData);
-    let cases: [(Change, &str); 8] = [
+    let cases: [Refusal<StrandsData>; 8] = [
         (|s| s.roots.clear(), "for 0 strands of 3 points, expected one set or two"),
         (|s| s.points.truncate(s.points.len() - 1), "points for 2 strands of 3 points, expected one set or two"),
         (
@@ -96,14 +79,9 @@ fn strand_contents_are_checked() {
         (|s| s.points[2].height = 1.5, "outside the fur"),
         (|s| s.points[2].radius = -1.0, "outside the fur"),
     ];
-    for (change, expected) in cases {
-        let mut made = strands();
-        change(&mut made);
-        let error = package(&made).unwrap_err().to_string();
-        assert!(error.contains(expected), "expected {expected:?} in: {error}");
-    }
-    let error =
-        with(&strands(), |m| m.fur.wet = if m.fur.wet.is_some() { None } else { Some(ShellTextures::default()) });
+    assert_refused(Tag::STRANDS, strands, &cases, package);
+    let swap = |m: &mut Manifest| m.fur.wet = m.fur.wet.is_none().then(ShellTextures::default);
+    let error = changed_sample_with(swap, |writer| writer.strands(&strands()));
     assert!(error.unwrap_err().to_string().contains("sets of points, expected"), "sets follow the manifest");
     let bytes = package(&strands()).unwrap();
     let few = Limits { strands: 1, ..Limits::default() };
@@ -113,14 +91,7 @@ fn strand_contents_are_checked() {
 
 #[test]
 fn every_changed_byte_of_strands_is_detected() {
-    let bytes = package(&strands()).unwrap();
-    let package = Package::open(&bytes, &Limits::default()).unwrap();
-    let section = package.sections().iter().find(|s| s.tag == Tag::STRANDS).unwrap();
-    for at in section.offset..section.offset + section.length {
-        let mut broken = bytes.clone();
-        broken[at as usize] ^= 0x10;
-        assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
-    }
+    assert_every_byte_is_checked(&package(&strands()).unwrap(), Tag::STRANDS);
 }
 
 #[test]
@@ -131,15 +102,7 @@ fn stored_strand_integers_survive_a_round_trip() {
     // Change the integers to values that encoding the decoded strands would not give.
     changed.scale = StrandScale { reach: 7.0, radius: 0.25 };
     (changed.points[1].aside, changed.points[4].height, changed.roots[0]) = ([i16::MIN, 3], 1, [5, 65535]);
-    let sample = sample_package();
-    let opened = Package::open(&sample, &Limits::default()).unwrap();
-    let write = |strands: &StoredStrands| {
-        let sections = opened.sections().iter().enumerate().skip(1);
-        let writer = sections.fold(PackageWriter::new(opened.manifest().clone()), |writer, (index, section)| {
-            writer.section(section.tag, opened.section_bytes(index).unwrap().to_vec())
-        });
-        writer.stored_strands(strands).finish()
-    };
+    let write = |strands: &StoredStrands| sample_with(|writer| writer.stored_strands(strands));
     assert!(write(&stored).unwrap() == bytes, "the same strands, however they are written");
     let written = write(&changed).unwrap();
     let back = Package::open(&written, &Limits::default()).unwrap().strands().unwrap().unwrap().stored();

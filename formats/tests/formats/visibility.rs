@@ -1,6 +1,6 @@
 //! The `VISI` section: round trip and rejected contents.
 
-use crate::common::{self, ktx2_file, sample_manifest, sample_mesh};
+use crate::common::{assert_every_byte_is_checked, ktx2_file, sample_manifest, sample_mesh, section_bytes};
 use pelage_formats::*;
 
 const TEXELS: TextureFormat = TextureFormat::Rgba8Unorm;
@@ -39,16 +39,8 @@ fn visibility_survives_a_round_trip() {
     let textures = package.visibility_textures().unwrap().unwrap();
     assert_eq!((textures.dry.layers, textures.wet.unwrap().width), (2, 4));
     // Bytes that a reader in another language depends on: u32, option of u32, f32.
-    let index = package.sections().iter().position(|s| s.tag == Tag::VISIBILITY).unwrap();
     let expected = [&2u32.to_le_bytes()[..], &[1], &5u32.to_le_bytes(), &8f32.to_le_bytes()].concat();
-    assert_eq!(package.section_bytes(index).unwrap(), expected);
-}
-
-#[test]
-fn packages_without_visibility_have_none() {
-    let bytes = common::sample_package();
-    let package = Package::open(&bytes, &Limits::default()).unwrap();
-    assert!(package.visibility().unwrap().is_none() && package.visibility_textures().unwrap().is_none());
+    assert_eq!(section_bytes(&package, Tag::VISIBILITY), expected);
 }
 
 #[test]
@@ -76,13 +68,5 @@ fn visibility_contents_are_checked() {
 
 #[test]
 fn every_truncation_and_changed_byte_of_visibility_is_detected() {
-    let bytes = sound();
-    let package = Package::open(&bytes, &Limits::default()).unwrap();
-    let section = package.sections().iter().find(|s| s.tag == Tag::VISIBILITY).unwrap();
-    for at in section.offset..section.offset + section.length {
-        let mut broken = bytes.clone();
-        broken[at as usize] ^= 0x10;
-        let faults = Package::validate(&broken, &Limits::default());
-        assert!(!faults.is_empty(), "byte {at} changed, and nobody saw it");
-    }
+    assert_every_byte_is_checked(&sound(), Tag::VISIBILITY);
 }

@@ -24,9 +24,8 @@ pub struct PelageModel {
 impl PelageModel {
     /// Creates a model from the bytes of a package, which may come from any source. `name` is used in messages.
     ///
-    /// # Errors
-    ///
-    /// [`PelageLoadError::Package`] with the name, the position in the package, the value found and the value expected.
+    /// Fails with [`PelageLoadError::Package`] with the name, the position in the package, the value found and the
+    /// value expected.
     pub fn from_bytes(name: impl Into<String>, bytes: Vec<u8>) -> Result<Self, PelageLoadError> {
         let package = NamedPackage::new(name, bytes);
         let fault = |source: FormatError| PelageLoadError::Package(package.fault(source));
@@ -66,9 +65,7 @@ impl PelageModel {
     /// Returns the index and length in seconds of a clip. `name` is its full name, or the part after the skeleton's
     /// name (`Walk` finds `AnimalArmature|Walk`).
     ///
-    /// # Errors
-    ///
-    /// A sentence that lists the existing clips.
+    /// Fails with a sentence that lists the existing clips.
     pub fn clip(&self, name: &str) -> Result<(usize, f32), String> {
         let none = Animation::default();
         clip_named(self.animation.as_deref().unwrap_or(&none), name)

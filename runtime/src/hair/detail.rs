@@ -314,6 +314,5 @@ fn texel_level(fur: &FurInfo, px: f32) -> f32 {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 #[path = "detail_tests.rs"]
 mod tests;

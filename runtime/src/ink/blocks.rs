@@ -3,56 +3,56 @@
 use crate::bounds::Hull;
 use crate::model::ModelInk;
 use crate::params::InkParams;
+use crate::shared::shader_struct::shader_struct;
 use crate::shared::srgb::encoded;
-use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Mat4};
 
-/// Uniform block for a frame, in shader layout.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct InkFrame {
-    pub(crate) ink: [f32; 3],
-    pub(crate) roughness: f32,
-    pub(crate) paper: [f32; 3],
-    pub(crate) paper_grain: f32,
-    pub(crate) size: [f32; 2],
-    pub(crate) t1: f32,
-    pub(crate) t2: f32,
-    pub(crate) step: i32,
-    pub(crate) reach: i32,
-    pub(crate) half_width: f32,
-    pub(crate) half_width_scaled: f32,
-    pub(crate) tone: f32,
-    pub(crate) lightness: f32,
-    pub(crate) dryness: f32,
-    pub(crate) paper_period: f32,
-    pub(crate) mist_from: f32,
-    pub(crate) mist_to: f32,
-    pub(crate) depth_step: f32,
-    pub(crate) far_depth: f32,
+shader_struct! {
+    /// Uniform block for a frame, in shader layout.
+    pub(crate) struct InkFrame {
+        pub(crate) ink: [f32; 3],
+        pub(crate) roughness: f32,
+        pub(crate) paper: [f32; 3],
+        pub(crate) paper_grain: f32,
+        pub(crate) size: [f32; 2],
+        pub(crate) t1: f32,
+        pub(crate) t2: f32,
+        pub(crate) step: i32,
+        pub(crate) reach: i32,
+        pub(crate) half_width: f32,
+        pub(crate) half_width_scaled: f32,
+        pub(crate) tone: f32,
+        pub(crate) lightness: f32,
+        pub(crate) dryness: f32,
+        pub(crate) paper_period: f32,
+        pub(crate) mist_from: f32,
+        pub(crate) mist_to: f32,
+        pub(crate) depth_step: f32,
+        pub(crate) far_depth: f32,
+    }
 }
 
-/// Uniform block for an instance, in shader layout.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct InkModel {
-    pub(crate) right_ws: [f32; 3],
-    pub(crate) wash_speed: f32,
-    pub(crate) up_ws: [f32; 3],
-    pub(crate) wash_range: f32,
-    pub(crate) periods: f32,
-    pub(crate) normalised: f32,
-    pub(crate) grain: f32,
-    pub(crate) tone: f32,
-    pub(crate) fur: f32,
-    pub(crate) line: f32,
-    pub(crate) pressure: f32,
-    pub(crate) swell: f32,
-    pub(crate) ink: [f32; 3],
-    pub(crate) paper_period: f32,
-    pub(crate) stroke_px: f32,
-    pub(crate) px_per_unit: f32,
-    pub(crate) reserved: [f32; 2],
+shader_struct! {
+    /// Uniform block for an instance, in shader layout.
+    pub(crate) struct InkModel {
+        pub(crate) right_ws: [f32; 3],
+        pub(crate) wash_speed: f32,
+        pub(crate) up_ws: [f32; 3],
+        pub(crate) wash_range: f32,
+        pub(crate) periods: f32,
+        pub(crate) normalised: f32,
+        pub(crate) grain: f32,
+        pub(crate) tone: f32,
+        pub(crate) fur: f32,
+        pub(crate) line: f32,
+        pub(crate) pressure: f32,
+        pub(crate) swell: f32,
+        pub(crate) ink: [f32; 3],
+        pub(crate) paper_period: f32,
+        pub(crate) stroke_px: f32,
+        pub(crate) px_per_unit: f32,
+        pub(crate) reserved: [f32; 2],
+    }
 }
 
 impl InkFrame {

@@ -120,9 +120,7 @@ impl Model {
     /// Returns a copy of the model whose lighting constants replace those of its package. The copy shares everything
     /// else with the original, including poses, shadow maps and pipelines.
     ///
-    /// # Errors
-    ///
-    /// [`RuntimeError::Params`] for constants out of range.
+    /// Fails with [`RuntimeError::Params`] for constants out of range.
     pub fn with_shading(&self, shading: Shading) -> Result<Self, RuntimeError> {
         check_shading("Model::with_shading", &shading)?;
         let manifest = Manifest { shading, ..(*self.manifest).clone() };

@@ -29,6 +29,8 @@ pub mod opacity;
 pub mod receiver;
 /// Light scattering by fibres, and between fibres (formulas 4.12, 4.13).
 pub mod scattering;
+/// Declaration of structs in shader layout.
+pub(crate) mod shader_struct;
 /// Linear blend skinning: blended matrix, normals, tangents (formulas 2.2, 2.3).
 pub mod skinning;
 /// Soft shadows from a shadow-width map (formulas 4.4).

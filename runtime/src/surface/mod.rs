@@ -4,7 +4,7 @@ use crate::gpu::{BindingResource, Gpu, SamplerSettings, VertexLayout, attribute,
 use crate::params::MAX_FILL_LIGHTS;
 use crate::shared::frame;
 use crate::shared::scattering::Fibre;
-use bytemuck::{Pod, Zeroable};
+use crate::shared::shader_struct::shader_struct;
 use pelage_formats::meaning::environment::Environment;
 use pelage_formats::{AttributeVertex, FibreInfo, Fin, GeometryVertex, ROOT_HEIGHTS};
 use std::mem::offset_of;
@@ -13,30 +13,30 @@ use wgpu::util::DeviceExt;
 /// Fill lights, then the lobes of the environment.
 pub(crate) type Lights = [frame::FillLight; MAX_FILL_LIGHTS + Environment::MOST_LOBES];
 
-/// Uniform block of a material.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct MaterialUniform {
-    pub(crate) base_color: [f32; 4],
-    pub(crate) alpha_cutoff: f32,
-    /// Reciprocal of the height of the tile's hair, 1/m; 0 if there is none.
-    pub(crate) share_per_m: f32,
-    /// Value of `VisibilityInfo::horizon`; 1 if the package has none.
-    pub(crate) horizon: f32,
-    /// Index of the fur's fibre in the package.
-    pub(crate) fibre: u32,
-    /// Sine of the angle behind the terminator up to which hair tips are lit.
-    pub(crate) rim: f32,
-    /// Height of the tile's hair, in widths of the tile.
-    pub(crate) hair_tiles: f32,
-    pub(crate) reserved: [f32; 2],
-    /// Linear RGB of hair in place of `base_color`, then 0; unused if hair has the base colour.
-    pub(crate) hair_color: [f32; 4],
-    /// Roughness, reflectance and metalness of bare surface; then 1 if it is wet, else 0. All 0 for matt surface.
-    pub(crate) gloss: [f32; 4],
-    /// Per height: the values `mean` and `along` of `RootsInfo::asides`, in texture coordinates of the base colour,
-    /// then 0.
-    pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
+shader_struct! {
+    /// Uniform block of a material.
+    pub(crate) struct MaterialUniform {
+        pub(crate) base_color: [f32; 4],
+        pub(crate) alpha_cutoff: f32,
+        /// Reciprocal of the height of the tile's hair, 1/m; 0 if there is none.
+        pub(crate) share_per_m: f32,
+        /// Value of `VisibilityInfo::horizon`; 1 if the package has none.
+        pub(crate) horizon: f32,
+        /// Index of the fur's fibre in the package.
+        pub(crate) fibre: u32,
+        /// Sine of the angle behind the terminator up to which hair tips are lit.
+        pub(crate) rim: f32,
+        /// Height of the tile's hair, in widths of the tile.
+        pub(crate) hair_tiles: f32,
+        pub(crate) reserved: [f32; 2],
+        /// Linear RGB of hair in place of `base_color`, then 0; unused if hair has the base colour.
+        pub(crate) hair_color: [f32; 4],
+        /// Roughness, reflectance and metalness of bare surface; then 1 if it is wet, else 0. All 0 for matt surface.
+        pub(crate) gloss: [f32; 4],
+        /// Per height: the values `mean` and `along` of `RootsInfo::asides`, in texture coordinates of the base colour,
+        /// then 0.
+        pub(crate) asides: [[f32; 4]; ROOT_HEIGHTS],
+    }
 }
 
 /// Vertex streams of all passes over surfaces, except fins, which read vertices from storage buffers.

@@ -32,25 +32,16 @@ impl Default for CanvasOptions {
 
 impl From<&RendererOptions> for CanvasOptions {
     fn from(options: &RendererOptions) -> Self {
-        Self {
-            color_format: options.color_format,
-            depth_format: options.depth_format,
-            sample_count: options.sample_count,
-            reversed_depth: options.reversed_depth,
-        }
+        let RendererOptions { color_format, depth_format, sample_count, reversed_depth, .. } = *options;
+        Self { color_format, depth_format, sample_count, reversed_depth }
     }
 }
 
 impl CanvasOptions {
     /// Returns renderer options that match this canvas.
     pub fn renderer(&self) -> RendererOptions {
-        RendererOptions {
-            color_format: self.color_format,
-            depth_format: self.depth_format,
-            sample_count: self.sample_count,
-            reversed_depth: self.reversed_depth,
-            ..RendererOptions::default()
-        }
+        let Self { color_format, depth_format, sample_count, reversed_depth } = *self;
+        RendererOptions { color_format, depth_format, sample_count, reversed_depth, ..RendererOptions::default() }
     }
 }
 

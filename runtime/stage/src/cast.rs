@@ -28,9 +28,7 @@ pub struct Cast<'a> {
 impl Cast<'_> {
     /// Returns whether all packages have fibre data, so that hair scatters light as fibres do.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Package`] for a damaged package.
+    /// Fails with [`StageError::Package`] for a damaged package.
     pub fn has_fibres(&self) -> Result<bool, StageError> {
         for (file, package) in &self.packages {
             if package.fibres().map_err(|error| file.fault(error))?.is_none() {
@@ -134,9 +132,7 @@ impl Playback {
     ///
     /// * `package`: the opened `file`
     ///
-    /// # Errors
-    ///
-    /// The errors of [`find_clip`].
+    /// Fails with the errors of [`find_clip`].
     pub fn named(
         file: &NamedPackage<'_>,
         package: &Package<'_>,
@@ -174,10 +170,8 @@ impl<'a> Cast<'a> {
     /// * `package`: the opened `file`
     /// * `aspect`: width of the picture divided by its height
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Request`] if the clip, or the named part to look at, does not exist. [`StageError::Package`] for a
-    /// damaged package.
+    /// Fails with [`StageError::Request`] if the clip, or the named part to look at, does not exist.
+    /// [`StageError::Package`] for a damaged package.
     pub fn crowd(
         file: &'a NamedPackage<'a>,
         package: Package<'a>,
@@ -208,9 +202,7 @@ impl<'a> Cast<'a> {
     ///
     /// * `share`: progress of the fade, 0..=1
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Request`] if a package has no such clip, [`StageError::Package`] for a damaged one.
+    /// Fails with [`StageError::Request`] if a package has no such clip, [`StageError::Package`] for a damaged one.
     pub fn fading_to(mut self, name: &str, share: f32) -> Result<Self, StageError> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };
@@ -221,9 +213,7 @@ impl<'a> Cast<'a> {
 
     /// Returns the cast with the named morph target of every actor at `weight`.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`find_morph`].
+    /// Fails with the errors of [`find_morph`].
     pub fn morphing(mut self, name: &str, weight: f32) -> Result<Self, StageError> {
         for actor in &mut self.actors {
             let Some((file, package)) = self.packages.get(actor.package) else { continue };
@@ -272,9 +262,7 @@ pub fn find_clip(
 
 /// Returns the index of the first morph target with that name.
 ///
-/// # Errors
-///
-/// [`StageError::Request`] if the package has none of that name, [`StageError::Package`] for a damaged one.
+/// Fails with [`StageError::Request`] if the package has none of that name, [`StageError::Package`] for a damaged one.
 pub fn find_morph(file: &NamedPackage<'_>, package: &Package<'_>, name: &str) -> Result<usize, StageError> {
     let animation = package.animation().map_err(|e| file.fault(e))?.unwrap_or_default();
     morph_named(&animation, name).map_err(|has| {
@@ -330,10 +318,8 @@ fn crowd_positions(manifest: &Manifest, crowd: u32) -> Vec<Vec3> {
 /// * `packages`: packages of the actors' models, with their files
 /// * `aspect`: width of the picture divided by its height
 ///
-/// # Errors
-///
-/// [`StageError::Request`] if nothing matches the name to look at; lists the existing names. [`StageError::Package`]
-/// for a damaged package.
+/// Fails with [`StageError::Request`] if nothing matches the name to look at; lists the existing names.
+/// [`StageError::Package`] for a damaged package.
 pub fn frame_actors(
     packages: &[(&NamedPackage<'_>, Arc<Package<'_>>)],
     actors: &[Actor],

@@ -26,9 +26,7 @@ const MIN_MATCH_WEIGHT: f32 = 0.5;
 /// * `look_at`: keeps only vertices of materials or joints whose name matches; the result is empty if no name does. `*`
 ///   matches any number of characters and `?` a single one; case is ignored. A joint's children belong to it.
 ///
-/// # Errors
-///
-/// [`StageError::Package`] for a damaged package.
+/// Fails with [`StageError::Package`] for a damaged package.
 pub fn outline(
     file: &NamedPackage<'_>,
     package: &Package<'_>,

@@ -18,9 +18,7 @@ impl Gpu {
     /// Opens wgpu's preferred adapter with all supported features that drawing and timing can use. The environment
     /// variables `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` select another adapter.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::NoAdapter`] with a list of what was tried.
+    /// Fails with [`StageError::NoAdapter`] with a list of what was tried.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn open() -> Result<Self, StageError> {
         Self::with(Self::wanted_features(), None)
@@ -38,9 +36,7 @@ impl Gpu {
     /// Opens the given adapter, for example one that can draw to a window. Enables all supported features that drawing
     /// and timing can use.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::NoAdapter`] if the adapter returns no device.
+    /// Fails with [`StageError::NoAdapter`] if the adapter returns no device.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn of_adapter(adapter: &wgpu::Adapter) -> Result<Self, StageError> {
         pollster::block_on(Self::device(adapter, Self::wanted_features(), None))
@@ -67,9 +63,7 @@ impl Gpu {
     /// Opens the same adapter with the supported subset of `wanted`. With `limits: None` the device has the adapter's
     /// own limits. An application that must run everywhere passes [`wgpu::Limits::default`].
     ///
-    /// # Errors
-    ///
-    /// [`StageError::NoAdapter`] with a list of what was tried.
+    /// Fails with [`StageError::NoAdapter`] with a list of what was tried.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn with(wanted: wgpu::Features, limits: Option<wgpu::Limits>) -> Result<Self, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -79,9 +73,7 @@ impl Gpu {
     /// Returns a description of the adapter that [`Self::open`] would use, and of its driver. Pictures depend on both.
     /// Creates no device.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`Self::open`].
+    /// Fails with the errors of [`Self::open`].
     #[cfg(not(target_arch = "wasm32"))]
     pub fn describe_adapter() -> Result<String, StageError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -97,9 +89,7 @@ impl Gpu {
     /// Opens an adapter that can draw on `surface`, without blocking; otherwise like [`Self::with`]. A browser requires
     /// this, because a request completes only between two turns of its event loop.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`Self::with`].
+    /// Fails with the errors of [`Self::with`].
     pub async fn request(
         instance: &wgpu::Instance,
         surface: Option<&wgpu::Surface<'_>>,

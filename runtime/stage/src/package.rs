@@ -21,9 +21,7 @@ impl<'a> NamedPackage<'a> {
 
     /// Opens the package: header, table and manifest.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Package`] with the name.
+    /// Fails with [`StageError::Package`] with the name.
     pub fn open(&self) -> Result<Package<'_>, StageError> {
         Package::open(&self.bytes, &Limits::default()).map_err(|e| self.fault(e))
     }

@@ -108,9 +108,7 @@ impl Stage {
     /// Shows another cast with its own camera. Keeps the device, the look, and the pipelines that can be reused. On
     /// failure the previous cast stays.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`Self::new`].
+    /// Fails with the errors of [`Self::new`].
     pub fn set_cast(&mut self, cast: &Cast<'_>, time_s: f32) -> Result<(), StageError> {
         check(cast, self.params.style.kind())?;
         self.load(cast, time_s)
@@ -118,10 +116,8 @@ impl Stage {
 
     /// Changes render target and look at `time_s`, with the current camera. On failure the previous look stays.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Request`] for a picture that exceeds the device's limits, or for another number of samples per
-    /// pixel, which requires a new stage.
+    /// Fails with [`StageError::Request`] for a picture that exceeds the device's limits, or for another number of
+    /// samples per pixel, which requires a new stage.
     pub fn set_look(&mut self, picture: &TargetSettings, params: FrameParams, time_s: f32) -> Result<(), StageError> {
         check_size(&self.gpu, picture.size)?;
         let options = self.renderer.options();
@@ -148,9 +144,7 @@ impl Stage {
 
     /// Replaces the constants of the lighting equation in all models. Nothing else on the device changes.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Params`] for constants out of range; the models are then unchanged.
+    /// Fails with [`StageError::Params`] for constants out of range; the models are then unchanged.
     pub fn set_shading(&mut self, shading: Shading) -> Result<(), StageError> {
         let reshaded = self.instances.iter().map(|instance| instance.model.with_shading(shading));
         let models: Vec<Model> =
@@ -227,9 +221,7 @@ impl Stage {
 
     /// Prepares and submits a frame without shadows that is not shown, so that poses and hair advance.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`Stage::prepare`].
+    /// Fails with the errors of [`Stage::prepare`].
     pub fn simulate_frame(&mut self) -> Result<(), StageError> {
         let unlit = self.params.clone().with(|params| {
             params.soft_shadow = false;
@@ -432,7 +424,6 @@ pub fn camera(view: &Viewpoint, aspect: f32) -> Camera {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use crate::Look;
     use pelage_formats::{Manifest, PackageWriter};

@@ -23,9 +23,7 @@ impl<'a> TomlText<'a> {
 
     /// Parses the text.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Input`] with line and key for invalid TOML, an unknown key or an invalid value.
+    /// Fails with [`StageError::Input`] with line and key for invalid TOML, an unknown key or an invalid value.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, StageError> {
         let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
         let document = toml::Deserializer::parse(self.text).map_err(broken)?;
@@ -40,9 +38,7 @@ impl<'a> TomlText<'a> {
 
     /// Returns the top-level keys and values, in order.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Input`] with the line of invalid TOML.
+    /// Fails with [`StageError::Input`] with the line of invalid TOML.
     pub(crate) fn table(&self) -> Result<Vec<(String, Raw)>, StageError> {
         let broken = |e: toml::de::Error| self.fault_at(e.span().map(|s| s.start), "", e.message().trim().to_owned());
         let document = DeTable::parse(self.text).map_err(broken)?;

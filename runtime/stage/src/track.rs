@@ -37,10 +37,8 @@ impl<T: Value> Track<T> {
 
     /// Creates a track through the given keys.
     ///
-    /// # Errors
-    ///
-    /// Index, from 0, of the first key that is not at least [`LEAST_STEP_S`] after the previous one. 0 if there are no
-    /// keys.
+    /// Fails with the index, from 0, of the first key that is not at least [`LEAST_STEP_S`] after the previous one. 0
+    /// if there are no keys.
     pub fn new(keys: Vec<(f32, T)>) -> Result<Self, usize> {
         if keys.is_empty() {
             return Err(0);
@@ -122,7 +120,6 @@ impl Track<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn track(keys: &[(f32, f32)]) -> Track<f32> {

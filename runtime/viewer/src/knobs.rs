@@ -27,9 +27,7 @@ pub trait Knobs: Send {
 
     /// Sets a knob: `fur.layers=8`.
     ///
-    /// # Errors
-    ///
-    /// Value found and values expected. The set is then unchanged.
+    /// Fails with the value found and the values expected. The set is then unchanged.
     fn set(&mut self, assignment: &str) -> Result<(), String>;
 
     /// Returns a boxed clone of the set.
@@ -180,7 +178,6 @@ pub fn shown(toml: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     fn state(edits: &Edits) -> String {

@@ -9,9 +9,7 @@ const MOST: u32 = 10_000;
 
 /// Returns the first unused name `stem-0001.ext` in a folder.
 ///
-/// # Errors
-///
-/// All names are in use.
+/// Fails if all names are in use.
 pub fn free(folder: &Path, stem: &str, ext: &str) -> Result<PathBuf, String> {
     let name = |number| folder.join(format!("{stem}-{number:04}.{ext}"));
     let found = (1..MOST).map(name).find(|path| !path.exists());
@@ -20,9 +18,7 @@ pub fn free(folder: &Path, stem: &str, ext: &str) -> Result<PathBuf, String> {
 
 /// Writes a file atomically: writes to a temporary file in the same folder, then renames it.
 ///
-/// # Errors
-///
-/// File name, and the system's message.
+/// Fails with the file name, and the system's message.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{}: cannot write: {error}", path.display());
     let mut name = path.file_name().unwrap_or_default().to_owned();
@@ -39,9 +35,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
 
 /// Writes a picture as PNG.
 ///
-/// # Errors
-///
-/// Same as [`write`].
+/// Fails like [`write`].
 pub fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), String> {
     let mut png = Cursor::new(Vec::new());
     picture.write_to(&mut png, ImageFormat::Png).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -56,7 +50,6 @@ pub fn stem(name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
 
     #[test]

@@ -126,9 +126,7 @@ impl Show {
 
     /// Shows another subject. If it is a new bake of the current one, by name, the camera stays.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Stage::new`]; the previous subject stays.
+    /// Fails like [`Stage::new`]; the previous subject stays.
     pub fn show(&mut self, subject: Subject, size: (u32, u32)) -> Result<(), StageError> {
         if let (Some(stage), Some(before)) = (&mut self.stage, &self.subject)
             && let Some(shading) = before.other_shading(&subject)
@@ -158,9 +156,7 @@ impl Show {
 
     /// Plays another clip; `None` is the rest pose.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Stage::set_cast`].
+    /// Fails like [`Stage::set_cast`].
     pub fn play(&mut self, clip: Option<usize>, size: (u32, u32)) -> Result<(), StageError> {
         let Some(subject) = self.subject.clone() else { return Ok(()) };
         let info = clip.and_then(|clip| self.clips.get(clip)).cloned();
@@ -196,9 +192,7 @@ impl Show {
 
     /// Sets the look.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Stage::new`], if a new stage is needed; the previous look stays.
+    /// Fails like [`Stage::new`], if a new stage is needed; the previous look stays.
     pub fn set_look(&mut self, look: Look, size: (u32, u32)) -> Result<(), StageError> {
         if look == self.look {
             return Ok(());
@@ -245,9 +239,7 @@ impl Show {
 
     /// Returns the current camera.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Package`] for a damaged package.
+    /// Fails with [`StageError::Package`] for a damaged package.
     pub fn view(&self, size: (u32, u32)) -> Result<Viewpoint, StageError> {
         match (&self.navigator, &self.shot) {
             (Some(navigator), _) => Ok(navigator.view()),
@@ -271,9 +263,7 @@ impl Show {
 
     /// Returns the camera for user control. It starts at the position of the current camera.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::view`].
+    /// Fails like [`Self::view`].
     pub fn navigator(&mut self, size: (u32, u32)) -> Result<&mut Navigator, StageError> {
         if self.navigator.is_none() {
             self.navigator = Some(Navigator::new(self.view(size)?));
@@ -284,9 +274,7 @@ impl Show {
 
     /// Frames the whole subject from the same side as before.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::view`].
+    /// Fails like [`Self::view`].
     pub fn frame(&mut self, size: (u32, u32)) -> Result<(), StageError> {
         let (azimuth_deg, elevation_deg, _) = self.navigator(size)?.spherical();
         let view = self.framed(Some(Orbit { azimuth_deg, elevation_deg, zoom: 1.0 }), size)?;
@@ -302,10 +290,8 @@ impl Show {
     /// Draws to the canvas if anything changed. Returns whether it has drawn. A draft shows fur as layers, for pictures
     /// during movement.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Params`] for a look that the device or the package does not support. [`StageError::Device`] if the
-    /// device is lost.
+    /// Fails with [`StageError::Params`] for a look that the device or the package does not support.
+    /// [`StageError::Device`] if the device is lost.
     pub fn draw(&mut self, size: (u32, u32), draft: bool) -> Result<bool, StageError> {
         let mut look = self.sized(size).resolved(self.fibres);
         if draft {
@@ -339,9 +325,7 @@ impl Show {
 
     /// Returns whether the last picture covers no pixel; false for one with an opaque background.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Device`] if the device is lost.
+    /// Fails with [`StageError::Device`] if the device is lost.
     pub fn is_empty(&self) -> Result<bool, StageError> {
         let Some(stage) = self.stage.as_ref().filter(|_| self.drawn.is_some()) else { return Ok(false) };
         Ok(stage.canvas.read(&stage.gpu)?.chunks_exact(4).all(|pixel| pixel[3] == 0))
@@ -349,9 +333,7 @@ impl Show {
 
     /// Draws the picture in the given size, as `pelage render` does: sRGB-encoded, straight alpha.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Self::draw`].
+    /// Fails like [`Self::draw`].
     pub fn picture(&mut self, size: (u32, u32)) -> Result<Option<RgbaImage>, StageError> {
         self.draw(size, false)?;
         let Some(stage) = &self.stage else { return Ok(None) };

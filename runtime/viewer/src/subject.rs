@@ -72,9 +72,7 @@ impl Subject {
     /// Returns the positions and poses of all instances. The camera is `camera`, or else the subject's own, or one that
     /// frames everything.
     ///
-    /// # Errors
-    ///
-    /// Same as [`Cast::crowd`] and [`LoadedScene::cast`].
+    /// Fails like [`Cast::crowd`] and [`LoadedScene::cast`].
     pub fn cast(&self, clip: Option<&str>, camera: Option<Viewpoint>, aspect: f32) -> Result<Cast<'_>, StageError> {
         let framing = Framing::default();
         match self {

@@ -79,7 +79,6 @@ fn poll(files: &mut BTreeMap<PathBuf, Watched>) -> bool {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use super::*;
     use std::sync::mpsc::channel;
 

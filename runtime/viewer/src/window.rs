@@ -62,10 +62,8 @@ pub enum ViewError {
 
 /// Opens a window that shows the content of `workshop`. Returns when the window is closed.
 ///
-/// # Errors
-///
-/// [`ViewError::NoDisplay`] without a display. [`ViewError::Stage`] without a device, or if the device is lost and
-/// cannot be restored.
+/// Fails with [`ViewError::NoDisplay`] without a display. [`ViewError::Stage`] without a device, or if the device is
+/// lost and cannot be restored.
 pub fn view(options: ViewOptions, workshop: Box<dyn Workshop>) -> Result<(), ViewError> {
     let event_loop = event_loop()?;
     let proxy = event_loop.create_proxy();

@@ -1,4 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 use super::*;
 use crate::subject::Subject;
 use pelage_stage::{Look, NamedPackage, Viewpoint};

@@ -39,16 +39,12 @@ pub struct WindowContent {
 pub trait Workshop: Send {
     /// Opens a file: a package, a model, a recipe for the opened model, or a scene.
     ///
-    /// # Errors
-    ///
-    /// The file is unsupported; the previous file then stays open.
+    /// Fails if the file is unsupported; the previous file then stays open.
     fn open(&mut self, path: &Path) -> Outcome<()>;
 
     /// Makes the opened content from the current files, with edits (`key=value`) of its recipe.
     ///
-    /// # Errors
-    ///
-    /// An error in a file or in an edit.
+    /// Fails with an error in a file or in an edit.
     fn make(&mut self, edits: &[String], progress: &mut dyn FnMut(Progress)) -> Outcome<WindowContent>;
 
     /// Returns the files that affect the content, including missing ones: the model with its images and buffers, the
@@ -57,9 +53,7 @@ pub trait Workshop: Send {
 
     /// Writes the recipe with edits to its file, or, without one, beside the model. Returns the path.
     ///
-    /// # Errors
-    ///
-    /// The content has no recipe, or the file system reports an error.
+    /// Fails if the content has no recipe, or the file system reports an error.
     fn save_recipe(&mut self, edits: &[String]) -> Outcome<PathBuf>;
 
     /// Creates a source of reference images, which is moved to another thread.
@@ -101,9 +95,7 @@ pub trait ReferenceSource: Send {
     /// Traces a reference image. Calls `show` with each refinement, which has more samples than the previous one.
     /// `progress` returns whether to continue.
     ///
-    /// # Errors
-    ///
-    /// An error in the package, or the reason why it has no reference image.
+    /// Fails with an error in the package, or the reason why it has no reference image.
     fn trace(
         &mut self,
         asked: &ReferenceRequest,

@@ -33,10 +33,8 @@ impl OpenedDevice {
 
 /// Opens a device that draws on `canvas`.
 ///
-/// # Errors
-///
-/// Error of kind `no-adapter` if the browser provides none; `device` if WebGPU cannot draw on the canvas, for example
-/// because it has a 2d context.
+/// Fails with an error of kind `no-adapter` if the browser provides none; `device` if WebGPU cannot draw on the canvas,
+/// for example because it has a 2d context.
 #[wasm_bindgen]
 pub async fn open(canvas: HtmlCanvasElement) -> Result<OpenedDevice, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
@@ -48,9 +46,7 @@ pub async fn open(canvas: HtmlCanvasElement) -> Result<OpenedDevice, JsValue> {
 
 /// Opens a device for use with another renderer.
 ///
-/// # Errors
-///
-/// Error of kind `no-adapter` if the browser provides none.
+/// Fails with an error of kind `no-adapter` if the browser provides none.
 #[wasm_bindgen]
 pub async fn open_shared() -> Result<OpenedDevice, JsValue> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());

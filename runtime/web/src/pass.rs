@@ -28,9 +28,7 @@ impl Pass {
     /// Creates a pass for targets of the given formats, named as in WebGPU, with one sample per pixel. `reversed_depth`
     /// means that the near plane has depth 1.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for a format that cannot be drawn to.
+    /// Fails with an error of kind `asked` for a format that cannot be drawn to.
     #[wasm_bindgen(constructor)]
     pub fn new(opened: &OpenedDevice, color: &str, depth: &str, reversed_depth: bool) -> Result<Self, JsValue> {
         let options = RendererOptions {
@@ -46,9 +44,7 @@ impl Pass {
 
     /// Loads the package to draw; `name` is its name in messages.
     ///
-    /// # Errors
-    ///
-    /// Same as for [`crate::Viewer::load`].
+    /// Fails like [`crate::Viewer::load`].
     pub fn load(&mut self, name: &str, bytes: Vec<u8>) -> Result<JsValue, JsValue> {
         let file = NamedPackage::new(name, bytes);
         let package = file.open().map_err(stage_error)?;
@@ -64,9 +60,7 @@ impl Pass {
     /// Sets one key of the look, in one of its tables `light`, `shadow` and `fur`. The table `picture` is up to the
     /// other renderer.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` with what was found and expected.
+    /// Fails with an error of kind `asked` with what was found and expected.
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.set(assignment).map_err(invalid_argument)?;
@@ -81,9 +75,7 @@ impl Pass {
 
     /// Sets an environment map from TOML, like [`crate::viewer::Viewer::set_environment`].
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` with line, key, what was found and expected.
+    /// Fails with an error of kind `asked` with line, key, what was found and expected.
     pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
         self.look = with_environment(&self.look, text)?;
         Ok(())
@@ -101,9 +93,7 @@ impl Pass {
     /// * `time_s`: time in the clip, seconds
     /// * `clock_s`: time of the hair simulation, seconds; without it, hair is as groomed
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for arguments that cannot be drawn.
+    /// Fails with an error of kind `asked` for arguments that cannot be drawn.
     pub fn draw(
         &mut self,
         color: &JsValue,

@@ -52,9 +52,7 @@ pub struct Viewer {
 impl Viewer {
     /// Creates a viewer with an empty canvas of that size in pixels.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for a size out of range.
+    /// Fails with an error of kind `asked` for a size out of range.
     #[wasm_bindgen(constructor)]
     pub fn new(opened: OpenedDevice, width: u32, height: u32) -> Result<Self, JsValue> {
         let (gpu, screen) = device_and_screen(opened)?;
@@ -75,10 +73,8 @@ impl Viewer {
 
     /// Loads a package and shows it at rest, with a camera that frames it. `name` is its name in messages.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `package` with section and offset; `asked` if the package does not support the look; `no-adapter`
-    /// if the device cannot hold the package.
+    /// Fails with an error of kind `package` with section and offset; `asked` if the package does not support the look;
+    /// `no-adapter` if the device cannot hold the package.
     pub fn load(&mut self, name: &str, bytes: Vec<u8>) -> Result<JsValue, JsValue> {
         let file = NamedPackage::new(name, bytes);
         let package = file.open().map_err(stage_error)?;
@@ -99,9 +95,7 @@ impl Viewer {
     /// Continues with another device after the loss of the previous one. The package is loaded again; everything else
     /// is unchanged.
     ///
-    /// # Errors
-    ///
-    /// Same as for [`Self::load`].
+    /// Fails like [`Self::load`].
     pub fn reopen(&mut self, opened: OpenedDevice) -> Result<(), JsValue> {
         (self.gpu, self.screen) = device_and_screen(opened)?;
         self.screen.resize(&self.gpu, self.look.picture().size);
@@ -110,9 +104,7 @@ impl Viewer {
 
     /// Sets the size in pixels. If the camera has not been moved, it frames the model again.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for a size out of range.
+    /// Fails with an error of kind `asked` for a size out of range.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.picture.size = Size { width, height };
@@ -124,9 +116,7 @@ impl Viewer {
 
     /// Draws a frame. Returns `undefined` if no package is loaded, or if the page currently has no texture to draw on.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for anything that the device cannot draw.
+    /// Fails with an error of kind `asked` for anything that the device cannot draw.
     pub fn draw(&mut self) -> Result<JsValue, JsValue> {
         let Some(LoadedPackage { stage, .. }) = &mut self.loaded else { return Ok(JsValue::UNDEFINED) };
         stage.look_from(self.navigator.view());
@@ -146,9 +136,7 @@ impl Viewer {
 
     /// Sets one key of the look, such as `shadow.penumbra=0.3`.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` with what was found and expected.
+    /// Fails with an error of kind `asked` with what was found and expected.
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.set(assignment).map_err(invalid_argument)?;
@@ -157,9 +145,7 @@ impl Viewer {
 
     /// Replaces the look by one from TOML; missing keys get their defaults. The size of the canvas is unchanged.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` with line, key, what was found and expected.
+    /// Fails with an error of kind `asked` with line, key, what was found and expected.
     pub fn read_look(&mut self, text: &str) -> Result<(), JsValue> {
         let mut look = Look::of_picture();
         look.read(text).map_err(invalid_argument)?;
@@ -170,9 +156,7 @@ impl Viewer {
     /// Sets an environment map, given in TOML as lights fitted to a sky. It replaces the ambient light until the key
     /// `environment.sky = "none"` removes it.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` with line, key, what was found and expected.
+    /// Fails with an error of kind `asked` with line, key, what was found and expected.
     pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
         let look = with_environment(&self.look, text)?;
         self.apply_look(look)
@@ -185,9 +169,7 @@ impl Viewer {
 
     /// Sets the colour of the key light, linear red, green and blue; 1 is full light.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for a channel that is not finite or below 0.
+    /// Fails with an error of kind `asked` for a channel that is not finite or below 0.
     pub fn set_light_color(&mut self, red: f32, green: f32, blue: f32) -> Result<(), JsValue> {
         let color = Vec3::new(red, green, blue);
         if !(color.is_finite() && color.min_element() >= 0.0) {
@@ -201,9 +183,7 @@ impl Viewer {
 
     /// Selects the clip named `name`, at its start and paused; `undefined` puts the model at rest.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for a clip that does not exist, with the available names.
+    /// Fails with an error of kind `asked` for a clip that does not exist, with the available names.
     pub fn set_clip(&mut self, name: Option<String>) -> Result<(), JsValue> {
         let clip = match &self.loaded {
             None if name.is_some() => {
@@ -222,10 +202,8 @@ impl Viewer {
     /// Fixes the weight of the morph target named `name`, whatever the clip does. With weight `undefined`, the clip
     /// drives it again.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for a target that does not exist, with the available names, and for a weight that is not
-    /// finite.
+    /// Fails with an error of kind `asked` for a target that does not exist, with the available names, and for a weight
+    /// that is not finite.
     pub fn set_morph(&mut self, name: &str, weight: Option<f32>) -> Result<(), JsValue> {
         let Some(loaded) = &mut self.loaded else {
             return Err(invalid_argument("morph: found no package, expected one to be loaded first"));
@@ -303,9 +281,7 @@ impl Viewer {
 
     /// Sets the camera to a view as returned by [`Self::view`]. [`Self::reset_view`] returns to the framed view.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `asked` for an invalid view.
+    /// Fails with an error of kind `asked` for an invalid view.
     pub fn set_view(&mut self, view: &[f32]) -> Result<(), JsValue> {
         let word = match view {
             [ex, ey, ez, tx, ty, tz, fov_deg] => format!("{ex},{ey},{ez}/{tx},{ty},{tz}/{fov_deg}"),
@@ -318,9 +294,7 @@ impl Viewer {
 
     /// Frames the model as on loading.
     ///
-    /// # Errors
-    ///
-    /// Error of kind `package` for a damaged package.
+    /// Fails with an error of kind `package` for a damaged package.
     pub fn frame_all(&mut self) -> Result<(), JsValue> {
         if let Some(loaded) = &self.loaded {
             let package = loaded.file.open().map_err(stage_error)?;

@@ -90,9 +90,7 @@ impl Guides {
     ///   piece and it leads to the origin, only the point at the origin is removed.
     /// * A single strand with jumps is reported.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Input`] if no strand is left.
+    /// Fails with [`BakeError::Input`] if no strand is left.
     pub(crate) fn checked(mut self, file: &str) -> Result<Self, BakeError> {
         let count = self.points.len();
         if self.radii.len() != count || !self.radii.iter().all(|radius| radius.is_finite()) {

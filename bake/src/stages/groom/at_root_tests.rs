@@ -1,11 +1,10 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::super::colors::MaterialColor;
 use super::*;
 use crate::sample::{Wrap, bilinear};
+use crate::stages::fixtures::{on_threads, part};
 use crate::stages::surface::Measures;
 use pelage_formats::meaning::srgb_to_linear;
-use pelage_import::mesh::{Image, Mesh, MeshPart, RestPose};
+use pelage_import::mesh::{Image, Mesh, RestPose};
 
 const RED: Vec4 = Vec4::new(0.8, 0.1, 0.05, 1.0);
 const BLUE: Vec4 = Vec4::new(0.02, 0.05, 0.6, 1.0);
@@ -34,16 +33,7 @@ fn strip(materials: &[usize]) -> Surface {
                 patches.push(*material as u32);
             }
         }
-        let source = String::new();
-        let (first_triangle, names) = (8 * row, Vec::new());
-        mesh.parts.push(MeshPart {
-            source,
-            names,
-            material: *material,
-            first_triangle,
-            triangle_count: 8,
-            has_uvs: false,
-        });
+        mesh.parts.push(part(*material, 8 * row, 8));
     }
     let n = mesh.positions.len();
     (mesh.normals, mesh.uvs, mesh.colors) = (vec![Vec3::Y; n], vec![Vec2::ZERO; n], vec![[255; 4]; n]);
@@ -215,8 +205,7 @@ fn bare_skin_keeps_its_colour_and_colours_no_hair() {
 #[test]
 fn root_colours_do_not_depend_on_thread_count() {
     let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let painted = pool.install(|| paint(&[0, 1, 0, 1], &[RED, BLUE], &[true; 2]));
+        let painted = on_threads(threads, || paint(&[0, 1, 0, 1], &[RED, BLUE], &[true; 2]));
         (painted.image(1).clone(), painted.surface.mesh, painted.info)
     };
     let (one, four) = (on(1), on(4));

@@ -70,8 +70,7 @@ impl Atlas {
     /// Packs the furred triangles of `surface` into a texture of `side` texels in width and height. Vertices shared by
     /// several charts, or by a chart and a bare part, are duplicated.
     ///
-    /// # Errors
-    /// [`BakeError::Params`] naming `color.pattern_texels` if the charts do not fit.
+    /// Fails with [`BakeError::Params`] naming `color.pattern_texels` if the charts do not fit.
     pub fn new(surface: &mut Surface, side: u32) -> Result<Self, BakeError> {
         Self::pack(surface, side).map_err(|TooManyCharts { charts }| BakeError::Params {
             what: "color.pattern_texels",

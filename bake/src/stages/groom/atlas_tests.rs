@@ -1,5 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 
 fn boxes(sizes: &[[f32; 2]]) -> Vec<(Vec2, Vec2)> {

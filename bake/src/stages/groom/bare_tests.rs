@@ -1,31 +1,14 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
+use crate::stages::fixtures::{self, part};
 use glam::Vec3;
 use pelage_import::mesh::{Mesh, MeshPart};
 
 /// Appends a sphere as a separate part, without its lowest `missing` rings.
 fn add_ball(mesh: &mut Mesh, material: usize, names: &[&str], center: Vec3, radius: f32, missing: u32) {
-    let (rings, sides) = (12u32, 12u32);
-    let (base, first_triangle) = (mesh.positions.len() as u32, mesh.triangles.len());
-    for (i, j) in (0..=rings).flat_map(|i| (0..sides).map(move |j| (i, j))) {
-        let (a, b) = (i as f32 / rings as f32 * std::f32::consts::PI, j as f32 / sides as f32);
-        let (b, ring) = (b * std::f32::consts::TAU, if i == 0 || i == rings { 0.0 } else { a.sin() });
-        mesh.positions.push(center + radius * Vec3::new(ring * b.cos(), a.cos(), ring * b.sin()));
-        mesh.normals.push(Vec3::Y);
-        let at = |i: u32, j: u32| base + i * sides + j % sides;
-        if i < rings - missing {
-            mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
-            mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
-        }
-    }
-    mesh.parts.push(MeshPart {
-        material,
-        names: names.iter().map(|name| (*name).to_owned()).collect(),
-        first_triangle,
-        triangle_count: mesh.triangles.len() - first_triangle,
-        ..MeshPart::default()
-    });
+    let first = mesh.triangles.len();
+    fixtures::add_ball(mesh, center, radius, missing);
+    let names = names.iter().map(|name| (*name).to_owned()).collect();
+    mesh.parts.push(MeshPart { names, ..part(material, first, mesh.triangles.len() - first) });
 }
 
 fn material(name: &str) -> Material {

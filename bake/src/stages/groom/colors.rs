@@ -112,8 +112,7 @@ impl<'a> UsedImages<'a> {
 ///
 /// Alpha is 1 on all materials that are not cut away where it is low (glTF `MASK`).
 ///
-/// # Errors
-/// [`BakeError::Internal`] if an image was not read.
+/// Fails with [`BakeError::Internal`] if an image was not read.
 pub fn colors(
     model: &Model,
     at: &Vertices<'_>,
@@ -253,14 +252,7 @@ mod tests {
             uvs: vec![glam::Vec2::ZERO; 3],
             colors: vec![[255; 4]; 3],
             triangles: vec![[0, 1, 2]],
-            parts: vec![MeshPart {
-                source: "t".into(),
-                material: 0,
-                first_triangle: 0,
-                triangle_count: 1,
-                has_uvs: false,
-                ..MeshPart::default()
-            }],
+            parts: vec![MeshPart { source: "t".into(), ..crate::stages::fixtures::part(0, 0, 1) }],
             ..Mesh::default()
         };
         let mut model = Model { mesh, materials: vec![Material::default(); 2], ..Model::default() };

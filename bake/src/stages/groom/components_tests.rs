@@ -1,8 +1,7 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
+use crate::stages::fixtures::{self, node};
 use crate::stages::groom::split_listed;
-use pelage_formats::{Joint, Node, SkinVertex};
+use pelage_formats::{Joint, SkinVertex};
 use pelage_import::mesh::{Material, Mesh, MeshPart};
 
 /// Nodes of the skeleton: name and parent.
@@ -11,36 +10,19 @@ const NODES: [(&str, Option<u32>); 5] =
 
 /// Appends a sphere of 12 rings that follows one joint, and returns its triangles.
 fn add_ball(mesh: &mut Mesh, joint: u16, center: Vec3, radius: f32) -> std::ops::Range<usize> {
-    let (rings, sides) = (12u32, 12u32);
-    let (base, first) = (mesh.positions.len() as u32, mesh.triangles.len());
-    for (i, j) in (0..=rings).flat_map(|i| (0..sides).map(move |j| (i, j))) {
-        let (a, b) = (i as f32 / rings as f32 * std::f32::consts::PI, j as f32 / sides as f32);
-        let (b, ring) = (b * std::f32::consts::TAU, if i == 0 || i == rings { 0.0 } else { a.sin() });
-        mesh.positions.push(center + radius * Vec3::new(ring * b.cos(), a.cos(), ring * b.sin()));
-        mesh.normals.push(Vec3::Y);
-        mesh.skin.push(SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] });
-        let at = |i: u32, j: u32| base + i * sides + j % sides;
-        if i < rings {
-            mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
-            mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
-        }
-    }
+    let first = mesh.triangles.len();
+    fixtures::add_ball(mesh, center, radius, 0);
+    mesh.skin.resize(mesh.positions.len(), SkinVertex { joints: [joint, 0, 0, 0], weights: [1.0, 0.0, 0.0, 0.0] });
     first..mesh.triangles.len()
 }
 
 /// Builds a head of radius 1 m in one material, and a ball for each entry: joint, centre, radius. Returns also the
 /// triangles of each ball.
 fn avatar(balls: &[(u16, Vec3, f32)]) -> (Model, Vec<std::ops::Range<usize>>) {
-    let node = |(name, parent): (&str, Option<u32>)| Node {
-        name: name.into(),
-        parent,
-        translation: [0.0; 3],
-        rotation: [0.0, 0.0, 0.0, 1.0],
-        scale: [1.0; 3],
-    };
     let inverse_bind = glam::Mat4::IDENTITY.to_cols_array();
     let joints = (0..NODES.len() as u32).map(|node| Joint { node, inverse_bind }).collect();
-    let animation = Animation { nodes: NODES.map(node).to_vec(), joints, ..Animation::default() };
+    let animation =
+        Animation { nodes: NODES.map(|(name, parent)| node(name, parent)).to_vec(), joints, ..Animation::default() };
     let mut mesh = Mesh::default();
     add_ball(&mut mesh, 1, Vec3::ZERO, 1.0);
     let ranges = balls.iter().map(|(joint, center, radius)| add_ball(&mut mesh, *joint, *center, *radius)).collect();

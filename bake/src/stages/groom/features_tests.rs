@@ -1,6 +1,5 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
+use crate::stages::fixtures::part;
 use glam::Vec3;
 
 /// Name and grey of the materials: black, brown, and the white of eyes.
@@ -32,13 +31,7 @@ fn add_ball(model: &mut Model, center: Vec3, radius: f32, names: &[&str], materi
         let triangle_count = mesh.triangles.len() - first_triangle;
         if triangle_count > 0 {
             let names = names.iter().map(|name| (*name).to_owned()).collect();
-            mesh.parts.push(MeshPart {
-                material: wanted,
-                names,
-                first_triangle,
-                triangle_count,
-                ..MeshPart::default()
-            });
+            mesh.parts.push(MeshPart { names, ..part(wanted, first_triangle, triangle_count) });
         }
     }
 }

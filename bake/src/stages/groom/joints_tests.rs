@@ -1,18 +1,10 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::Recipe;
-use pelage_formats::{Joint, Node};
+use crate::stages::fixtures::node;
+use pelage_formats::Joint;
 
 /// Builds a rig of a root, which is not a joint, and four joints: neck (0), head (1), left ear (2) and right ear (3).
 fn rig() -> Animation {
-    let node = |name: &str, parent| Node {
-        name: name.into(),
-        parent,
-        translation: [0.0; 3],
-        rotation: [0.0, 0.0, 0.0, 1.0],
-        scale: [1.0; 3],
-    };
     let nodes = vec![
         node("Armature", None),
         node("Neck", Some(0)),

@@ -33,8 +33,7 @@ pub struct MapImages {
 impl MapImages {
     /// Returns the image with that path.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] if it was not read.
+    /// Fails with [`BakeError::Internal`] if it was not read.
     pub fn get(&self, path: &str) -> Result<&Image, BakeError> {
         self.images.get(path).ok_or_else(|| BakeError::Internal(format!("the image {path:?} was not read")))
     }
@@ -263,8 +262,7 @@ impl<'a> Maps<'a> {
     /// Evaluates density and comb direction at the vertices of `mesh`, whose rest pose is `rest`. Materials without a
     /// comb direction get the direction `elsewhere`.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] if an image was not read.
+    /// Fails with [`BakeError::Internal`] if an image was not read.
     pub fn layout_maps(&self, mesh: &Mesh, rest: &RestPose, elsewhere: Vec3) -> Result<LayoutMaps, BakeError> {
         let at = &Vertices::of_model(mesh, rest);
         let furred = || self.materials.iter().filter(|m| m.furred);
@@ -300,8 +298,7 @@ impl<'a> Maps<'a> {
 
     /// Evaluates length, lean, wetness and bareness at vertices.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] if an image was not read.
+    /// Fails with [`BakeError::Internal`] if an image was not read.
     pub fn vertex_groom(&self, at: &Vertices<'_>) -> Result<VertexGroom, BakeError> {
         let mesh = at.mesh;
         let at_vertices = |map: &ScalarMap| self.over.at_vertices() || map.image().is_none();
@@ -357,8 +354,7 @@ impl<'a> Maps<'a> {
 
     /// Combines the images of bareness and wetness into textures, one for each distinct pair of images.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] if an image was not read.
+    /// Fails with [`BakeError::Internal`] if an image was not read.
     pub fn textures(&self) -> Result<GroomTextures, BakeError> {
         let mut textures = GroomTextures::default();
         let mut known: Vec<(Option<&ScalarMap>, Option<&ScalarMap>)> = Vec::new();

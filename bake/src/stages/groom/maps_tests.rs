@@ -1,26 +1,21 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{Channel, Recipe};
+use crate::stages::fixtures;
 
 /// Builds a square of two triangles that share the diagonal, in the materials "skin" and "Nose". Texture coordinates
 /// are (x, 1 − y).
 fn square() -> (Mesh, Vec<Material>, RestPose) {
     let positions = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
-    let part = |material, first_triangle| MeshPart {
-        source: format!("part {material}"),
-        names: Vec::new(),
-        material,
-        first_triangle,
-        triangle_count: 1,
-        has_uvs: true,
+    let part = |material| {
+        let source = format!("part {material}");
+        MeshPart { source, has_uvs: true, ..fixtures::part(material, material, 1) }
     };
     let mesh = Mesh {
         normals: vec![Vec3::Z; 4],
         uvs: positions.iter().map(|p| Vec2::new(p.x, 1.0 - p.y)).collect(),
         colors: vec![[0, 51, 102, 255], [255, 51, 102, 0], [255, 51, 102, 51], [0, 51, 102, 51]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        parts: vec![part(0, 0), part(1, 1)],
+        parts: vec![part(0), part(1)],
         positions,
         ..Mesh::default()
     };
@@ -155,13 +150,7 @@ fn tables_for_joints_win_over_maps_and_body() {
         density = 2\nwetness = 1\nbare = 0.5";
     let groom = Recipe::parse("r.toml", text).unwrap().groom;
     let (mut mesh, materials, rest) = square();
-    let node = pelage_formats::Node {
-        name: "Ear".into(),
-        parent: None,
-        translation: [0.0; 3],
-        rotation: [0.0, 0.0, 0.0, 1.0],
-        scale: [1.0; 3],
-    };
+    let node = fixtures::node("Ear", None);
     let other = pelage_formats::Node { name: "Back".into(), ..node.clone() };
     let joints = [0, 1].map(|node| pelage_formats::Joint { node, inverse_bind: [0.0; 16] }).to_vec();
     let animation = pelage_formats::Animation { nodes: vec![node, other], joints, ..Default::default() };

@@ -1,5 +1,5 @@
 use super::*;
-use pelage_import::mesh::MeshPart;
+use crate::stages::fixtures::part;
 
 /// Builds a furred strip of 1 m along x from 0, and bare triangles. The strip has a vertex every centimetre and
 /// separate vertices for each triangle.
@@ -16,12 +16,6 @@ fn strip(bare: &[[Vec3; 3]]) -> (Mesh, RestPose) {
         add([a, b + Vec3::Z * 0.01, a + Vec3::Z * 0.01]);
     }
     bare.iter().for_each(|corners| add(*corners));
-    let part = |material, first_triangle, triangle_count| MeshPart {
-        material,
-        first_triangle,
-        triangle_count,
-        ..MeshPart::default()
-    };
     mesh.parts = vec![part(0, 0, 200), part(1, 200, bare.len())];
     let rest = RestPose { normals: vec![Vec3::Y; mesh.positions.len()], positions: mesh.positions.clone() };
     (mesh, rest)

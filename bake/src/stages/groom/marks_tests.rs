@@ -1,29 +1,13 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::Recipe;
+use crate::stages::fixtures;
 use crate::stages::groom::{Colors, MapImages, Maps, Vertices, bounds, colors};
-use glam::Vec2;
-use pelage_import::mesh::{Material, Mesh, MeshPart, Model, RestPose};
+use pelage_import::mesh::{Material, Model, RestPose};
 
 /// Builds a sphere of radius 1 m without texture coordinates. The vertices along one meridian are duplicated.
 fn ball() -> Model {
-    let (rings, sides) = (32u32, 64u32);
-    let mut mesh = Mesh::default();
-    for (i, j) in (0..=rings).flat_map(|i| (0..=sides).map(move |j| (i, j))) {
-        let (a, b) =
-            (std::f32::consts::PI * i as f32 / rings as f32, std::f32::consts::TAU * (j % sides) as f32 / sides as f32);
-        mesh.positions.push(Vec3::new(a.sin() * b.sin(), a.cos(), a.sin() * b.cos()));
-    }
-    for (i, j) in (0..rings).flat_map(|i| (0..sides).map(move |j| (i, j))) {
-        let at = |i: u32, j: u32| i * (sides + 1) + j;
-        mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-        mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-    }
-    mesh.normals = mesh.positions.iter().map(|p| p.normalize()).collect();
-    let n = mesh.positions.len();
-    (mesh.uvs, mesh.colors) = (vec![Vec2::ZERO; n], vec![[255; 4]; n]);
-    mesh.parts = vec![MeshPart { triangle_count: mesh.triangles.len(), ..MeshPart::default() }];
+    let mut mesh = fixtures::ball(32, 64);
+    mesh.parts = vec![fixtures::part(0, 0, mesh.triangles.len())];
     let material = Material { base_color: [0.25, 0.125, 0.0625, 1.0], ..Material::default() };
     Model { mesh, materials: vec![material], ..Model::default() }
 }

@@ -48,8 +48,8 @@ impl ModelAtlas {
     ///
     /// * `file`: the model as the user named it, for messages
     ///
-    /// # Errors
-    /// [`BakeError::Input`] if no triangle has an area, or if there are more separate charts than any texture can hold.
+    /// Fails with [`BakeError::Input`] if no triangle has an area, or if there are more separate charts than any
+    /// texture can hold.
     pub fn new(file: &str, model: &Model) -> Result<Self, BakeError> {
         let diagonal_m = diagonal(&RestPose::of(&model.mesh, model.animation.as_ref()).positions);
         let patches = PatchParams { size: 1.0, turn_deg: 60.0, stretch: STRETCH, comb_weight: 0.0 };

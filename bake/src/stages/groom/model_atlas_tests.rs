@@ -1,38 +1,17 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::Recipe;
+use crate::stages::fixtures::{self, part};
 use crate::stages::groom::{ImageCoordinates, Vertices};
 use crate::stages::groom::{MapImages, Maps, colors};
-use pelage_import::mesh::{Image, Material, MeshPart};
+use pelage_import::mesh::{Image, Material};
 
 const RINGS: u32 = 24;
 const SIDES_OF_RING: u32 = 12;
 
 /// Builds a torus about the y axis with radii 0.3 m and 0.12 m, without texture coordinates, in two materials.
 fn torus() -> Model {
-    let mut mesh = Mesh::default();
-    for (i, j) in (0..RINGS).flat_map(|i| (0..SIDES_OF_RING).map(move |j| (i, j))) {
-        let turn = |k: u32, n: u32| k as f32 / n as f32 * std::f32::consts::TAU;
-        let (a, b) = (turn(i, RINGS), turn(j, SIDES_OF_RING));
-        let out = Vec3::new(a.cos(), 0.0, a.sin());
-        let normal = out * b.cos() + Vec3::Y * b.sin();
-        mesh.positions.push(out * 0.3 + normal * 0.12);
-        mesh.normals.push(normal);
-        let at = |i: u32, j: u32| i % RINGS * SIDES_OF_RING + j % SIDES_OF_RING;
-        mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
-        mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
-    }
-    let (n, triangles) = (mesh.positions.len(), mesh.triangles.len());
-    (mesh.uvs, mesh.colors) = (vec![Vec2::ZERO; n], vec![[255; 4]; n]);
-    let part = |material, first_triangle, triangle_count| MeshPart {
-        source: String::new(),
-        material,
-        first_triangle,
-        triangle_count,
-        has_uvs: false,
-        ..MeshPart::default()
-    };
+    let mut mesh = fixtures::torus(RINGS, SIDES_OF_RING, false);
+    let triangles = mesh.triangles.len();
     mesh.parts = vec![part(0, 0, triangles / 2), part(1, triangles / 2, triangles - triangles / 2)];
     let material = |name: &str| Material { name: name.into(), ..Material::default() };
     Model { mesh, materials: vec![material("coat"), material("other")], ..Model::default() }

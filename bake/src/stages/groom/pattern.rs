@@ -28,8 +28,7 @@ pub struct Pattern<'a> {
 impl<'a> Pattern<'a> {
     /// Returns the pattern of a recipe on a model with these bounds; `None` if the recipe has no pattern.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] if the image was not read.
+    /// Fails with [`BakeError::Internal`] if the image was not read.
     pub fn new(color: &ColorParams, images: &'a MapImages, bounds: &Bounds) -> Result<Option<Self>, BakeError> {
         let Some(path) = &color.pattern else { return Ok(None) };
         let image = images.get(&path.0)?;

@@ -1,12 +1,11 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{FilePath, GroomParams, PatternProjection};
+use crate::stages::fixtures::{self, part};
 use crate::stages::groom::{Maps, Vertices, colors};
 use crate::stages::surface::{Source, SurfaceParams, parameterize};
 use glam::Vec2;
 use pelage_formats::meaning::{linear_to_srgb, srgb_to_linear};
-use pelage_import::mesh::{Material, Mesh, MeshPart, Model};
+use pelage_import::mesh::{Material, Model};
 
 const SIDE: u32 = 512;
 
@@ -14,29 +13,9 @@ const SIDE: u32 = 512;
 /// another material.
 fn torus() -> Model {
     let (rings, sides) = (40u32, 20u32);
-    let mut mesh = Mesh::default();
-    for (i, j) in (0..rings).flat_map(|i| (0..sides).map(move |j| (i, j))) {
-        let (a, b) = ([(i, rings), (j, sides)]).map(|(k, n)| k as f32 / n as f32 * std::f32::consts::TAU).into();
-        let out = Vec3::new(a.cos(), 0.0, a.sin());
-        let normal = out * b.cos() + Vec3::Y * b.sin();
-        mesh.positions.push(out * 0.3 + normal * 0.12);
-        mesh.normals.push(normal);
-        let at = |i: u32, j: u32| i % rings * sides + j % sides;
-        mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
-        mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
-    }
-    let n = mesh.positions.len();
-    (mesh.uvs, mesh.colors) = (vec![Vec2::ZERO; n], vec![[255; 4]; n]);
+    let mut mesh = fixtures::torus(rings, sides, false);
     let bare = 2 * sides as usize;
     let total = mesh.triangles.len();
-    let part = |material, first_triangle, triangle_count| MeshPart {
-        source: String::new(),
-        names: Vec::new(),
-        material,
-        first_triangle,
-        triangle_count,
-        has_uvs: false,
-    };
     mesh.parts = vec![part(0, 0, total - bare), part(1, total - bare, bare)];
     let material = |name: &str| Material { name: name.into(), ..Material::default() };
     Model { mesh, materials: vec![material("coat"), material("bare")], ..Model::default() }

@@ -47,9 +47,8 @@ pub struct GuidedHair {
 
 /// Makes the hair groups of a recipe.
 ///
-/// # Errors
-/// [`BakeError::Input`] naming the recipe table if nothing can grow: the material does not exist, no triangle is left,
-/// or no guide touches the scalp.
+/// Fails with [`BakeError::Input`] naming the recipe table if nothing can grow: the material does not exist, no
+/// triangle is left, or no guide touches the scalp.
 pub fn groups(params: &StrandParams, ground: &GroomTarget<'_>) -> Result<GuidedHair, BakeError> {
     let mut hair = GuidedHair::default();
     if params.group.is_empty() && params.tuft.is_empty() {

@@ -27,8 +27,7 @@ pub struct RestMesh {
 impl RestMesh {
     /// Reads the mesh of a package in the rest pose.
     ///
-    /// # Errors
-    /// [`FormatError`] for a damaged section.
+    /// Fails with [`FormatError`] for a damaged section.
     pub fn of(package: &Package<'_>) -> Result<Self, FormatError> {
         let Some(mesh) = package.mesh()? else { return Ok(Self::default()) };
         let vertices = measured_vertices(package, &mesh)?;
@@ -70,8 +69,7 @@ impl GuidesAtRest<'_> {
     /// * `guides`: points of each guide in world space, metres, all finite
     /// * `exact`: quantised offsets of each guide, reused if the guide's points are still equal to the decoded ones
     ///
-    /// # Errors
-    /// The index of the guide, and the reason.
+    /// Fails with the index of the guide, and the reason.
     pub fn set(
         &self,
         group: &mut HairGroup,

@@ -1,6 +1,5 @@
-#![allow(clippy::unwrap_used, reason = "tests")]
-
 use super::*;
+use crate::stages::fixtures;
 use crate::stages::groom::MapImages;
 use pelage_formats::meaning::hair_groups::GrownGroup;
 use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPosition, RestPose};
@@ -8,34 +7,12 @@ use pelage_import::mesh::{Material, Mesh, MeshPart, NamedPosition, RestPose};
 /// Makes a ball of radius 0.1 m around the origin. Its material is "Scalp" above y = 0.03 and "Skin" below.
 fn ball() -> (Mesh, RestPose, Vec<Material>) {
     let (rings, around) = (24u32, 48u32);
-    let place = |i: u32, j: u32| {
-        let (polar, turn) =
-            (std::f32::consts::PI * i as f32 / rings as f32, std::f32::consts::TAU * j as f32 / around as f32);
-        Vec3::new(polar.sin() * turn.sin(), polar.cos(), polar.sin() * turn.cos())
-    };
-    let mut mesh = Mesh::default();
-    for (i, j) in (0..=rings).flat_map(|i| (0..=around).map(move |j| (i, j))) {
-        mesh.positions.push(0.1 * place(i, j));
-        mesh.normals.push(place(i, j));
-    }
-    mesh.uvs = vec![glam::Vec2::ZERO; mesh.positions.len()];
+    let mut mesh = fixtures::ball(rings, around);
+    mesh.positions.iter_mut().for_each(|p| *p *= 0.1);
     mesh.colors = mesh.normals.iter().map(|n| [if n.x < 0.0 { 0 } else { 255 }; 4]).collect();
-    let quad = |i: u32, j: u32| {
-        let at = |i, j| i * (around + 1) + j;
-        [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
-    };
-    let rows = |rows: std::ops::Range<u32>| rows.flat_map(|i| (0..around).flat_map(move |j| quad(i, j)));
     let border = 9;
-    mesh.triangles = rows(0..border).chain(rows(border..rings)).collect();
     let scalp = (border * around * 2) as usize;
-    let part = |material, first_triangle, triangle_count| MeshPart {
-        source: String::new(),
-        names: Vec::new(),
-        material,
-        first_triangle,
-        triangle_count,
-        has_uvs: true,
-    };
+    let part = |material, first, count| MeshPart { has_uvs: true, ..fixtures::part(material, first, count) };
     mesh.parts = vec![part(0, 0, scalp), part(1, scalp, mesh.triangles.len() - scalp)];
     let rest = RestPose::of(&mesh, None);
     let materials = ["Scalp", "Skin"].map(|name| Material { name: name.into(), ..Material::default() });

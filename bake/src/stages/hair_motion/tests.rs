@@ -1,6 +1,5 @@
-#![allow(clippy::unwrap_used, reason = "tests")]
 use super::*;
-use pelage_formats::{BodyCollider, GeometryVertex, Joint, Node, SkinVertex};
+use pelage_formats::{BodyCollider, GeometryVertex, Joint, SkinVertex};
 
 /// Makes a rod along x from -1 to 1 of radius 0.2. The left half follows joint 0, the right half joint 1.
 fn rod() -> (MeshData, Pose) {
@@ -73,13 +72,7 @@ fn tufts_are_stiff_and_groups_move() {
 #[test]
 fn recipe_capsules_replace_fitted_ones() {
     use crate::recipe::HairColliderParams;
-    let node = |name: &str| Node {
-        name: name.into(),
-        parent: None,
-        translation: [0.0; 3],
-        rotation: [0.0, 0.0, 0.0, 1.0],
-        scale: [1.0; 3],
-    };
+    let node = |name| crate::stages::fixtures::node(name, None);
     let animation = Animation {
         nodes: ["hip", "head"].map(node).into(),
         joints: [0, 1].map(|node| Joint { node, inverse_bind: Mat4::IDENTITY.to_cols_array() }).into(),

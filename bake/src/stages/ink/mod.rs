@@ -102,8 +102,7 @@ fn shading(p: &InkParams, fur: f32) -> InkShading {
 /// Computes the per-vertex part of the ink style, with warnings. `fur`: strength of the fur strokes, from
 /// [`fur_strength`].
 ///
-/// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.
+/// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] if an image was not read.
 pub fn vertex_ink(params: &InkParams, fur: f32, canvas: &InkTarget<'_>) -> Result<VertexInk, BakeError> {
     params.validate()?;
     let shading = shading(params, fur);
@@ -126,8 +125,7 @@ pub struct PaintedTextures {
 /// Paints and encodes the textures. `strands` are those of the tile of a furred model; the fur texture is painted only
 /// if they are given. `steps` counts each texture twice: when painted and when encoded.
 ///
-/// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used,
+/// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used,
 /// [`BakeError::Internal`] if the encoder fails or an image was not read.
 pub fn textures(
     params: &InkParams,
@@ -141,8 +139,7 @@ pub fn textures(
 
 /// Does the same as [`textures`], but reuses the results in `painting` if tables and images are unchanged.
 ///
-/// # Errors
-/// Same as [`textures`].
+/// Fails like [`textures`].
 pub fn textures_with_memo(
     params: &InkParams,
     pack: &PackParams,

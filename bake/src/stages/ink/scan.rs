@@ -120,9 +120,8 @@ fn remove_background(plane: &Plane) -> Plane {
 /// Makes a repeating tile from a scanned wash. The side is the image's shorter side, at most 2048 texels; the mean grey
 /// is 0.5.
 ///
-/// # Errors
-/// [`BakeError::Input`], naming file, key, what was found and what was expected, for an image that is too small or has
-/// no contrast.
+/// Fails with [`BakeError::Input`], naming file, key, what was found and what was expected, for an image that is too
+/// small or has no contrast.
 pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
     let (width, height) = (image.width as usize, image.height as usize);
     let shorter = width.min(height).max(1);
@@ -136,8 +135,7 @@ pub fn wash_tile(path: &str, image: &Image) -> Result<Plane, BakeError> {
 /// Makes a plane from a scanned stroke, with greys from 0 (ink) to 1 (paper). u runs along the stroke and repeats; v
 /// runs across it, from 0 at the outer edge to 1 at the inner edge. The plane has at most 2048 texels along each axis.
 ///
-/// # Errors
-/// Same as [`wash_tile`].
+/// Fails like [`wash_tile`].
 pub fn stroke_band(path: &str, image: &Image) -> Result<Plane, BakeError> {
     let grey = grey(image, MOST_SIDE, MOST_SIDE);
     check("ink.stroke_image", path, image, &grey)?;

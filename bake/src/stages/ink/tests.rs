@@ -1,5 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{ColorParams, HairParams, natural};
 use crate::stages::simulate::{VolumeParams, simulate};

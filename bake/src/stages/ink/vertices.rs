@@ -64,8 +64,7 @@ static FULL: ScalarMap = ScalarMap::Constant(1.0);
 ///
 /// Names that match no material are reported in `warnings`.
 ///
-/// # Errors
-/// [`BakeError::Internal`] if an image was not read.
+/// Fails with [`BakeError::Internal`] if an image was not read.
 pub fn vertices(
     params: &InkParams,
     shading: &InkShading,

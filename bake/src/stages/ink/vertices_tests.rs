@@ -1,42 +1,17 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{MaterialInk, Recipe};
+use crate::stages::fixtures;
 use pelage_import::mesh::Image;
 
 /// Makes a sphere around the origin, with rings of vertices from pole to pole along y. The second half of the triangles
 /// has another material.
 fn sphere(radius: f32) -> (Mesh, RestPose) {
-    let (rings, around) = (24u32, 32u32);
-    let mut mesh = Mesh::default();
-    for ring in 0..=rings {
-        for k in 0..around {
-            let (polar, turn) =
-                (std::f32::consts::PI * ring as f32 / rings as f32, std::f32::consts::TAU * k as f32 / around as f32);
-            let normal = Vec3::new(polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin());
-            mesh.positions.push(radius * normal);
-            mesh.normals.push(normal);
-        }
-    }
-    let count = mesh.positions.len();
+    let mut mesh = fixtures::ball(24, 32);
+    mesh.positions.iter_mut().for_each(|p| *p *= radius);
     mesh.uvs = mesh.normals.iter().map(|n| Vec2::new(0.5, 0.5 + 0.5 * n.y)).collect();
-    mesh.colors = vec![[51, 102, 153, 255]; count];
-    for ring in 0..rings {
-        for k in 0..around {
-            let at = |r: u32, k: u32| r * around + k % around;
-            mesh.triangles.push([at(ring, k), at(ring, k + 1), at(ring + 1, k)]);
-            mesh.triangles.push([at(ring, k + 1), at(ring + 1, k + 1), at(ring + 1, k)]);
-        }
-    }
+    mesh.colors.fill([51, 102, 153, 255]);
     let half = mesh.triangles.len() / 2;
-    let part = |material, first_triangle| MeshPart {
-        source: "sphere".into(),
-        names: Vec::new(),
-        material,
-        first_triangle,
-        triangle_count: half,
-        has_uvs: true,
-    };
+    let part = |material, first| MeshPart { has_uvs: true, ..fixtures::part(material, first, half) };
     mesh.parts = vec![part(0, 0), part(1, half)];
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     (mesh, rest)
@@ -115,7 +90,7 @@ fn materials_are_blank_washed_or_inked() {
         let (found, warnings) = evaluate(&params, 1.0, &MapImages::default());
         let of = |v: &InkVertex| (v.amount, v.solid, v.line);
         // Each pole belongs to one material, and the equator belongs to both.
-        ([of(&found.vertices[0]), of(&found.vertices[24 * 32]), of(&found.vertices[12 * 32])], found, warnings)
+        ([of(&found.vertices[0]), of(&found.vertices[24 * 33]), of(&found.vertices[12 * 33])], found, warnings)
     };
     assert_eq!(of(vec![]).0, [(255, 0, 255); 3]);
     assert_eq!(of(vec![table("EYE", "fill = \"solid\"\nline = 0.5")]).0[1], (255, 255, 128));
@@ -128,7 +103,7 @@ fn materials_are_blank_washed_or_inked() {
     assert_eq!(of(vec![table("eye", "fill = \"solid\"\namount = 0.4")]).0[1], (255, 102, 255));
     let (_, own, _) = of(vec![table("eye", "center = [0, -1, 0]")]);
     assert_eq!(
-        (own.vertices[0].wash, own.vertices[24 * 32].wash),
+        (own.vertices[0].wash, own.vertices[24 * 33].wash),
         ([0, 0], [0, 0]),
         "each material has its own centre"
     );
@@ -155,8 +130,8 @@ fn maps_are_read_at_the_vertices() {
     let texel = |v: usize| (found.vertices[v].amount, found.vertices[v].solid, found.vertices[v].line);
     // At the lower pole, v is 0, the upper border of the image. The image repeats, so its first and last row meet
     // there.
-    assert_eq!(texel(6 * 32), (255, 102, 64));
-    assert_eq!(texel(18 * 32), (0, 102, 64));
+    assert_eq!(texel(6 * 33), (255, 102, 64));
+    assert_eq!(texel(18 * 33), (0, 102, 64));
     assert!(found.center.y > -0.75, "the centre is sought where there is wash: {}", found.center);
     assert_eq!(set(&["ink.wash=0"]).center, Vec3::ZERO);
 }

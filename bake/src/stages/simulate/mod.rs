@@ -49,8 +49,7 @@ impl Default for VolumeParams {
 impl VolumeParams {
     /// Checks that the height is within its range.
     ///
-    /// # Errors
-    /// [`BakeError::Params`] naming the recipe key.
+    /// Fails with [`BakeError::Params`] naming the recipe key.
     pub fn validate(&self) -> Result<(), BakeError> {
         if (1e-3..=1e3).contains(&self.height) {
             return Ok(());
@@ -115,8 +114,7 @@ impl Strands {
 
     /// Checks that the lists have matching lengths and that all values are finite, as `slice` requires.
     ///
-    /// # Errors
-    /// [`BakeError::Internal`] naming the list or value at fault.
+    /// Fails with [`BakeError::Internal`] naming the list or value at fault.
     pub fn validate(&self) -> Result<(), BakeError> {
         let fail = |reason: String| Err(BakeError::Internal(format!("strands: {reason}")));
         let n = self.points.len();
@@ -156,8 +154,7 @@ const MAX_POINTS: u32 = 32 << 20;
 /// Each strand has its random arc length. No point is below the mesh surface or above [`Strands::height`], and all
 /// values are finite. The result depends only on the arguments, not on the number of threads.
 ///
-/// # Errors
-/// [`BakeError::Params`] for a value outside its range.
+/// Fails with [`BakeError::Params`] for a value outside its range.
 pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams) -> Result<Strands, BakeError> {
     simulate_with_underfur(params, &UnderfurParams { density: 0, ..UnderfurParams::default() }, color, volume)
 }
@@ -166,8 +163,7 @@ pub fn simulate(params: &HairParams, color: &ColorParams, volume: &VolumeParams)
 ///
 /// * `underfur`: parameters of the underfur, which has no strands by default
 ///
-/// # Errors
-/// Same as [`simulate`].
+/// Fails like [`simulate`].
 pub fn simulate_with_underfur(
     params: &HairParams,
     underfur: &UnderfurParams,

@@ -1,7 +1,6 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{HairColors, Style, natural};
+use crate::stages::fixtures::on_threads;
 
 fn grow(change: impl FnOnce(&mut HairParams)) -> Strands {
     let mut params = HairParams { density: 120, ..natural().hair };
@@ -12,9 +11,7 @@ fn grow(change: impl FnOnce(&mut HairParams)) -> Strands {
 #[test]
 fn simulated_hair_does_not_depend_on_thread_count() {
     for style in Style::ALL {
-        let on = |threads| {
-            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| grow(|p| p.style = *style))
-        };
+        let on = |threads| on_threads(threads, || grow(|p| p.style = *style));
         assert_eq!(on(1), on(4));
     }
 }

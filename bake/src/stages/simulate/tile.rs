@@ -21,8 +21,7 @@ pub struct TileHair {
 impl TileHair {
     /// Grows the strands.
     ///
-    /// # Errors
-    /// [`BakeError::Params`] for a value outside its range.
+    /// Fails with [`BakeError::Params`] for a value outside its range.
     pub fn grow(recipe: &Recipe, lengths: Lengths, water: FurWetness) -> Result<Self, BakeError> {
         let volume = VolumeParams { height: lengths.length_m / lengths.tile_size_m };
         let style = if water == FurWetness::Wet { WET } else { recipe.hair.style };
@@ -46,8 +45,7 @@ fn simulate_with_style(recipe: &Recipe, style: Style, volume: &VolumeParams) -> 
 
 /// Grows the strands of a recipe's tile, dry or wet according to its style.
 ///
-/// # Errors
-/// [`BakeError::Params`] for a value outside its range.
+/// Fails with [`BakeError::Params`] for a value outside its range.
 pub fn simulate_recipe(recipe: &Recipe, volume: &VolumeParams) -> Result<Strands, BakeError> {
     simulate_with_style(recipe, recipe.hair.style, volume)
 }

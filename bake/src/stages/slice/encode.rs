@@ -239,7 +239,6 @@ fn mip_chain(width: u32, height: u32, rgba: &[u8], color_space: ColorSpace) -> R
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
     use crate::recipe::DirectionFormat;
     use pelage_formats::{Limits, Manifest, Package, PackageWriter, TextureEntry};

@@ -70,8 +70,7 @@ pub fn shell_bytes(slice_params: &SliceParams, pack: &PackParams, with_coat: boo
 /// * `with_coat`: whether the far fur is added as the last array layer
 /// * `on_layer`: callback after each layer
 ///
-/// # Errors
-/// Same as [`slice_for_package`], and [`BakeError::Internal`] if the encoder fails.
+/// Fails like [`slice_for_package`], and with [`BakeError::Internal`] if the encoder fails.
 pub fn shell_textures(
     strands: &Strands,
     visibility: Option<&Visibility>,

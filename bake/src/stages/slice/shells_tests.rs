@@ -1,7 +1,6 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{ColorParams, HairParams};
+use crate::stages::fixtures::on_threads;
 use crate::stages::simulate::{VolumeParams, simulate};
 use crate::stages::slice::collect_layers;
 use pelage_formats::{Limits, Manifest, Package, PackageWriter, TextureEntry};
@@ -74,9 +73,6 @@ fn every_format_reads_back_layer_by_layer() {
 
 #[test]
 fn shell_textures_do_not_depend_on_thread_count() {
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| shell_textures(&strands(), None, &SLICE, &PackParams::default(), true, &mut || ()).unwrap())
-    };
-    assert!(on(1) == on(3));
+    let make = || shell_textures(&strands(), None, &SLICE, &PackParams::default(), true, &mut || ()).unwrap();
+    assert!(on_threads(1, make) == on_threads(3, make));
 }

@@ -91,9 +91,8 @@ type Sums = [f32; 8];
 
 /// Draws and encodes the fin slices; each is `depth` tile widths deep.
 ///
-/// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands or if the
-/// encoder fails.
+/// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands or
+/// if the encoder fails.
 pub fn fin_textures(
     strands: &Strands,
     depth: f32,

@@ -1,7 +1,6 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{ColorParams, HairParams, natural};
+use crate::stages::fixtures::on_threads;
 use crate::stages::simulate::{VolumeParams, simulate};
 
 const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
@@ -188,12 +187,9 @@ fn slab_opacity_falls_to_zero_at_the_tips() {
 
 #[test]
 fn fin_textures_do_not_depend_on_thread_count() {
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| fin_textures(&coat(), 0.05, &slice(64), &PackParams::default()).unwrap())
-    };
-    let one = on(1);
-    assert!(one == on(3));
+    let make = || fin_textures(&coat(), 0.05, &slice(64), &PackParams::default()).unwrap();
+    let one = on_threads(1, make);
+    assert!(one == on_threads(3, make));
     assert_eq!((one.width, one.height), (128, 64), "a volume 0.4 tiles high");
     let error = fin_textures(&coat(), 0.0, &slice(64), &PackParams::default()).unwrap_err().to_string();
     assert!(error.contains("fins.depth") && error.contains("0.001..=8"), "{error}");

@@ -40,9 +40,8 @@ pub struct ShellSet {
 /// borders. The memory needed in addition to the strands is about 80 bytes per texel of one layer, and 4 bytes for each
 /// segment in each layer that it crosses.
 ///
-/// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands, and any error
-/// of `sink`.
+/// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands,
+/// and any error of `sink`.
 pub fn slice(
     strands: &Strands,
     params: &SliceParams,
@@ -55,8 +54,7 @@ pub fn slice(
 /// Does the same as [`slice()`], and adds the coefficients of `visibility` if given. If `with_coat` is set, it also
 /// passes the far fur to `sink` as a last layer with index `params.layers`, and returns its statistics.
 ///
-/// # Errors
-/// Same as [`slice()`].
+/// Fails like [`slice()`].
 pub fn slice_for_package(
     strands: &Strands,
     visibility: Option<&Visibility>,
@@ -148,8 +146,7 @@ fn filter(width: f32, halvings: u32) -> (f32, f32) {
 
 /// Slices like [`slice()`], with all layers in memory.
 ///
-/// # Errors
-/// Same as [`slice()`].
+/// Fails like [`slice()`].
 pub fn collect_layers(
     strands: &Strands,
     params: &SliceParams,

@@ -1,7 +1,6 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::*;
 use crate::recipe::{ColorParams, HairParams, natural};
+use crate::stages::fixtures::on_threads;
 use crate::stages::simulate::{VolumeParams, simulate};
 use glam::Vec3;
 use pelage_formats::meaning::linear_to_srgb;
@@ -33,10 +32,7 @@ fn params(layers: u32, tile_texels: u32) -> SliceParams {
 #[test]
 fn sliced_layers_do_not_depend_on_thread_count() {
     let hair = HairParams { density: 400, lean: 0.8, ..natural().hair };
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| layers(&strands(&hair), &params(8, 128)).unwrap())
-    };
+    let on = |threads| on_threads(threads, || layers(&strands(&hair), &params(8, 128)).unwrap());
     let one = on(1);
     assert_eq!(one, on(2));
     assert_eq!(one, on(5));

@@ -64,9 +64,8 @@ pub struct Surface {
 
 /// Computes hair-tile coordinates for a model.
 ///
-/// # Errors
-/// [`BakeError::Params`] for a parameter outside its range. [`BakeError::Input`], naming the primitive, if a furred
-/// part lacks the texture coordinates that [`Source::Model`] or [`Comb::Tangents`] needs.
+/// Fails with [`BakeError::Params`] for a parameter outside its range. [`BakeError::Input`], naming the primitive, if a
+/// furred part lacks the texture coordinates that [`Source::Model`] or [`Comb::Tangents`] needs.
 pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result<Surface, BakeError> {
     params.check()?;
     require_uvs(file, model, params)?;

@@ -167,7 +167,6 @@ impl Factor {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
     use super::*;
     use crate::noise::uniform;
 

@@ -72,8 +72,7 @@ impl Visibility {
 ///
 /// * `horizon`: fixed horizon; if `None`, a suitable one is chosen
 ///
-/// # Errors
-/// [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands.
+/// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Internal`] for inconsistent strands.
 pub fn visibility(strands: &Strands, params: &VisibilityParams, horizon: Option<f32>) -> Result<Visibility, BakeError> {
     params.validate()?;
     strands.validate()?;

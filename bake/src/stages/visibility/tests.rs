@@ -1,7 +1,6 @@
-#![allow(clippy::unwrap_used, reason = "tests")]
-
 use super::*;
 use crate::recipe::{ColorParams, HairParams, SliceParams, natural};
+use crate::stages::fixtures::on_threads;
 use crate::stages::simulate::{VolumeParams, simulate};
 use crate::stages::slice::slice_for_package;
 use pelage_formats::TextureFormat;
@@ -84,11 +83,8 @@ fn tips_are_lit_and_roots_are_shadowed() {
 
 #[test]
 fn tile_without_strands_is_lit_on_any_number_of_threads() {
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| visibility(&grown(60), &VisibilityParams::default(), None).unwrap())
-    };
-    assert_eq!(on(1), on(3));
+    let make = || visibility(&grown(60), &VisibilityParams::default(), None).unwrap();
+    assert_eq!(on_threads(1, make), on_threads(3, make));
     let bare = Strands { height: 0.1, offsets: vec![0], ..Strands::default() };
     let found = visibility(&bare, &VisibilityParams::default(), None).unwrap();
     assert!(found.skin.iter().all(|c| (c.x - 1.0).abs() < 1e-2 && c.truncate().length() < 1.1), "{:?}", found.skin[0]);

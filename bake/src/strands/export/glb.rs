@@ -16,8 +16,7 @@ const LINES: u64 = 1;
 
 /// Writes strands with `COLOR_0` (linear RGB) and `_RADIUS` (metres).
 ///
-/// # Errors
-/// Errors of `out`; [`io::ErrorKind::InvalidInput`] if the file would exceed the container's limit of 4 GiB.
+/// Fails with errors of `out`; [`io::ErrorKind::InvalidInput`] if the file would exceed the container's limit of 4 GiB.
 pub fn write_glb(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     let mut layout = Layout::default();
     let (nodes, meshes): (Vec<Value>, Vec<Value>) = curves

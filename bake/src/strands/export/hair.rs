@@ -31,9 +31,8 @@ fn info(curves: &Curves) -> String {
 
 /// Writes strands. Thickness is the diameter of the hair; colours are linear RGB.
 ///
-/// # Errors
-/// Errors of `out`; [`io::ErrorKind::InvalidInput`] if a strand has more than 65 535 segments or all strands together
-/// more than 2³² − 1 points, the limits of the format.
+/// Fails with errors of `out`; [`io::ErrorKind::InvalidInput`] if a strand has more than 65 535 segments or all strands
+/// together more than 2³² − 1 points, the limits of the format.
 pub fn write_hair(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     let points =
         u32::try_from(curves.points.len()).map_err(|_| too_many("points", curves.points.len(), u32::MAX.into()))?;

@@ -50,8 +50,8 @@ impl StrandFormat {
 
     /// Writes strands.
     ///
-    /// # Errors
-    /// Errors of `out`, and [`io::ErrorKind::InvalidInput`] if there are more strands than the format permits.
+    /// Fails with errors of `out`, and [`io::ErrorKind::InvalidInput`] if there are more strands than the format
+    /// permits.
     pub fn write(self, curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
         match self {
             Self::Text => write_text(curves, out),

@@ -7,8 +7,7 @@ use std::io::{self, Write};
 /// Writes the mesh: positions, texture coordinates, normals, and triangles grouped by material. `materials` is the name
 /// of the .mtl file written by [`write_mtl`].
 ///
-/// # Errors
-/// Errors of `out`.
+/// Fails with errors of `out`.
 pub fn write_obj(skin: &PosedMesh, materials: &str, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# {} vertices, {} triangles, metres, y up", skin.vertices.len(), skin.triangles.len())?;
     writeln!(out, "mtllib {materials}")?;
@@ -38,8 +37,7 @@ pub fn write_obj(skin: &PosedMesh, materials: &str, out: &mut dyn Write) -> io::
 
 /// Writes the mesh's materials. `Kd` is the mean base colour of a material over the mesh surface, weighted by area.
 ///
-/// # Errors
-/// Errors of `out`.
+/// Fails with errors of `out`.
 pub fn write_mtl(skin: &PosedMesh, out: &mut dyn Write) -> io::Result<()> {
     let mut sums = vec![(Vec4::ZERO, 0.0f32); skin.materials.len()];
     for (triangle, material) in skin.material_of.iter().enumerate() {

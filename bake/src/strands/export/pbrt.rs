@@ -14,8 +14,7 @@ use std::io::{self, Write};
 /// named `strands/` followed by the group's name. It is diffuse, in the mean colour of the group's points, because pbrt
 /// supports a material, but no colour, per curve.
 ///
-/// # Errors
-/// Errors of `out`.
+/// Fails with errors of `out`.
 pub fn write_pbrt(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# {} strands in {} straight pieces, metres, y up", curves.len(), curves.segments())?;
     // Names are used within a quoted string and on a comment line.

@@ -1,4 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
 use super::*;
 use crate::strands::{CurvePoint, PosedMaterial, PosedMesh, PosedVertex};
 use glam::{DVec3, Vec2, Vec3, Vec4};

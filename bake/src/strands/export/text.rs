@@ -9,8 +9,7 @@ use std::io::{self, Write};
 
 /// Writes strands as text. Parsing the numbers gives the same bits.
 ///
-/// # Errors
-/// Errors of `out`.
+/// Fails with errors of `out`.
 pub fn write_text(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     for strand in 0..curves.len() {
         if strand > 0 {

@@ -19,8 +19,7 @@ const ITEMS_PER_LINE: usize = 16;
 /// * The name of a group is converted to an identifier. If the conversion changes it, the `displayName` of the prim
 ///   keeps the original.
 ///
-/// # Errors
-/// Errors of `out`.
+/// Fails with errors of `out`.
 pub fn write_usda(curves: &Curves, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "#usda 1.0\n(\n    defaultPrim = \"strands\"")?;
     writeln!(out, concat!("    doc = \"pelage ", env!("CARGO_PKG_VERSION"), "\""))?;

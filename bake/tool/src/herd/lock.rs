@@ -19,9 +19,7 @@ pub struct RunLock {
 impl RunLock {
     /// Locks the output folder of a herd.
     ///
-    /// # Errors
-    ///
-    /// [`Failure::Bake`] if another process has locked it, or the file cannot be written.
+    /// Fails with [`Failure::Bake`] if another process has locked it, or the file cannot be written.
     pub fn new(herd: &Herd) -> Result<Self, Failure> {
         let folder = herd.path(&herd.internal_folder());
         make_folder(&folder)?;

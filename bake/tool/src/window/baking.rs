@@ -55,9 +55,7 @@ impl BakeThread {
 
     /// Bakes the model with a recipe and images. `None` reuses the images of the previous bake.
     ///
-    /// # Errors
-    ///
-    /// Errors of the bake; [`BakeError::Internal`] if the thread has ended.
+    /// Fails with errors of the bake; [`BakeError::Internal`] if the thread has ended.
     pub fn bake(
         &self,
         recipe: Recipe,

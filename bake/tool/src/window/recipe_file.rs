@@ -50,7 +50,6 @@ fn with(text: &str, edits: &[String]) -> Result<String, (String, String)> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a failing unwrap is a failing test")]
     use super::*;
 
     #[test]

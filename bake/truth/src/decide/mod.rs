@@ -248,17 +248,13 @@ pub trait Judge {
 
     /// Measures one setting.
     ///
-    /// # Errors
-    ///
-    /// Defined by the judge; an error ends the search.
+    /// The judge defines the errors; an error ends the search.
     fn measure(&mut self, setting: &Setting) -> Result<SettingFigures, Self::Error>;
 
     /// Times the frames of several settings once more, in turns, so that other load on the machine affects all of them
     /// alike. Returns one time for each of `settings`, in their order.
     ///
-    /// # Errors
-    ///
-    /// The errors of [`Self::measure`].
+    /// Fails with the errors of [`Self::measure`].
     fn retime(&mut self, settings: &[Setting]) -> Result<Vec<FrameTime>, Self::Error>;
 }
 
@@ -331,9 +327,7 @@ impl Decision {
 impl Limits {
     /// Checks that the limits are positive numbers.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Params`] if one is not.
+    /// Fails with [`BakeError::Params`] if one is not.
     pub fn validate(&self) -> Result<(), BakeError> {
         for figure in Figure::ALL {
             if let Some(limit) = self.of(figure).filter(|limit| !(limit.is_finite() && *limit > 0.0)) {

@@ -24,9 +24,7 @@ const MOST_AGAIN: usize = 6;
 /// Searches for the setting that the limits ask for: the fastest if the error is limited, else the most accurate.
 /// Returns the best that meets all limits. If none does, returns the nearest to them.
 ///
-/// # Errors
-///
-/// Those of the judge.
+/// Fails with the errors of the judge.
 pub fn decide<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
     let mut search = Search { space, limits, trials: Vec::new(), models: models() };
     search.measure(space.start, judge)?;
@@ -52,9 +50,7 @@ pub fn decide<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J) ->
 
 /// Measures every setting of the space. Slow; a reference for [`decide`].
 ///
-/// # Errors
-///
-/// Those of the judge.
+/// Fails with the errors of the judge.
 pub fn exhaustive<J: Judge>(space: &SettingSpace, limits: &Limits, judge: &mut J) -> Result<Decision, J::Error> {
     let mut search = Search { space, limits, trials: Vec::new(), models: models() };
     space.settings.iter().try_for_each(|setting| search.measure(*setting, judge))?;

@@ -11,9 +11,7 @@ use pelage_import::BakeError;
 /// Changes without savings are not advised. For example, thinner or thicker hair changes the look of the fur but not
 /// the number of fragments.
 ///
-/// # Errors
-///
-/// The errors of [`super::diagnose`].
+/// Fails with the errors of [`super::diagnose`].
 pub(super) fn advise(
     package: &Package<'_>,
     view: &PrognosisView,

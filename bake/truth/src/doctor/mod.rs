@@ -53,9 +53,8 @@ impl Vertex {
 ///
 /// * `fault`: converts an error of the package; adds the file name
 ///
-/// # Errors
-///
-/// [`BakeError::Package`] for damaged sections. [`BakeError::Params`] if eye and target of the camera coincide.
+/// Fails with [`BakeError::Package`] for damaged sections. [`BakeError::Params`] if eye and target of the camera
+/// coincide.
 pub fn diagnose(
     package: &Package<'_>,
     view: &PrognosisView,

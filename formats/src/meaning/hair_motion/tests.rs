@@ -1,9 +1,17 @@
-#![allow(clippy::unwrap_used, reason = "tests")]
 use super::*;
 use std::f32::consts::{PI, TAU};
 
 const CALM: Wind = Wind { velocity: Vec3::ZERO, gust: 0.0, gust_s: 3.0, turbulence: 0.0, eddy_m: 0.5 };
 const SPRINGS: Springs = Springs { drag_per_s: 2.0, shape_hz: 0.6, bend_hz: 1.5, friction: 0.2 };
+
+const FRAME: Frame<'_> = Frame {
+    seconds: 1.0 / 60.0,
+    before_s: 1.0 / 120.0,
+    gravity: Vec3::new(0.0, -GRAVITY, 0.0),
+    wind: CALM,
+    time_s: 0.0,
+    colliders: &[],
+};
 
 /// Guide with its simulation parameters.
 struct Guide {
@@ -53,14 +61,7 @@ impl Guide {
             let [from, to] = [number - 1, number].map(|n| n as f32 / fps);
             let colliders: Vec<[Capsule; 2]> =
                 collider(from).into_iter().zip(collider(to)).map(|(a, b)| [a, b]).collect();
-            let frame = Frame {
-                seconds: to - from,
-                before_s,
-                gravity: Vec3::NEG_Y * GRAVITY,
-                wind: CALM,
-                time_s: to,
-                colliders: &colliders,
-            };
+            let frame = Frame { seconds: to - from, before_s, time_s: to, colliders: &colliders, ..FRAME };
             before_s = advance_frame(&mut pearls, &groomed, &self.springs, &frame, rooted(from), rooted(to));
             at_end(&pearls, rooted(to));
         }
@@ -227,14 +228,7 @@ fn hair_motion_stays_finite() {
         // Simulate a frame of zero duration.
         let groomed = GroomedGuide { points: &guide.points, ballast: &guide.ballast, free: &guide.free };
         let mut pearls = still(0.0).groomed(&guide.points);
-        let frame = Frame {
-            seconds: 0.0,
-            before_s: 1.0 / 60.0,
-            gravity: Vec3::NEG_Y * GRAVITY,
-            wind: CALM,
-            time_s: 0.0,
-            colliders: &[],
-        };
+        let frame = Frame { seconds: 0.0, before_s: 1.0 / 60.0, ..FRAME };
         let moved = RootFrame { root: still(0.0).root + Vec3::X, frame: Mat3::IDENTITY };
         advance_frame(&mut pearls, &groomed, &guide.springs, &frame, still(0.0), moved);
         assert!(pearls.iter().all(|p| p.place.is_finite() && p.velocity == Vec3::ZERO));
@@ -277,15 +271,7 @@ fn wind_moves_hair_and_its_effect_decays() {
     let mut pearls = still(0.0).groomed(&guide.points);
     let mut blow = |velocity: Vec3, seconds: f32| {
         for _ in 0..(seconds * 60.0) as u32 {
-            let wind = Wind { velocity, ..CALM };
-            let frame = Frame {
-                seconds: 1.0 / 60.0,
-                before_s: 1.0 / 120.0,
-                gravity: Vec3::NEG_Y * GRAVITY,
-                wind,
-                time_s: 0.0,
-                colliders: &[],
-            };
+            let frame = Frame { wind: Wind { velocity, ..CALM }, ..FRAME };
             advance_frame(&mut pearls, &groomed, &guide.springs, &frame, still(0.0), still(0.0));
         }
         pearls[15].place

@@ -47,8 +47,7 @@ pub fn same_places<J: Eq + Hash>(vertices: impl Iterator<Item = ([f32; 3], Moved
 impl PlantingMesh {
     /// Creates the planting data from a package's stored mesh.
     ///
-    /// # Errors
-    /// [`FormatError`] for a damaged section.
+    /// Fails with [`FormatError`] for a damaged section.
     pub fn of_package(package: &Package<'_>, mesh: &MeshView<'_>) -> Result<Self, FormatError> {
         let (manifest, geometry) = (package.manifest(), shown_vertices(package, mesh)?);
         let indices: Vec<u32> = mesh.indices().collect();

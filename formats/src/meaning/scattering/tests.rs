@@ -1,5 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "tests")]
-
 use super::azimuthal::{GlintShape, over_section, wrapped};
 use super::gaussian_light::{BroadlyLitFibre, GaussianLight};
 use super::longitudinal::{Spread, i0e};

@@ -170,9 +170,7 @@ impl Shading {
 
     /// Checks every number; returns the field, what was found and what was expected.
     ///
-    /// # Errors
-    ///
-    /// The first number that is out of its range.
+    /// Fails with the first number that is out of its range.
     pub fn check(&self) -> Result<(), String> {
         finite("ambient", &self.ambient)?;
         finite("diffuse", &self.diffuse)?;

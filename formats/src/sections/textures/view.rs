@@ -74,9 +74,7 @@ impl<'a> TextureView<'a> {
     /// with the format. Block-compressed textures must have whole blocks at level 0, as WebGPU requires. Key/value data
     /// is ignored.
     ///
-    /// # Errors
-    ///
-    /// [`FormatError::Limit`] for sizes above `limits`, [`FormatError::Content`] for everything else.
+    /// Fails with [`FormatError::Limit`] for sizes above `limits`, [`FormatError::Content`] for everything else.
     pub fn parse(ktx2: &'a [u8], offset: u64, limits: &Limits) -> Result<Self, FormatError> {
         // From the `ktx2` crate, use only the types of header and level index. The crate's `Reader` panics on a
         // descriptor with block dimension 255, and its errors have no position.

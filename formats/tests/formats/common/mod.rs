@@ -266,13 +266,63 @@ pub fn sample_package_v2() -> Vec<u8> {
 
 /// Returns the sample package with an appended section.
 pub fn sample_with(add: impl FnOnce(PackageWriter<'_>) -> PackageWriter<'_>) -> Result<Vec<u8>, FormatError> {
+    changed_sample_with(|_| (), add)
+}
+
+/// Returns the sample package with a changed manifest and an appended section.
+pub fn changed_sample_with(
+    change: impl FnOnce(&mut Manifest),
+    add: impl FnOnce(PackageWriter<'_>) -> PackageWriter<'_>,
+) -> Result<Vec<u8>, FormatError> {
     let bytes = sample_package();
-    let package = Package::open(&bytes, &Limits::default())?;
-    let mut writer = PackageWriter::new(package.manifest().clone());
+    let package = open(&bytes);
+    let mut manifest = package.manifest().clone();
+    change(&mut manifest);
+    let mut writer = PackageWriter::new(manifest);
     for (index, section) in package.sections().iter().enumerate().skip(1) {
         writer = writer.section(section.tag, package.section_bytes(index)?);
     }
     add(writer).finish()
+}
+
+/// Opens a package with the default limits.
+pub fn open(bytes: &[u8]) -> Package<'_> {
+    Package::open(bytes, &Limits::default()).unwrap()
+}
+
+/// Returns the contents of the first section with the tag.
+pub fn section_bytes<'a>(package: &Package<'a>, tag: Tag) -> &'a [u8] {
+    package.section_bytes(package.sections().iter().position(|s| s.tag == tag).unwrap()).unwrap()
+}
+
+/// Checks that a change of any byte of the section is detected.
+pub fn assert_every_byte_is_checked(bytes: &[u8], tag: Tag) {
+    let section = *open(bytes).sections().iter().find(|s| s.tag == tag).unwrap();
+    for at in section.offset..section.offset + section.length {
+        let mut broken = bytes.to_vec();
+        broken[at as usize] ^= 0x10;
+        assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
+    }
+}
+
+/// Change of a sample, and text that the resulting error contains.
+pub type Refusal<T> = (fn(&mut T), &'static str);
+
+/// Checks that each change of the sample makes `pack` fail with an error in the section that contains the text.
+pub fn assert_refused<T>(
+    tag: Tag,
+    sample: impl Fn() -> T,
+    cases: &[Refusal<T>],
+    pack: impl Fn(&T) -> Result<Vec<u8>, FormatError>,
+) {
+    for (change, expected) in cases {
+        let mut changed = sample();
+        change(&mut changed);
+        let error = pack(&changed).unwrap_err();
+        assert_eq!(error.section(), Some(tag), "{error}");
+        let error = error.to_string();
+        assert!(error.contains(expected), "expected {expected:?} in: {error}");
+    }
 }
 
 /// Returns a package with every kind of section: the sections of version 2, those added since, one with an unknown tag,

@@ -8,7 +8,6 @@ use crate::model::Part;
 use crate::params::StyleKind;
 use crate::scene::{Recording, VisibleInstance, fin_draws};
 
-/// Shader of the `fins` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage fins",
     parts: hair_wgsl!(
@@ -23,7 +22,6 @@ impl PassId {
     pub const FINS: Self = Self(&PASS);
 }
 
-/// Descriptor of the `fins` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "fins",
     place: PassStage::Picture,

@@ -9,10 +9,9 @@ use crate::gpu::{BindingResource, ComputeSpec, DrawBindGroup, Shader, storage_in
 use crate::guide_motion::WindBlock;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches};
-use bytemuck::{Pod, Zeroable};
+use crate::shared::shader_struct::shader_struct;
 use pelage_formats::{AttributeVertex, GeometryVertex};
 
-/// Shader of the `fur_motion` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage fur motion",
     parts: &[
@@ -29,7 +28,6 @@ impl PassId {
     pub const FUR_MOTION: Self = Self(&PASS);
 }
 
-/// Descriptor of the `fur_motion` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "fur_motion",
     place: PassStage::Before,
@@ -41,20 +39,21 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Constants of a model for a frame, in shader layout.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(crate) struct FurMotion {
-    pub(crate) world_from_model: [[f32; 4]; 3],
-    pub(crate) origin: [f32; 3],
-    pub(crate) vertices: u32,
-    pub(crate) went: [f32; 3],
-    pub(crate) seconds: f32,
-    pub(crate) wind: WindBlock,
-    pub(crate) before_s: f32,
-    pub(crate) scale: f32,
-    pub(crate) strength: f32,
-    pub(crate) begins: u32,
+shader_struct! {
+    /// Constants of a model for a frame, in shader layout.
+    #[derive(Default)]
+    pub(crate) struct FurMotion {
+        pub(crate) world_from_model: [[f32; 4]; 3],
+        pub(crate) origin: [f32; 3],
+        pub(crate) vertices: u32,
+        pub(crate) went: [f32; 3],
+        pub(crate) seconds: f32,
+        pub(crate) wind: WindBlock,
+        pub(crate) before_s: f32,
+        pub(crate) scale: f32,
+        pub(crate) strength: f32,
+        pub(crate) begins: u32,
+    }
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {

@@ -9,10 +9,9 @@ use crate::guide_motion::WindBlock;
 use crate::model::StrandSource;
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
-use bytemuck::{Pod, Zeroable};
+use crate::shared::shader_struct::shader_struct;
 use pelage_formats::GeometryVertex;
 
-/// Shader of the `hair_motion` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage hair motion",
     parts: &[
@@ -29,7 +28,6 @@ impl PassId {
     pub const HAIR_MOTION: Self = Self(&PASS);
 }
 
-/// Descriptor of the `hair_motion` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "hair_motion",
     place: PassStage::Before,
@@ -41,30 +39,31 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Constants of a group's guides for a frame, in shader layout.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub(crate) struct HairMotion {
-    pub(crate) world_from_model: [[f32; 4]; 3],
-    pub(crate) model_from_world: [[f32; 4]; 3],
-    pub(crate) origin: [f32; 3],
-    pub(crate) points: u32,
-    pub(crate) went: [f32; 3],
-    pub(crate) steps: u32,
-    pub(crate) gravity: [f32; 3],
-    pub(crate) step_s: f32,
-    pub(crate) wind: WindBlock,
-    pub(crate) before_s: f32,
-    pub(crate) held: f32,
-    pub(crate) free: f32,
-    pub(crate) drag_per_s: f32,
-    pub(crate) shape_hz: f32,
-    pub(crate) bend_hz: f32,
-    pub(crate) friction: f32,
-    pub(crate) colliders: u32,
-    pub(crate) guides: u32,
-    pub(crate) fresh: u32,
-    pub(crate) reserved: [u32; 2],
+shader_struct! {
+    /// Constants of a group's guides for a frame, in shader layout.
+    #[derive(Default)]
+    pub(crate) struct HairMotion {
+        pub(crate) world_from_model: [[f32; 4]; 3],
+        pub(crate) model_from_world: [[f32; 4]; 3],
+        pub(crate) origin: [f32; 3],
+        pub(crate) points: u32,
+        pub(crate) went: [f32; 3],
+        pub(crate) steps: u32,
+        pub(crate) gravity: [f32; 3],
+        pub(crate) step_s: f32,
+        pub(crate) wind: WindBlock,
+        pub(crate) before_s: f32,
+        pub(crate) held: f32,
+        pub(crate) free: f32,
+        pub(crate) drag_per_s: f32,
+        pub(crate) shape_hz: f32,
+        pub(crate) bend_hz: f32,
+        pub(crate) friction: f32,
+        pub(crate) colliders: u32,
+        pub(crate) guides: u32,
+        pub(crate) fresh: u32,
+        pub(crate) reserved: [u32; 2],
+    }
 }
 
 fn run(frame: &mut Recording<'_>) -> Outcome {

@@ -7,7 +7,6 @@ use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
 
-/// Shader of the `hair_pose` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage hair pose",
     parts: &[
@@ -25,7 +24,6 @@ impl PassId {
     pub const HAIR_POSE: Self = Self(&PASS);
 }
 
-/// Descriptor of the `hair_pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "hair_pose",
     place: PassStage::Before,

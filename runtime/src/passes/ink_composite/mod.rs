@@ -5,7 +5,6 @@ use crate::gpu::{Draw, Shader, flag};
 use crate::params::{InkBackground, InkDebugView, StyleKind};
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
-/// Shader of the `ink_composite` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink composite",
     parts: ink_screen_wgsl!(include_str!("ink_composite.wgsl"), include_str!("../../debug/ink_show.wgsl")),
@@ -16,7 +15,6 @@ impl PassId {
     pub const INK_COMPOSITE: Self = Self(&PASS);
 }
 
-/// Descriptor of the `ink_composite` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_composite",
     place: PassStage::Picture,

@@ -6,7 +6,6 @@ use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
-/// Shader of the `ink_features` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink features", parts: ink_screen_wgsl!(include_str!("ink_features.wgsl")) };
 
@@ -18,7 +17,6 @@ impl PassId {
     pub const INK_FEATURES: Self = Self(&PASS);
 }
 
-/// Descriptor of the `ink_features` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_features",
     place: PassStage::Before,

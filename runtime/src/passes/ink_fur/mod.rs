@@ -8,7 +8,6 @@ use crate::model::Part;
 use crate::params::{InkDebugView, StyleKind};
 use crate::scene::{Recording, VisibleInstance, fin_draws, has_strokes, ink_surface_wgsl};
 
-/// Shader of the `ink_fur` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink fur",
     parts: ink_surface_wgsl!(
@@ -27,7 +26,6 @@ impl PassId {
     pub const INK_FUR: Self = Self(&PASS);
 }
 
-/// Descriptor of the `ink_fur` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_fur",
     place: PassStage::Picture,

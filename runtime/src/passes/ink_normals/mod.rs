@@ -12,7 +12,6 @@ use crate::surface::BARE_NORMALS;
 use pelage_formats::{GeometryVertex, InkVertex};
 use std::mem::offset_of;
 
-/// Shader of the `ink_normals` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink normals",
     parts: ink_surface_wgsl!(crate::study::form_wgsl!("ink/surface_forms.wgsl"), include_str!("ink_normals.wgsl")),
@@ -41,7 +40,6 @@ impl PassId {
     pub const INK_NORMALS: Self = Self(&PASS);
 }
 
-/// Descriptor of the `ink_normals` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_normals",
     place: PassStage::Before,

@@ -6,7 +6,6 @@ use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
-/// Shader of the `ink_stroke` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink stroke", parts: ink_screen_wgsl!(include_str!("ink_stroke.wgsl")) };
 
@@ -18,7 +17,6 @@ impl PassId {
     pub const INK_STROKE: Self = Self(&PASS);
 }
 
-/// Descriptor of the `ink_stroke` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_stroke",
     place: PassStage::Before,

@@ -7,7 +7,6 @@ use crate::gpu::{Shader, Target};
 use crate::params::StyleKind;
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
-/// Shader of the `ink_trace` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink trace", parts: ink_screen_wgsl!(include_str!("ink_trace.wgsl")) };
 
@@ -19,7 +18,6 @@ impl PassId {
     pub const INK_TRACE: Self = Self(&PASS);
 }
 
-/// Descriptor of the `ink_trace` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "ink_trace",
     place: PassStage::Before,

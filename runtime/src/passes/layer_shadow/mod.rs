@@ -19,7 +19,6 @@ use crate::scene::{DEPTH, MapTarget, Recording, VisibleInstance, begin_maps, lig
 use crate::shared::deep_opacity::DeepOpacity;
 use glam::Vec3;
 
-/// Shader of the `layer_shadow` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage layer shadow", parts: hair_wgsl!(include_str!("layer_shadow.wgsl")) };
 
@@ -34,7 +33,6 @@ impl PassId {
     pub const LAYER_SHADOW: Self = Self(&PASS);
 }
 
-/// Descriptor of the `layer_shadow` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "layer_shadow",
     place: PassStage::Before,

@@ -39,7 +39,6 @@ impl PassId {
     pub const POSE: Self = Self(&PASS);
 }
 
-/// Descriptor of the `pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "pose",
     place: PassStage::Before,

@@ -12,7 +12,6 @@ impl PassId {
     pub(crate) const PROBE: Self = Self(&PASS);
 }
 
-/// Descriptor of the `probe` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "probe",
     place: PassStage::Picture,

@@ -19,7 +19,7 @@ use crate::gpu::{BindingResource, Draw, RenderSpec, Shader, depth_texture, recor
 use crate::light::{CasterPass, HairMapKind, ShadowMaps};
 use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside_remark, record_depth};
-use bytemuck::{Pod, Zeroable};
+use crate::shared::shader_struct::shader_struct;
 
 /// Shader of the filter passes.
 pub(crate) const FILTER: Shader = Shader { name: "pelage shadow width", parts: &[include_str!("filter.wgsl")] };
@@ -29,7 +29,6 @@ impl PassId {
     pub const SHADOW_WIDTH: Self = Self(&PASS);
 }
 
-/// Descriptor of the `shadow_width` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "shadow_width",
     place: PassStage::Before,
@@ -42,18 +41,18 @@ pub(crate) const PASS: Pass = Pass {
     run,
 };
 
-/// Uniform block of the filter.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(crate) struct Filter {
-    pub(crate) near: f32,
-    pub(crate) far: f32,
-    pub(crate) shrink: i32,
-    pub(crate) least_gap: f32,
-    pub(crate) clear_gap: f32,
-    pub(crate) reserved0: f32,
-    pub(crate) reserved1: f32,
-    pub(crate) reserved2: f32,
+shader_struct! {
+    /// Uniform block of the filter.
+    pub(crate) struct Filter {
+        pub(crate) near: f32,
+        pub(crate) far: f32,
+        pub(crate) shrink: i32,
+        pub(crate) least_gap: f32,
+        pub(crate) clear_gap: f32,
+        pub(crate) reserved0: f32,
+        pub(crate) reserved1: f32,
+        pub(crate) reserved2: f32,
+    }
 }
 
 /// Maximum slope of a surface, relative to the plane perpendicular to the light. A steeper change of depth counts as a

@@ -8,7 +8,6 @@ use crate::params::StyleKind;
 use crate::scene::{Recording, VisibleInstance};
 use crate::surface::BARE_NORMALS;
 
-/// Shader of the `skin` pass.
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage skin", parts: hair_wgsl!(include_str!("../../hair/coat.wgsl"), include_str!("skin.wgsl")) };
 
@@ -17,7 +16,6 @@ impl PassId {
     pub const SKIN: Self = Self(&PASS);
 }
 
-/// Descriptor of the `skin` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "skin",
     place: PassStage::Picture,

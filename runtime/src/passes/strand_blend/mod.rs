@@ -5,7 +5,6 @@ use crate::gpu::{BindingResource, Draw, DrawBindGroup, RenderSpec, Shader, flag,
 use crate::params::StyleKind;
 use crate::scene::{NearestHairBlock, Recording};
 
-/// Shader of the `strand_blend` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand blend",
     parts: &[
@@ -22,7 +21,6 @@ impl PassId {
     pub const STRAND_BLEND: Self = Self(&PASS);
 }
 
-/// Descriptor of the `strand_blend` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_blend",
     place: PassStage::Picture,

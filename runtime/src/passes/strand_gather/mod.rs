@@ -7,7 +7,6 @@ use crate::gpu::{
 use crate::params::StyleKind;
 use crate::scene::{Dispatch, NearestHairBlock, Recording, record_dispatches, strand_sets};
 
-/// Shader of the `strand_gather` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand gather",
     parts: &[
@@ -22,7 +21,6 @@ impl PassId {
     pub const STRAND_GATHER: Self = Self(&PASS);
 }
 
-/// Descriptor of the `strand_gather` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_gather",
     place: PassStage::Before,

@@ -8,7 +8,6 @@ use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, record_dispatches, strand_sets};
 use pelage_formats::GeometryVertex;
 
-/// Shader of the `strand_pose` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand pose",
     parts: &[
@@ -26,7 +25,6 @@ impl PassId {
     pub const STRAND_POSE: Self = Self(&PASS);
 }
 
-/// Descriptor of the `strand_pose` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_pose",
     place: PassStage::Before,

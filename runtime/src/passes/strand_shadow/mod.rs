@@ -10,7 +10,6 @@ use crate::params::StyleKind;
 use crate::scene::{Dispatch, Recording, posed_layout, record_depth, record_dispatches, strand_sets};
 use crate::shared::deep_opacity::DeepOpacity;
 
-/// Shader of the `strand_shadow` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strand shadow",
     parts: &[
@@ -32,7 +31,6 @@ impl PassId {
     pub const STRAND_SHADOW: Self = Self(&PASS);
 }
 
-/// Descriptor of the `strand_shadow` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strand_shadow",
     place: PassStage::Before,

@@ -7,7 +7,6 @@ use crate::model::CORNER_BYTES;
 use crate::params::StyleKind;
 use crate::scene::{Recording, strand_sets};
 
-/// Shader of the `strands` pass.
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage strands",
     parts: &[
@@ -23,7 +22,6 @@ impl PassId {
     pub const STRANDS: Self = Self(&PASS);
 }
 
-/// Descriptor of the `strands` pass.
 pub(crate) const PASS: Pass = Pass {
     name: "strands",
     place: PassStage::Picture,

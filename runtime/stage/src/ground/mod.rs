@@ -73,8 +73,7 @@ pub(crate) struct Ground {
 impl Ground {
     /// Returns the ground of a cast, with the kind and the pipeline of this one.
     ///
-    /// # Errors
-    /// [`StageError::Package`] for a damaged package.
+    /// Fails with [`StageError::Package`] for a damaged package.
     pub(crate) fn below(&self, cast: &Cast<'_>) -> Result<Self, StageError> {
         let read = cast.packages.iter().map(|(file, package)| GroundCaster::of(package).map_err(|e| file.fault(e)));
         let casters = read.collect::<Result<_, _>>()?;

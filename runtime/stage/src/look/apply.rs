@@ -13,8 +13,7 @@ impl ShortForm {
 
     /// Sets the flag's knob in `look`, or appends to it if the flag is repeatable.
     ///
-    /// # Errors
-    /// The value found and the value expected; the look is then unchanged.
+    /// Fails with the value found and the value expected; the look is then unchanged.
     pub fn apply(&self, look: &mut Look, word: &str) -> Result<(), ParamError> {
         if !self.repeats {
             return pelage_params::set_word(look, self.key, word);

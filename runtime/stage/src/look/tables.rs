@@ -250,16 +250,14 @@ impl Look {
 
     /// Reads a look file over this look. Keys that are missing in the file are unchanged.
     ///
-    /// # Errors
-    /// Line and key of invalid TOML, an unknown table or key, a wrong type, or a value out of range.
+    /// Fails with line and key of invalid TOML, an unknown table or key, a wrong type, or a value out of range.
     pub fn read(&mut self, text: &str) -> Result<(), ParamError> {
         pelage_params::read(self, text)
     }
 
     /// Sets one key: `shadow.penumbra=0.3`. Strings need no quotes.
     ///
-    /// # Errors
-    /// Same as [`Look::read`], without a line. The look is then unchanged.
+    /// Fails like [`Look::read`], without a line. The look is then unchanged.
     pub fn set(&mut self, assignment: &str) -> Result<(), ParamError> {
         pelage_params::set(self, assignment)
     }
@@ -271,8 +269,7 @@ impl Look {
 
     /// Checks every value against its range.
     ///
-    /// # Errors
-    /// The first key that is out of range.
+    /// Fails with the first key that is out of range.
     pub fn validate(&self) -> Result<(), pelage_params::OutOfRange> {
         pelage_params::validate(self)
     }
@@ -311,8 +308,7 @@ impl Look {
 
     /// Reads the environment map file with `read`, unless it has been read already or there is none.
     ///
-    /// # Errors
-    /// The error of `read`.
+    /// Fails with the error of `read`.
     pub fn read_environment(&mut self, read: &mut ReadLights<'_>) -> Result<(), String> {
         let (lobes, ground) = (self.environment.lobes, self.environment.ground_color());
         if let Some(SkySource { kind: SkyKind::File(path), lights: lights @ None, .. }) = &mut self.environment.sky {
@@ -363,8 +359,7 @@ impl Look {
 
     /// Reads a look file as [`Look::read`] does. Resolves relative paths in it against `folder`.
     ///
-    /// # Errors
-    /// Same as [`Look::read`].
+    /// Fails like [`Look::read`].
     pub fn read_in(&mut self, folder: &Path, text: &str) -> Result<(), ParamError> {
         let before = self.environment.sky.take();
         let read = self.read(text);

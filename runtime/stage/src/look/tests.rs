@@ -1,5 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use super::*;
 #[cfg(feature = "draw")]
 use glam::Vec3;

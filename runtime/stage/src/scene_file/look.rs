@@ -26,9 +26,7 @@ impl SceneFile {
     /// for messages and its text, or an error message. Relative file paths in the returned look are relative to the
     /// scene file's folder ([`Look::resolve_files`]).
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Input`] with line and key of the fault.
+    /// Fails with [`StageError::Input`] with line and key of the fault.
     pub fn look(&self, file: impl FnOnce(&str) -> Result<(String, String), String>) -> Result<Look, StageError> {
         let mut look = Look::of_picture();
         for (name, value) in &self.scene.view {

@@ -75,9 +75,7 @@ pub struct SceneFile {
 pub trait PackageSource {
     /// Returns the package at `path`, or an error message.
     ///
-    /// # Errors
-    ///
-    /// Defined by the source.
+    /// The source defines the errors.
     fn read(&self, path: &str) -> Result<NamedPackage<'static>, String>;
 
     /// Returns an identity of the package at `path`. Paths with equal identities refer to one package, which is read
@@ -109,9 +107,7 @@ pub struct LoadedScene {
 impl SceneFile {
     /// Parses the bytes of a scene file. `name` is its name for messages.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Input`] with line and key of the fault.
+    /// Fails with [`StageError::Input`] with line and key of the fault.
     pub fn parse(name: &str, bytes: Vec<u8>) -> Result<Self, StageError> {
         let text = String::from_utf8(bytes).map_err(|error| StageError::Input {
             file: name.to_owned(),
@@ -149,10 +145,8 @@ impl SceneFile {
 
     /// Checks the scene and reads the packages that it names.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Input`] with line and key of the fault, also for a package that cannot be read or that lacks a
-    /// clip. [`StageError::Package`] for a damaged package.
+    /// Fails with [`StageError::Input`] with line and key of the fault, also for a package that cannot be read or that
+    /// lacks a clip. [`StageError::Package`] for a damaged package.
     pub fn load(&self, packages: &dyn PackageSource) -> Result<LoadedScene, StageError> {
         let (source, scene) = (self.source(), &self.scene);
         if scene.models.is_empty() {
@@ -190,9 +184,8 @@ impl LoadedScene {
     ///
     /// * `aspect`: width of the picture divided by its height
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Package`] for a damaged package, [`StageError::Request`] if nothing matches the name to look at.
+    /// Fails with [`StageError::Package`] for a damaged package, [`StageError::Request`] if nothing matches the name to
+    /// look at.
     pub fn cast(&self, camera: Option<Viewpoint>, aspect: f32, framing: &Framing) -> Result<Cast<'_>, StageError> {
         let open = |file| Ok((file, Arc::new(NamedPackage::open(file)?)));
         let packages = self.packages.iter().map(open).collect::<Result<Vec<_>, StageError>>()?;

@@ -26,9 +26,8 @@ pub struct FrameOutcome {
 impl App {
     /// Advances time and draws what is visible.
     ///
-    /// # Errors
-    ///
-    /// [`StageError::Device`] if the device is lost. A look that cannot be drawn is shown as a failure in the window.
+    /// Fails with [`StageError::Device`] if the device is lost. A look that cannot be drawn is shown as a failure in
+    /// the window.
     pub fn next_frame(&mut self) -> Result<FrameOutcome, StageError> {
         let now = Instant::now();
         let since = self.played_at.replace(now).map_or(Duration::ZERO, |before| now - before);

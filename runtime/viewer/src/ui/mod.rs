@@ -52,7 +52,6 @@ fn keys(ui: &mut Ui, app: &mut App) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
     use crate::knobs::Knobs as _;
     use egui::FontId;
     use egui::epaint::text::{FontDefinitions, Fonts, TextOptions};

@@ -31,9 +31,7 @@ pub struct HairFile {
 impl HairFile {
     /// Reads a file; `file` is its name, for errors.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Input`] with the position in the file, the value found and the value expected.
+    /// Fails with [`BakeError::Input`] with the position in the file, the value found and the value expected.
     pub fn read(file: &str, bytes: &[u8]) -> Result<Self, BakeError> {
         read_whole(Source { file, bytes, is_strict: true })
     }

@@ -45,10 +45,8 @@ impl GuideFormat {
 
     /// Reads strands; `file` is the file's name, for errors.
     ///
-    /// # Errors
-    ///
-    /// [`BakeError::Input`] with the position in the file, the value found and the value expected; also if the file has
-    /// no strands, or all of them are left out.
+    /// Fails with [`BakeError::Input`] with the position in the file, the value found and the value expected; also if
+    /// the file has no strands, or all of them are left out.
     pub fn read(self, file: &str, bytes: &[u8]) -> Result<Guides, BakeError> {
         let source = Source { file, bytes, is_strict: false };
         let guides = match self {

@@ -1,10 +1,9 @@
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use super::words::{region, words};
 use super::*;
+use crate::stages::fixtures::{node, on_threads, part};
 use crate::stages::groom::bounds;
-use pelage_formats::{Animation, Joint, Node, SkinVertex};
-use pelage_import::mesh::{Mesh, MeshPart, RestPose};
+use pelage_formats::{Animation, Joint, SkinVertex};
+use pelage_import::mesh::{Mesh, RestPose};
 
 mod combing;
 
@@ -31,15 +30,7 @@ fn surface_of_revolution(rings: &[(f32, f32)]) -> Mesh {
             mesh.triangles.push(if ring == 0 { [b, a, tip] } else { [a, b, tip] });
         }
     }
-    let part = |first_triangle, triangle_count, material| MeshPart {
-        source: String::new(),
-        material,
-        first_triangle,
-        triangle_count,
-        has_uvs: false,
-        ..MeshPart::default()
-    };
-    mesh.parts = vec![part(0, mesh.triangles.len(), 0)];
+    mesh.parts = vec![part(0, 0, mesh.triangles.len())];
     mesh.normals = mesh.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0).normalize_or(Vec3::Z)).collect();
     mesh
 }
@@ -73,10 +64,6 @@ fn mean_between(mesh: &Mesh, values: &[f32], low: f32, high: f32) -> f32 {
         mesh.positions.iter().zip(values).filter(|(p, _)| (low..=high).contains(&p.z)).map(|(_, v)| *v).collect();
     assert!(!there.is_empty());
     there.iter().sum::<f32>() / there.len() as f32
-}
-
-fn node(name: &str, parent: Option<u32>) -> Node {
-    Node { name: name.into(), parent, translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0; 3] }
 }
 
 /// Builds a rig of the given nodes, each with its parent. All nodes are joints.
@@ -367,13 +354,7 @@ fn hair_is_short_beside_small_bare_parts_only() {
         let mut mesh = surface_of_revolution(&(0..=40).map(|i| (0.05 * i as f32, 0.3)).collect::<Vec<_>>());
         let first = mesh.triangles.len() / 2;
         let all = mesh.triangles.len();
-        let part = |first_triangle, triangle_count, material| MeshPart {
-            first_triangle,
-            triangle_count,
-            material,
-            ..mesh.parts[0].clone()
-        };
-        mesh.parts = vec![part(0, first, 0), part(first, count, 1), part(first + count, all - first - count, 0)];
+        mesh.parts = vec![part(0, 0, first), part(1, first, count), part(0, first + count, all - first - count)];
         let at = mesh.positions[mesh.triangles[first][0] as usize];
         (groom(&mesh, None, 1.0), mesh, at)
     };
@@ -414,9 +395,6 @@ fn hair_reaches_beyond_soles_by_a_quarter_of_the_limbs_radius() {
 #[test]
 fn body_groom_does_not_depend_on_thread_count() {
     let mesh = barrel_with_rod();
-    let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| groom(&mesh, None, 1.0).unwrap())
-    };
+    let on = |threads| on_threads(threads, || groom(&mesh, None, 1.0).unwrap());
     assert_eq!(on(1), on(3));
 }

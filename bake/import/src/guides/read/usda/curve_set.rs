@@ -75,9 +75,7 @@ impl<'a> CurveSet<'a> {
 
     /// Adds the curves to `guides`, transformed by `matrix`.
     ///
-    /// # Errors
-    ///
-    /// The reason, if the numbers of points disagree, or if there are too many.
+    /// Fails with the reason, if the numbers of points disagree, or if there are too many.
     pub(super) fn push_to(&self, guides: &mut Guides, matrix: &DMat4) -> Result<(), String> {
         let (kind, warning) = self.kind();
         guides.warnings.extend(warning);

@@ -1,5 +1,3 @@
-#![allow(clippy::unwrap_used, reason = "tests")]
-
 use crate::guides::Guides;
 use crate::guides::read::GuideFormat;
 use glam::Vec3;
