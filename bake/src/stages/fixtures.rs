@@ -57,8 +57,8 @@ pub(crate) fn add_ball(mesh: &mut Mesh, center: Vec3, radius: f32, missing: u32)
     }
 }
 
-/// Builds a torus about the y axis with radii 0.3 m and 0.12 m, white and without parts. With texture coordinates, it is
-/// a single chart, cut along both circles.
+/// Builds a torus about the y axis with radii 0.3 m and 0.12 m, white and without parts. With texture coordinates, it
+/// is a single chart, cut along both circles.
 pub(crate) fn torus(rings: u32, sides: u32, with_uvs: bool) -> Mesh {
     let mut mesh = Mesh::default();
     let seam = u32::from(with_uvs);

@@ -67,7 +67,8 @@ fn reserved_bytes_and_padding_of_the_mesh_are_checked() {
     assert_flips_are_found(&sample_package(), &reserved);
 }
 
-/// Flips a bit of each byte of the mesh and corrects the checksums. Each must give exactly one fault with the given text.
+/// Flips a bit of each byte of the mesh and corrects the checksums. Each must give exactly one fault with the given
+/// text.
 fn assert_flips_are_found(good: &[u8], cases: &[(u64, &str)]) {
     let mesh = section(good, Tag::MESH).offset;
     for (at, expected) in cases {

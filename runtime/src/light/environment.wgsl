@@ -143,8 +143,8 @@ fn visible_past_strands_spread(b: Baked, towards: vec3<f32>) -> f32 {
 // Mean of |z| of light that is spread evenly above the angle of BELOW, relative to the root of the mean of z squared.
 const ABSOLUTE_MEAN: f32 = 0.83;
 
-// Returns the mean height of spread light above the surface, weighted by the light's irradiance on the surface (formulas
-// 4.15).
+// Returns the mean height of spread light above the surface, weighted by the light's irradiance on the surface
+// (formulas 4.15).
 fn flux_height(towards: vec3<f32>) -> f32 {
     let long = length(towards);
     let square = mean_square(clamp(long, LEAST_MEAN, 1.0), towards.z / long);
