@@ -85,7 +85,7 @@ fn doctor_predicts_reduced_layers() {
     bake(&sandbox, "hare", &["ink.enabled=false"]);
     let size = ["--size", "400x200"];
     let found = doctor(&sandbox, &size);
-    let args = [&["bench", "a.pelage", "--json", "--frames", "1"], &size[..]].concat();
+    let args = [&["bench", "a.pelage", "--json", "--frames", "1", "--strand-edges", "samples"], &size[..]].concat();
     let counted = schema::parse_success(&sandbox.run(&args), "bench");
     let layers = [&found["on_screen"]["layers_drawn"], &counted["detail"][0]["layers"]].map(|n| n.as_i64().unwrap());
     assert!((layers[0] - layers[1]).abs() <= 1 && (1..15).contains(&layers[0]), "{layers:?}");
