@@ -49,44 +49,39 @@ fn environment_parts() -> u32 {
     return textureNumLayers(environment_map) / LAYERS_OF_PART;
 }
 
-// Openness of the body at a point, in the form that the environment map is sampled with.
+// Openness of a body at a point, which is the same for all parts of the environment.
 struct Openness {
     // Texture coordinates in the environment map.
     place: vec2<f32>,
     // Open share of all directions, relative to that of most bodies.
     share: f32,
-    // Share of the surface's irradiance that the body hides.
-    below: f32,
+    // Share of the total light that reaches the point.
+    whole: vec3<f32>,
+    // Share of the irradiance that reaches the point.
+    irradiance: vec3<f32>,
 }
 
-// Returns the openness of the body at a point.
-fn openness_at(spot: Spot, tile: TileFrame) -> Openness {
+// Returns the openness of a body with that colour at a point (formulas 4.15).
+fn openness_at(spot: Spot, tile: TileFrame, color: vec3<f32>) -> Openness {
     let share = clamp(length(spot.open), LEAST_OPEN, 1.0 / USUALLY_OPEN);
     let open = spot.open / share;
     let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
     // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
     // least: the contribution of an open cone is the square of its sine.
     let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
-    return Openness(environment_place(facing), share, below * below);
+    let whole = environment_share(color, max(1.0 - share, 0.0)) * max(share, 1.0);
+    return Openness(environment_place(facing), share, whole, environment_share(color, below * below));
 }
 
-// Returns the light of a part of the environment at a point of a body with that colour (formulas 4.15).
-fn around_at(at: Openness, tile: TileFrame, part: u32, color: vec3<f32>) -> Around {
+// Returns the light of a part of the environment at a point (formulas 4.15).
+fn around_at(at: Openness, tile: TileFrame, part: u32) -> Around {
     let first = LAYERS_OF_PART * part;
     var towards = to_tile(tile, environment_texel(at.place, first + 1u));
     // The smaller the open share of the body, the narrower the spread of the light.
     let long = max(length(towards), 1e-6);
     towards *= max(1.0 - at.share * (1.0 - long), LEAST_LONG) / long;
-    let hidden = max(1.0 - at.share, 0.0);
-    let whole = environment_texel(at.place, first) * environment_share(color, hidden) * max(at.share, 1.0);
-    let irradiance = environment_texel(at.place, first + 2u) * environment_share(color, at.below);
-    return Around(whole, irradiance, towards);
-}
-
-// Returns the irradiance of the environment at a point of a body with that colour, divided by pi.
-fn irradiance_at(spot: Spot, color: vec3<f32>) -> vec3<f32> {
-    let at = openness_at(spot, tile_of(spot));
-    return irradiance_of_parts(at.place) * environment_share(color, at.below);
+    let whole = environment_texel(at.place, first) * at.whole;
+    return Around(whole, environment_texel(at.place, first + 2u) * at.irradiance, towards);
 }
 
 // Returns the irradiance of all parts of the environment, divided by pi. `place`: coordinates in the environment map.
@@ -337,10 +332,10 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     let tile = tile_of(p.spot);
     let eye = to_tile(tile, direction_to(frame.eye_ws, p.spot.position_ws));
     let full = p.color * p.tint / max(p.opacity, 1e-6);
-    let at = openness_at(p.spot, tile);
+    let at = openness_at(p.spot, tile, full);
     var sum = vec3(0.0);
     for (var part = 0u; part < environment_parts(); part++) {
-        let around = around_at(at, tile, part, full);
+        let around = around_at(at, tile, part);
         if any(around.whole > vec3(0.0)) {
             sum += part_on_hair(p, around, full, eye);
         }
@@ -379,10 +374,10 @@ fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>) -
 // Returns the environment light that the mat of an undercoat with that colour reflects.
 fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     let tile = tile_of(p.spot);
-    let at = openness_at(p.spot, tile);
+    let at = openness_at(p.spot, tile, color);
     var sum = vec3(0.0);
     for (var part = 0u; part < environment_parts(); part++) {
-        let around = around_at(at, tile, part, color);
+        let around = around_at(at, tile, part);
         let direct = visible_past_strands_around(p.baked, around.towards);
         sum += around.irradiance * reaches_mat(1.0, color, direct);
     }
@@ -400,5 +395,6 @@ fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32, gloss: GlossPoin
         let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
         return color * enters * irradiance_of_parts(environment_place(normal));
     }
-    return color * enters * irradiance_at(spot, color);
+    let at = openness_at(spot, tile_of(spot), color);
+    return color * enters * irradiance_of_parts(at.place) * at.irradiance;
 }
