@@ -199,7 +199,8 @@ fn default_look_equals_the_runtime_defaults() {
     let look = Look::default();
     assert_eq!(look.ink_params(), InkParams::default());
     assert_eq!(look.shadow_params(), ShadowParams::default());
-    assert_eq!(look.fur_params(), FurParams::default());
+    // Pictures blend the edges of strands; an application chooses by the samples of its target.
+    assert_eq!(set(&["fur.strand_edges=samples"]).fur_params(), FurParams::default());
     assert_eq!(look.debug_view(), DebugView::default());
     #[cfg(feature = "study")]
     assert_eq!(look.study.params(), pelage_runtime::Study::default());
