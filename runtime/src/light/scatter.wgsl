@@ -42,10 +42,6 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
 
-// Minimum share of light from which the depth of a point in fur is computed (formulas 4.13). Baked visibility is fitted
-// to 24 rays. If none of them reaches the light, the expected share is not 0, and at the roots of most coats near this.
-const LEAST_BAKED: f32 = 0.01;
-
 // Returns the light in deep fur at a point that the share `direct` of the light reaches past all fibres. The depth of
 // hanging hair is measured, and needs no minimum.
 fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {

@@ -141,6 +141,9 @@ pub struct DiffusedLight {
 
 /// Minimum share of light whose depth is computed; the depth of 0 is infinite.
 const LEAST_DIRECT: f32 = 1e-30;
+/// Minimum share of light from which the depth of a point in fur is computed. Baked visibility is fitted to 24 rays. If
+/// none of them reaches the light, the expected share is not 0, and at the roots of most coats near this.
+pub const LEAST_BAKED: f32 = 0.01;
 
 /// Returns the light in deep fur at a point. `direct`: share of the light, 0..=1, that reaches the point past all
 /// fibres. `least`: minimum of that share, above 0, from which the point's depth is computed. `on` and `back`: shares

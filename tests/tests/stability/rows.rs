@@ -62,6 +62,7 @@ rows!(
     strand_order,
     hair_motion,
     scattering,
+    light_in_fur,
     environment
 );
 

@@ -14,6 +14,7 @@ pub mod kajiya_kay;
 mod knot;
 pub mod layer_shadows;
 pub mod layers;
+pub mod light_in_fur;
 mod measures;
 pub mod mip_levels;
 pub mod opacity_product;
@@ -56,6 +57,7 @@ pub const ROWS: &[Row] = &[
     strand_order::ROW,
     hair_motion::ROW,
     scattering::ROW,
+    light_in_fur::ROW,
     environment::ROW,
 ];
 
