@@ -54,6 +54,24 @@ const SENT_ON_TURN: vec2<f32> = vec2(0.15, 0.85);
 // Exponent of F for forward-scattered light: gamma plus the first value, at most the second (formulas 4.13).
 const SENT_ON_FALLS: vec2<f32> = vec2(0.15, 0.5);
 
+// Loss of direction of light along the fibres per scattering (formulas 4.13).
+const TURNS: f32 = 0.1;
+
+// Returns the multiply scattered light towards the eye, relative to its mean over all directions above the surface
+// (formulas 4.13). Fibres keep light on its cone: light that entered the coat towards the roots leaves towards the
+// roots. Each scattering by fibres that are not parallel widens the cone; the less the fibres absorb, the more often
+// light is scattered.
+//
+// `sin_i`: mean sine between the fibre and the directions of the incident light; `sin_o`: sine towards the eye; `up`:
+// sine between the fibre and the surface.
+fn along_coat(sin_i: f32, sin_o: f32, up: f32, root_lost: vec3<f32>) -> vec3<f32> {
+    let x = 3.0 * sin_i * exp(-TURNS * (1.0 + 1.0 / root_lost));
+    // Mean and variance of the sine over the directions above the surface, weighted by their cosine.
+    let mean = up / 1.5;
+    let variance = 0.25 - 0.194 * up * up;
+    return exp(x * (mean - sin_o)) / (1.0 + 0.5 * variance * x * x);
+}
+
 // Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13). The light has the colour 1,
 // which gives an irradiance of pi. All directions are in the same frame; `direction` is that of the fibre, towards its
 // tip.
@@ -102,7 +120,11 @@ fn scatter(
         // less it decreases.
         let falls = multiple_scattering_by_height(d.root_lost, above);
         let reached = pow(falls, min(SENT_ON_FALLS.x + d.root_lost, vec3(SENT_ON_FALLS.y)));
-        sent += (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;
+        var along = vec3(1.0);
+        if !HANGS {
+            along = along_coat(dot(tip, light), dot(tip, eye), tip.z, d.root_lost);
+        }
+        sent += along * (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;
     }
     return sent * (PI * past);
 }

@@ -1,5 +1,5 @@
-//! Multiply scattered light deep in fur, where none of the baked rays reaches the light. A depth computed from that share
-//! of 0 is infinite, so that the point would receive no scattered light at all: a black speck between bright hairs.
+//! Multiply scattered light deep in fur, where none of the baked rays reaches the light. A depth computed from that
+//! share of 0 is infinite, so that the point would receive no scattered light: a black speck between bright hairs.
 
 use super::measures::{grow, mean, natural_hair};
 use super::row::{Finding, Row};
@@ -38,7 +38,9 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
     let truth = visibility(&strands, &many, Some(baked.horizon))?;
     let texel = |of: &Vec4| Vec4::from(encode_visibility(*of).map(|byte| f32::from(byte) / 255.0));
     let mut out = Vec::new();
-    for (light, sine) in [("key light at 60 degrees", 0.87_f32), ("fill at 30 degrees", 0.5), ("sky at 12 degrees", 0.2)] {
+    for (light, sine) in
+        [("key light at 60 degrees", 0.87_f32), ("fill at 30 degrees", 0.5), ("sky at 12 degrees", 0.2)]
+    {
         let towards = Vec3::new(0.0, (1.0 - sine * sine).sqrt(), sine);
         let share = |of: &Vec4| visibility_towards(texel(of), towards, baked.horizon);
         for (places, baked, truth) in
@@ -46,7 +48,8 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
         {
             let unlit = || baked.iter().zip(truth).filter(|(of, _)| share(of) <= 0.0);
             let light_of = |least: f32| mean(&unlit().map(|(of, _)| scattered(share(of), least)).collect::<Vec<_>>());
-            let true_light = mean(&unlit().map(|(_, of)| scattered(share(of), 1.0 / TRUE_DIRECTIONS as f32)).collect::<Vec<_>>());
+            let true_light =
+                mean(&unlit().map(|(_, of)| scattered(share(of), 1.0 / TRUE_DIRECTIONS as f32)).collect::<Vec<_>>());
             out.push(Finding {
                 case: format!("{places}, {light}, {} of {} points", unlit().count(), baked.len()),
                 measure: "relative error of the mean light scattered by several fibres",
