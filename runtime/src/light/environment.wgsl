@@ -293,14 +293,13 @@ fn scatter_around(
         let to_there = halves[1];
         // Same as multiple_scattering_by_height, but divided by the sine, which the irradiance already includes.
         let root = 2.0 * d.root_lost;
-        let height = flux_height(around.towards);
-        let falls = (1.0 + root) / (1.0 + height * root);
-        let spread = d.from_light * to_here + d.from_below * to_there;
-        var along = vec3(1.0);
+        let falls = (1.0 + root) / (1.0 + flux_height(around.towards) * root);
+        let returned = d.from_light * to_here + d.from_below * to_there;
+        var spread = sent_on * to_here + returned * falls;
         if !HANGS {
-            along = along_coat(dot(tip, around.towards), sin_o, tip.z, d.root_lost);
+            spread *= along_coat(dot(tip, around.towards), sin_o, tip.z, d.root_lost);
         }
-        sent += along * around.irradiance * (sent_on * to_here + spread * falls);
+        sent += around.irradiance * spread;
     }
     return sent;
 }

@@ -65,11 +65,10 @@ const TURNS: f32 = 0.1;
 // `sin_i`: mean sine between the fibre and the directions of the incident light; `sin_o`: sine towards the eye; `up`:
 // sine between the fibre and the surface.
 fn along_coat(sin_i: f32, sin_o: f32, up: f32, root_lost: vec3<f32>) -> vec3<f32> {
-    let x = 3.0 * sin_i * exp(-TURNS * (1.0 + 1.0 / root_lost));
-    // Mean and variance of the sine over the directions above the surface, weighted by their cosine.
+    let directed = 3.0 * sin_i * exp(-TURNS * (1.0 + 1.0 / root_lost));
+    // Mean of the sine over the directions above the surface, weighted by their cosine.
     let mean = up / 1.5;
-    let variance = 0.25 - 0.194 * up * up;
-    return exp(x * (mean - sin_o)) / (1.0 + 0.5 * variance * x * x);
+    return 1.0 - tanh(directed * (sin_o - mean));
 }
 
 // Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13). The light has the colour 1,
@@ -120,11 +119,11 @@ fn scatter(
         // less it decreases.
         let falls = multiple_scattering_by_height(d.root_lost, above);
         let reached = pow(falls, min(SENT_ON_FALLS.x + d.root_lost, vec3(SENT_ON_FALLS.y)));
-        var along = vec3(1.0);
+        var sent_to_eye = cones.x * d.sent_on * straight * reached + cones.y * spread * falls;
         if !HANGS {
-            along = along_coat(dot(tip, light), dot(tip, eye), tip.z, d.root_lost);
+            sent_to_eye *= along_coat(dot(tip, light), dot(tip, eye), tip.z, d.root_lost);
         }
-        sent += along * (cones.x * d.sent_on * straight * reached + cones.y * spread * falls) / PI;
+        sent += sent_to_eye / PI;
     }
     return sent * (PI * past);
 }
