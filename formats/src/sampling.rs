@@ -101,8 +101,11 @@ struct LocalTransform {
 
 impl LocalTransform {
     fn blend_to(&mut self, other: Self, share: f32) {
+        // At shares 0 and 1, one of both is kept: unlike interpolation, this is exact.
+        if share <= 0.0 {
+            return;
+        }
         if share >= 1.0 {
-            // At share 1, copy: unlike interpolation, this is exact whatever `self` was before.
             *self = other;
             return;
         }
