@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use pelage_formats::meaning::srgb_to_linear;
+use pelage_lab::chart::multiple::Squares;
 use pelage_needs::data;
 use pelage_stage::sky::{Environment, Sun, environment_from_toml, environment_to_toml};
 use pelage_tests::binary::{Sandbox, workspace};
@@ -151,72 +152,40 @@ fn fur_in_the_studio_is_as_bright_as_in_the_reference() {
             ["hare.pelage", "-o", "hare.png", "--size", "240x180", "--tone-mapping", "off", "--samples", samples];
         let run = sandbox.run(&[&[command], &words[..]].concat());
         assert_eq!(run.code, Some(0), "{run:?}");
-        Lit::of(&image::open(sandbox.path().join("hare.png")).unwrap().into_rgba8())
+        image::open(sandbox.path().join("hare.png")).unwrap().into_rgba8()
     };
     let [frame, truth] = [picture("render", "4"), picture("reference", "24")];
-    let mean = frame.light.iter().sum::<f64>() / truth.light.iter().sum::<f64>();
-    let (squares, [specks, of_truth]) = (frame.squares_off(&truth), [frame.specks(), truth.specks()]);
+    let squares = Squares::new(&linear(&truth), &frame, frame.width());
+    let [specks, of_truth] = [&frame, &truth].map(|picture| dark_specks(&linear(picture), picture.width() as usize));
+    let (mean, squares) = (squares.mean(), squares.rmse());
     println!("mean {mean:.3}, squares {squares:.3}, specks {specks:.4}, in the truth {of_truth:.4}");
-    assert!((mean - 1.0).abs() < 0.1, "{mean}");
+    assert!(mean.abs() < 0.1, "{mean}");
     assert!(squares < 0.15, "{squares}");
     // The noise of the truth is itself dark specks.
     assert!(specks < 0.008 && specks < of_truth + 0.003, "{specks} and {of_truth}");
 }
 
-/// Linear light of a picture, premultiplied by its opacity.
-struct Lit {
-    width: usize,
-    light: Vec<f64>,
-    opacity: Vec<f64>,
+/// Returns the linear colours of a picture, premultiplied by its opacity.
+fn linear(picture: &image::RgbaImage) -> Vec<[f32; 4]> {
+    let premultiplied = |p: &image::Rgba<u8>| {
+        let opacity = f32::from(p.0[3]) / 255.0;
+        let [r, g, b] = [0, 1, 2].map(|i| srgb_to_linear(p.0[i]) * opacity);
+        [r, g, b, opacity]
+    };
+    picture.pixels().map(premultiplied).collect()
 }
 
-impl Lit {
-    fn of(picture: &image::RgbaImage) -> Self {
-        let opacity = picture.pixels().map(|p| f64::from(p.0[3]) / 255.0);
-        let linear = |p: &image::Rgba<u8>| f64::from(srgb_to_linear(p.0[1]));
-        let light = picture.pixels().map(|p| linear(p) * f64::from(p.0[3]) / 255.0);
-        Self { width: picture.width() as usize, light: light.collect(), opacity: opacity.collect() }
-    }
-
-    /// Returns the sums of `of` over squares of this size, row by row.
-    fn squares(&self, of: &[f64], size: usize) -> Vec<f64> {
-        let (columns, rows) = (self.width / size, of.len() / self.width / size);
-        let mut sums = vec![0.0; columns * rows];
-        for (i, value) in of.iter().enumerate() {
-            let (x, y) = (i % self.width / size, i / self.width / size);
-            if x < columns && y < rows {
-                sums[y * columns + x] += value;
-            }
+/// Returns the share of opaque pixels whose green is below a quarter of the mean of the 25 pixels about them.
+fn dark_specks(picture: &[[f32; 4]], width: usize) -> f64 {
+    let height = picture.len() / width;
+    let (mut dark, mut all) = (0.0, 0.0);
+    for (x, y) in (2..height - 2).flat_map(|y| (2..width - 2).map(move |x| (x, y))) {
+        let about = || (y - 2..=y + 2).flat_map(|y| (x - 2..=x + 2).map(move |x| picture[y * width + x]));
+        if about().all(|p| p[3] > 0.98) {
+            let mean = about().map(|p| p[1]).sum::<f32>() / 25.0;
+            all += 1.0;
+            dark += f64::from(u8::from(picture[y * width + x][1] < 0.25 * mean));
         }
-        sums
     }
-
-    /// Returns the root mean square difference of light over squares that are mostly covered, relative to their mean.
-    fn squares_off(&self, truth: &Self) -> f64 {
-        const SIZE: usize = 16;
-        let [ours, theirs, covered] = [&self.light, &truth.light, &truth.opacity].map(|of| truth.squares(of, SIZE));
-        let mostly = (0..covered.len()).filter(|i| covered[*i] > 0.5 * (SIZE * SIZE) as f64);
-        let (mut count, mut square, mut mean) = (0.0, 0.0, 0.0);
-        for i in mostly {
-            count += 1.0;
-            square += (ours[i] - theirs[i]).powi(2);
-            mean += theirs[i];
-        }
-        (square / count).sqrt() / (mean / count)
-    }
-
-    /// Returns the share of opaque pixels darker than a quarter of the mean of the 25 pixels about them.
-    fn specks(&self) -> f64 {
-        let height = self.light.len() / self.width;
-        let (mut dark, mut all) = (0.0, 0.0);
-        for (x, y) in (2..height - 2).flat_map(|y| (2..self.width - 2).map(move |x| (x, y))) {
-            let about = || (y - 2..=y + 2).flat_map(|y| (x - 2..=x + 2).map(move |x| y * self.width + x));
-            if about().all(|i| self.opacity[i] > 0.98) {
-                let mean = about().map(|i| self.light[i]).sum::<f64>() / 25.0;
-                all += 1.0;
-                dark += f64::from(u8::from(self.light[y * self.width + x] < 0.25 * mean));
-            }
-        }
-        dark / all
-    }
+    dark / all
 }

@@ -102,16 +102,16 @@ pub struct Squares {
 
 impl Squares {
     /// Compares a path-traced picture (linear, premultiplied) with a drawn one (sRGB bytes, straight alpha). Both are
-    /// [`SIZE`] by [`SIZE`] pixels.
-    pub fn new(truth: &[[f32; 4]], drawn: &[u8]) -> Self {
-        let per_side = SIZE / BLOCK;
+    /// `width` pixels wide and row-major. Pixels beyond the last whole square are ignored.
+    pub fn new(truth: &[[f32; 4]], drawn: &[u8], width: u32) -> Self {
+        let (per_row, height) = (width / BLOCK, truth.len() as u32 / width);
         let mut pairs = Vec::new();
-        for block in 0..per_side * per_side {
+        for block in 0..per_row * (height / BLOCK) {
             let (mut sums, mut covered) = ((0.0, 0.0), 0.0);
             for pixel in 0..BLOCK * BLOCK {
-                let x = block % per_side * BLOCK + pixel % BLOCK;
-                let y = block / per_side * BLOCK + pixel / BLOCK;
-                let at = (y * SIZE + x) as usize;
+                let x = block % per_row * BLOCK + pixel % BLOCK;
+                let y = block / per_row * BLOCK + pixel / BLOCK;
+                let at = (y * width + x) as usize;
                 let [r, g, b, alpha] = truth[at].map(f64::from);
                 covered += alpha;
                 sums.0 += luminance(DVec3::new(r, g, b));
@@ -173,7 +173,7 @@ mod tests {
             truth[at] = [0.2, 0.2, 0.2, 1.0];
             drawn[4 * at..4 * at + 4].copy_from_slice(&[128, 128, 128, 255]);
         }
-        let squares = Squares::new(&truth, &drawn);
+        let squares = Squares::new(&truth, &drawn, SIZE);
         let expected = f64::from(srgb_to_linear(128)) / 0.2 - 1.0;
         assert_eq!(squares.pairs.len() as u32, SIZE / BLOCK * SIZE / BLOCK / 2);
         assert!((squares.mean() - expected).abs() < 1e-6 && (squares.rmse() - expected).abs() < 1e-6);

@@ -82,7 +82,7 @@ impl Topic for MultipleTopic<'_> {
             let ambient = if configuration.form.ambient { [AMBIENT; 3] } else { [0.0; 3] };
             stage.params.shading = Some(Shading { ambient, ..stage.model().manifest().shading });
             stage.draw()?;
-            *found = Some(Squares::new(&coat.truths[light], pixels(&stage)?.as_raw()));
+            *found = Some(Squares::new(&coat.truths[light], pixels(&stage)?.as_raw(), SIZE));
             if light == 0 {
                 for _ in 0..FRAMES {
                     frame_ms = frame_ms.min(self.meter.frame(&mut stage)?);

@@ -1,10 +1,10 @@
 //! Multiply scattered light deep in fur, where none of the baked rays reaches the light. A depth computed from that
 //! share of 0 is infinite, so that the point would receive no scattered light: a black speck between bright hairs.
 
-use super::measures::{grow, mean, natural_hair};
+use super::measures::{grow, mean};
 use super::row::{Finding, Row};
 use glam::{Vec3, Vec4};
-use pelage_bake::recipe::{HairParams, VisibilityParams};
+use pelage_bake::recipe::{Coat, HairParams, Recipe, VisibilityParams};
 use pelage_bake::stages::visibility::{encode_visibility, visibility};
 use pelage_formats::meaning::visibility_towards;
 use pelage_import::BakeError;
@@ -32,9 +32,10 @@ fn scattered(direct: f32, least: f32) -> f64 {
 }
 
 fn drive() -> Result<Vec<Finding>, BakeError> {
-    let strands = grow(&HairParams { density: 900, ..natural_hair()? }, 0.2)?;
-    let baked = visibility(&strands, &VisibilityParams::default(), None)?;
-    let many = VisibilityParams { directions: TRUE_DIRECTIONS, ..VisibilityParams::default() };
+    let coat = Recipe::of_coat(Coat::Natural)?;
+    let strands = grow(&HairParams { density: 900, ..coat.hair }, 0.2)?;
+    let baked = visibility(&strands, &coat.visibility, None)?;
+    let many = VisibilityParams { directions: TRUE_DIRECTIONS, ..coat.visibility };
     let truth = visibility(&strands, &many, Some(baked.horizon))?;
     let texel = |of: &Vec4| Vec4::from(encode_visibility(*of).map(|byte| f32::from(byte) / 255.0));
     let mut out = Vec::new();
@@ -47,9 +48,10 @@ fn drive() -> Result<Vec<Finding>, BakeError> {
             [("strands", &baked.points, &truth.points), ("mesh surface", &baked.skin, &truth.skin)]
         {
             let unlit = || baked.iter().zip(truth).filter(|(of, _)| share(of) <= 0.0);
-            let light_of = |least: f32| mean(&unlit().map(|(of, _)| scattered(share(of), least)).collect::<Vec<_>>());
-            let true_light =
-                mean(&unlit().map(|(_, of)| scattered(share(of), 1.0 / TRUE_DIRECTIONS as f32)).collect::<Vec<_>>());
+            let mean_light =
+                |shares: Vec<f32>, least| mean(&shares.into_iter().map(|s| scattered(s, least)).collect::<Vec<_>>());
+            let light_of = |least| mean_light(unlit().map(|(of, _)| share(of)).collect(), least);
+            let true_light = mean_light(unlit().map(|(_, of)| share(of)).collect(), 1.0 / TRUE_DIRECTIONS as f32);
             out.push(Finding {
                 case: format!("{places}, {light}, {} of {} points", unlit().count(), baked.len()),
                 measure: "relative error of the mean light scattered by several fibres",
