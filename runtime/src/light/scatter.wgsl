@@ -72,7 +72,7 @@ fn along_coat(sin_i: f32, sin_o: f32, up: f32, root_lost: vec3<f32>) -> vec3<f32
 }
 
 // Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13). The light has the colour 1,
-// which gives an irradiance of pi. All directions are in the same frame; `direction` is that of the fibre, towards its
+// which gives an irradiance of pi. All directions are in the tile frame; `direction` is that of the fibre, towards its
 // tip.
 //
 // `deeper`: colour of the hair below; `direct`: share of the light that other fibres let through; `past`: share that

@@ -57,7 +57,7 @@ fn hair_at_a_border_has_its_roots_colour() {
     write_plane(&sandbox);
     let share = |package: &str, hair: &str| {
         let name = format!("{package}_{hair}.png");
-        // Blended edges would mix in the colour of the fins behind.
+        // Blended edges would mix in the colour of what lies behind a strand.
         let exact = ["--fins", "on", "--strand-edges", "samples"];
         done(
             &sandbox,
