@@ -99,19 +99,36 @@ fn environment_place(facing: vec3<f32>) -> vec2<f32> {
     return ((0.5 + 0.5 * octahedral(facing)) * (size - 1.0) + 0.5) / size;
 }
 
-// Returns the effective height (sine) of light above the surface, z' of formulas 4.15. `open`: share of ambient light
-// that reaches the hair.
+// Returns the effective height (sine) of light above the surface, z' of formulas 4.15. `dip`: sine of the angle below
+// the horizon up to which light reaches the point.
 //
 // The surface curves away below the light's path. With hair depth d and body radius R, the path through hair is R
 // (sqrt(z^2 + 2 d / R) - z). Over a plane, light of the returned height has the same path.
-fn over_curve(height: f32, open: f32) -> f32 {
-    let dip = material.rim * open;
+fn over_curve(height: f32, dip: f32) -> f32 {
     return 0.5 * (height + sqrt(height * height + dip * dip));
 }
 
+// Sine of the angle below the horizon up to which light reaches the tips of the hair, relative to that at half their
+// height (formulas 4.15).
+const RIM_OF_HALF: f32 = 1.41;
+// Range of that sine at the tips.
+const LEAST_RIM: f32 = 0.05;
+const MOST_RIM: f32 = 0.7;
+
+// Returns the sine of the angle below the horizon up to which light reaches the tips of the hair (formulas 4.15).
+// `open`: openness of the body at the point. The sine of the whole body stands for one that is unknown.
+fn rim_at(open: vec3<f32>) -> f32 {
+    let share = length(open);
+    if abs(share - 1.0) < 1e-4 {
+        return material.rim;
+    }
+    return clamp(RIM_OF_HALF * (2.0 * USUALLY_OPEN * share - 1.0), LEAST_RIM, MOST_RIM);
+}
+
 // Returns the share of light with this mean direction that other strands let through (formulas 4.9, 4.15). The share is
-// linear in the direction, so the share of the mean direction is the mean of the shares.
-fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
+// linear in the direction, so the share of the mean direction is the mean of the shares. `rim`: sine of the angle below
+// the horizon up to which light reaches the tips.
+fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>, rim: f32) -> f32 {
     if !BAKED_SHADOW {
         return 1.0;
     }
@@ -120,8 +137,9 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>) -> f32 {
         let way = normalize_or(towards, vec3(0.0, 0.0, 1.0));
         towards = light_in_tile(way, select(1.0, b.length, SHORT), b.slope) * length(towards);
     }
-    towards.z = over_curve(towards.z, b.texel.w);
-    return b.within * (1.0 - b.kept * (1.0 - visibility_towards(b.texel, towards, material.horizon)));
+    towards.z = over_curve(towards.z, rim * b.texel.w);
+    let t = visibility_towards(b.texel, towards, material.horizon);
+    return b.within * (1.0 - b.kept * (1.0 - t));
 }
 
 // Returns the share of light, spread about a direction, that other strands let through (formulas 4.15). Low light
@@ -131,8 +149,8 @@ fn visible_past_strands_spread(b: Baked, towards: vec3<f32>) -> f32 {
     let long = length(towards);
     let square = mean_square(clamp(long, LEAST_MEAN, 1.0), towards.z / long);
     let deviation = vec3(0.0, 0.0, sqrt(max(square - towards.z * towards.z, 0.0)));
-    let high = visible_past_strands_around(b, towards + deviation);
-    return 0.5 * (high + visible_past_strands_around(b, towards - deviation));
+    let high = visible_past_strands_around(b, towards + deviation, material.rim);
+    return 0.5 * (high + visible_past_strands_around(b, towards - deviation, material.rim));
 }
 
 // Mean of |z| of light that is spread evenly above the angle of BELOW, relative to the root of the mean of z squared.
@@ -147,8 +165,26 @@ fn flux_height(towards: vec3<f32>) -> f32 {
     return min(square / max(risen, 1e-3), 1.0);
 }
 
-// Returns the mean direction of the light that one lobe of a fibre sends to the eye, in the tile frame: d_p of formulas
-// 4.15.
+// Directions of the light that one lobe of a fibre sends to the eye, in the tile frame: a cone about the fibre.
+struct Cone {
+    // Component along the fibre.
+    along: vec3<f32>,
+    // Component across the fibre, of the direction that sends most.
+    ahead: vec3<f32>,
+    // Mean cosine of the azimuth from there.
+    mean: f32,
+}
+
+// Returns the share of the light of a cone that other strands let through (formulas 4.15). Part of a cone is often
+// below the horizon, so that the share of its mean direction is not the mean share. The light arrives from the azimuth
+// that sends most and from the opposite one, with the weights that keep its mean direction.
+fn visible_on_cone(b: Baked, cone: Cone, rim: f32) -> f32 {
+    let front = visible_past_strands_around(b, cone.along + cone.ahead, rim);
+    let rear = visible_past_strands_around(b, cone.along - cone.ahead, rim);
+    return mix(rear, front, 0.5 + 0.5 * cone.mean);
+}
+
+// Returns the directions of the light that one lobe of a fibre sends to the eye, whose mean is d_p of formulas 4.15.
 //
 // `variance`: variance of the lobe along the fibre. `about_eye`: concentration of the lobe around the fibre, a von
 // Mises distribution. The distribution is centred on the eye if the value is positive, and on the opposite side if it
@@ -160,7 +196,7 @@ fn lit_from(
     concentration: f32,
     variance: f32,
     about_eye: f32,
-) -> vec3<f32> {
+) -> Cone {
     let sin_j = clamp(dot(tip, light), -1.0, 1.0);
     let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
     // Along the fibre, the lobe and the light are nearly Gaussian, and so is their product.
@@ -176,8 +212,8 @@ fn lit_from(
     let narrow = ahead * (2.0 - ahead * ahead) / max(1.0 - ahead * ahead, 1e-3);
     let aside = narrow * (light - sin_j * tip) / max(cos_j, 1e-4)
         + about_eye * (eye - sin_o * tip) * inverseSqrt(max(1.0 - sin_o * sin_o, 1e-8));
-    let both = length(aside);
-    return sine * tip + cosine * (mean_cosine_around(both) / max(both, 1e-4)) * aside;
+    let both = max(length(aside), 1e-4);
+    return Cone(sine * tip, cosine * aside / both, mean_cosine_around(both));
 }
 
 // Samples the broad-light tables with interpolation (formulas 4.14, 4.15): R, TT, all internal reflections, and the
@@ -227,8 +263,8 @@ fn sent_of_halves(fibre: Fibre, tip: vec3<f32>, eye: vec3<f32>, sin_o: f32, left
 }
 
 // Returns the light that a fibre of that colour sends to the eye from environment light (formulas 4.15). `deeper`:
-// colour of the hair below; `direct`: share of the light that other fibres let through. Directions are in the tile
-// frame.
+// colour of the hair below; `direct`: share of the light that other fibres let through; `rim`: as returned by rim_at.
+// Directions are in the tile frame.
 fn scatter_around(
     direction: vec3<f32>,
     around: Around,
@@ -237,6 +273,7 @@ fn scatter_around(
     deeper: vec3<f32>,
     direct: f32,
     baked: Baked,
+    rim: f32,
 ) -> vec3<f32> {
     let number = fibre_number();
     let optics = fibres[number].optics;
@@ -269,9 +306,9 @@ fn scatter_around(
         let from_r = lit_from(tip, light, eye, concentration, optics.w, REFLECTED_ABOUT);
         let from_tt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.y * optics.w, THROUGH_ABOUT);
         let from_trt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.z * optics.w, REFLECTED_ABOUT);
-        visible.x = visible_past_strands_around(baked, from_r);
-        visible.y = visible_past_strands_around(baked, from_tt);
-        visible.z = visible_past_strands_around(baked, from_trt);
+        visible.x = visible_on_cone(baked, from_r, rim);
+        visible.y = visible_on_cone(baked, from_tt, rim);
+        visible.z = visible_on_cone(baked, from_trt, rim);
     }
     var sent = around.whole
         * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
@@ -350,7 +387,7 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
 // Returns the light of a part of the environment that hair sends to the eye (formulas 4.15). `full`: tinted colour of
 // the hair, not premultiplied.
 fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
-    var direct = visible_past_strands_around(p.baked, around.towards);
+    var direct = visible_past_strands_around(p.baked, around.towards, material.rim);
     if BAKED_SHADOW && !HANGS && !SCATTERING {
         direct = visible_past_strands_spread(p.baked, around.towards);
     }
@@ -368,7 +405,8 @@ fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>) -
         }
     }
     if SCATTERING {
-        return p.opacity * scatter_around(p.direction, around, eye, full, p.deeper * p.tint, direct, p.baked);
+        let rim = rim_at(p.spot.open);
+        return p.opacity * scatter_around(p.direction, around, eye, full, p.deeper * p.tint, direct, p.baked, rim);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
     let lit = full * instance.diffuse_constant * sent.x + instance.specular_constant * sent.y;
@@ -382,7 +420,9 @@ fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     var sum = vec3(0.0);
     for (var part = 0u; part < environment_parts(); part++) {
         let around = around_at(at, tile, part);
-        let direct = visible_past_strands_around(p.baked, around.towards);
+        // A surface receives most of its light from above, where hair hides least.
+        let from_above = vec3(around.towards.xy, flux_height(around.towards));
+        let direct = visible_past_strands_around(p.baked, from_above, material.rim);
         sum += around.irradiance * reaches_mat(1.0, color, direct);
     }
     return sum;
