@@ -165,7 +165,6 @@ pub fn bake(input: &BakeInput<'_>, model: &Model, on_stage: &mut dyn FnMut(&'sta
     baked(&outputs)
 }
 
-/// Collects the result of a bake.
 pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
     let groomed = required(&outputs.groomed, Output::Groomed)?;
     let decisions = [&required(&outputs.laid, Output::Layout)?.decisions[..], &groomed.decisions].concat();

@@ -36,7 +36,6 @@ unsafe impl GlobalAlloc for CountingAllocator {
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// Number of bakes.
 const BAKES: usize = 100;
 /// Number of bakes after which every stage has run with several values of its keys.
 const SETTLED: usize = 40;

@@ -118,7 +118,6 @@ impl LocalTransform {
     }
 }
 
-/// Returns the local transforms, one per node.
 fn locals(animation: &Animation, clip: Option<usize>, time_s: f32) -> Vec<LocalTransform> {
     let at_rest = animation.nodes.iter().map(|node| LocalTransform {
         translation: node.translation.into(),

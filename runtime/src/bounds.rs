@@ -16,7 +16,6 @@ pub struct Sphere {
 pub(crate) struct Hull(pub(crate) Vec<(Vec3, f32)>);
 
 impl Hull {
-    /// Returns the hull with its margins widened by `by_m`.
     pub(crate) fn widened(&self, by_m: f32) -> Self {
         Self(self.0.iter().map(|(point, margin)| (*point, margin + by_m)).collect())
     }

@@ -12,7 +12,6 @@ const PARTICLE_BYTES: u64 = 48;
 /// Smallest change of strength that is visible.
 const MIN_STRENGTH_CHANGE: f32 = 0.01;
 
-/// Fur motion state of an owner.
 #[derive(Debug)]
 pub(crate) struct FurState {
     tips: wgpu::Buffer,

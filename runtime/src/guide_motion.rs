@@ -83,7 +83,6 @@ shader_struct! {
 }
 
 impl GuideMotion {
-    /// Returns the wind of the frame.
     pub(crate) fn wind(&self) -> WindBlock {
         let Wind { velocity, gust, gust_s, turbulence, eddy_m } = self.params.wind;
         WindBlock { velocity: velocity.to_array(), gust, gust_s, turbulence, eddy_m, time_s: self.time_s }

@@ -17,14 +17,12 @@ fn calls_in(block: &naga::Block, found: &mut BTreeSet<Handle<Function>>) {
     }
 }
 
-/// Returns the names of the functions that `function` calls.
 fn calls(module: &Module, function: &Function) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     calls_in(&function.body, &mut found);
     found.iter().filter_map(|handle| module.functions[*handle].name.clone()).collect()
 }
 
-/// Returns the names of all functions reachable from `function`.
 fn reaches(module: &Module, function: &Function) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut open: Vec<String> = calls(module, function).into_iter().collect();

@@ -15,7 +15,6 @@ use std::collections::HashMap;
 /// Number of frames after which the state of an unused owner is dropped.
 const DROPPED_AFTER: u64 = 256;
 
-/// State of an owner.
 #[derive(Debug)]
 struct OwnerState {
     model: Model,
@@ -28,7 +27,6 @@ struct OwnerState {
     pose: Pose,
     /// Hair motion state, if the hair of the model moves.
     past: Option<GuideMotionState>,
-    /// Fur motion state, if the fur has ever leaned.
     fur: Option<FurState>,
     /// Whether the fur leaned in the owner's last frame.
     is_leaning: bool,
@@ -37,7 +35,6 @@ struct OwnerState {
     last_frame: u64,
 }
 
-/// State of all owners.
 #[derive(Debug, Default)]
 pub(crate) struct OwnerStates {
     owners: HashMap<u64, OwnerState>,
@@ -50,7 +47,6 @@ pub(crate) struct OwnerStates {
     updates: u64,
 }
 
-/// Posed instance of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PosedInstance {
     /// First vertex stream that is drawn: posed if the model has a skeleton, leaned if the fur leans.
@@ -283,13 +279,11 @@ impl OwnerStates {
         }
     }
 
-    /// Returns the guide buffer of an owner's strand set.
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
         self.strands.get(&(owner, set))?.guides.as_ref()
     }
 
-    /// Returns the buffer of an owner's leaned vertices, if its fur has ever leaned.
     #[cfg(test)]
     pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
         Some(self.owners.get(&owner)?.fur.as_ref()?.leaned())
@@ -312,7 +306,6 @@ impl OwnerStates {
         self.strands.retain(|(of, _), _| *of != owner);
     }
 
-    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let of_skin = |state: &OwnerState| {
             state.posed.as_ref().map_or(0, wgpu::Buffer::size) + state.fur.as_ref().map_or(0, FurState::gpu_bytes)

@@ -164,13 +164,11 @@ impl Renderer {
         frame::prepare(&mut self.state, encoder, params, &instances, hooks)
     }
 
-    /// Returns the guide buffer of an owner's strand set.
     #[cfg(test)]
     pub(crate) fn posed_guides(&self, owner: u64, set: usize) -> Option<&wgpu::Buffer> {
         self.state.states.posed_guides(owner, set)
     }
 
-    /// Returns the buffer of an owner's leaned vertices, if its fur has ever leaned.
     #[cfg(test)]
     pub(crate) fn leaned(&self, owner: u64) -> Option<&wgpu::Buffer> {
         self.state.states.leaned(owner)

@@ -148,7 +148,6 @@ impl Scene {
         all
     }
 
-    /// Returns the guide points as computed on the GPU.
     fn points_on_gpu(
         &self,
         gpu: &Gpu,

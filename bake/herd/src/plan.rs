@@ -123,7 +123,6 @@ impl Plan {
     }
 }
 
-/// Joins a folder and a name.
 pub(super) fn join(folder: &str, name: &str) -> String {
     if folder.is_empty() || folder == "." {
         name.to_owned()

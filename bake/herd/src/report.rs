@@ -195,7 +195,6 @@ fn row_title(row: &Row) -> String {
     row.variant.as_ref().map_or_else(|| row.name.clone(), |variant| format!("{}.{variant}", row.name))
 }
 
-/// Returns the reason that a task failed.
 fn failure_reason(task: &Task, became: Option<&CommandOutcome>) -> String {
     let Some(became) = became else { return "the command left no record".into() };
     if let Some(error) = &became.error {
@@ -215,7 +214,6 @@ fn failure_reason(task: &Task, became: Option<&CommandOutcome>) -> String {
     }
 }
 
-/// Escapes text for HTML.
 fn escape_html(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
@@ -331,7 +329,6 @@ impl RowData<'_, '_> {
     }
 }
 
-/// Returns the levels of detail from the JSON result of `inspect`.
 fn levels(inspect: &Value) -> Vec<Value> {
     let what = |level: &Value| match level["step"].as_u64().unwrap_or(0) {
         0 => "the far layer alone".to_owned(),

@@ -26,7 +26,6 @@ use std::rc::Rc;
 struct Instance<'a> {
     /// Node of the document; `None` in a document without nodes.
     node: Option<usize>,
-    /// Index of the skin.
     skin: Option<usize>,
     /// Names of the node and the mesh; empty names are omitted.
     names: Vec<String>,
@@ -192,7 +191,6 @@ fn instances<'a>(
     Ok(instances)
 }
 
-/// Returns the names that are not empty.
 fn names<const N: usize>(names: [&str; N]) -> Vec<String> {
     names.into_iter().filter(|name| !name.is_empty()).map(str::to_owned).collect()
 }

@@ -3,7 +3,6 @@
 use super::json::JsonNode;
 use crate::BakeError;
 
-/// Type of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Component {
     I8,
@@ -109,7 +108,6 @@ impl Elements {
     }
 }
 
-/// Groups a flat list into arrays of `N` numbers.
 pub(super) fn grouped<const N: usize>(flat: &[f32]) -> impl ExactSizeIterator<Item = [f32; N]> + '_ {
     flat.as_chunks::<N>().0.iter().copied()
 }

@@ -176,7 +176,6 @@ impl Materials {
     }
 }
 
-/// Returns the warning about a black material with emission.
 pub(super) fn emission_as_base_color(material: &str) -> String {
     format!("material \"{}\" is black and emits light; its emission is used as base colour", shorten(material))
 }

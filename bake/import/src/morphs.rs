@@ -127,7 +127,6 @@ pub(super) fn read<'a>(
     Ok(Some(Morph { targets: TargetInfo { names, weights }, count, rows }))
 }
 
-/// Morph targets of the whole model.
 #[derive(Debug)]
 pub(super) struct ModelMorphs {
     /// Targets in the order of the package.

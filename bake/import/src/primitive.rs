@@ -34,7 +34,6 @@ pub(super) struct Primitive<'a> {
     pub morph: Option<morphs::Morph>,
 }
 
-/// The mesh of a node.
 pub(super) struct MeshUse<'a> {
     pub index: usize,
     pub at: JsonNode<'a>,

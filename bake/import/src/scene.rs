@@ -6,7 +6,6 @@ use super::source::Source;
 use crate::BakeError;
 use glam::{DMat3, DMat4, DVec3, Mat3, Mat4, Quat, Vec3};
 
-/// A node of the document.
 #[derive(Debug)]
 pub(super) struct TreeNode<'a> {
     pub at: JsonNode<'a>,
@@ -19,7 +18,6 @@ pub(super) struct TreeNode<'a> {
     pub shows: MeshVisibility,
 }
 
-/// Visibility of a node's mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeshVisibility {
     /// Shown at the node.

@@ -5,7 +5,6 @@ use super::meshopt;
 use super::source::Source;
 use crate::BakeError;
 
-/// Bytes of a buffer view.
 pub(super) struct BufferView<'b> {
     pub bytes: &'b [u8],
     pub stride: Option<usize>,

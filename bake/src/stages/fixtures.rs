@@ -16,7 +16,6 @@ pub(crate) fn node(name: &str, parent: Option<u32>) -> Node {
     Node { name: name.into(), parent, translation, rotation, scale }
 }
 
-/// Runs a function in a pool of `threads` threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
 }

@@ -160,7 +160,6 @@ fn scale_reaches(recipe: &mut Recipe, times: f32, decisions: &mut Vec<Decision>)
     }
 }
 
-/// Converts a radius to a share of the tile's width.
 fn share_of_tile(key: &'static str, radius_m: f32, tile_size_m: f32, least: f32) -> Result<f32, BakeError> {
     let share = radius_m / tile_size_m;
     if (least..=0.25).contains(&share) {
@@ -175,7 +174,6 @@ fn share_of_tile(key: &'static str, radius_m: f32, tile_size_m: f32, least: f32)
     Err(BakeError::Params { what: key, reason })
 }
 
-/// Returns the number of strands in a tile of the given width.
 fn strands(key: &'static str, per_mm2: f32, tile_size_m: f32) -> Result<u32, BakeError> {
     /// Same limit as `hair.density`.
     const MOST: f64 = 1e6;
@@ -218,12 +216,10 @@ fn too_thin(said: &Recipe, recipe: &Recipe, tile_size_m: f32) -> Option<String> 
     ))
 }
 
-/// Returns the area of a square.
 fn area_m2(side_m: f32) -> f64 {
     f64::from(side_m) * f64::from(side_m)
 }
 
-/// Formats an area for messages.
 fn format_area(m2: f64) -> String {
     if m2 < 1e-2 { format!("{:.1} mm²", m2 * MM2) } else { format!("{m2:.3} m²") }
 }

@@ -1,6 +1,5 @@
 use super::*;
 
-/// Returns the bounds of a model with the given radius, metres.
 fn bounds(radius: f32) -> Bounds {
     Bounds { radius, ..Bounds::default() }
 }

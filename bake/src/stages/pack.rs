@@ -137,9 +137,7 @@ pub type VertexOpenness = Arc<[Openness]>;
 /// Intermediate results that can be reused for the same model.
 #[derive(Clone, Debug, Default)]
 pub struct ModelMemo {
-    /// Simplified triangle lists.
     lists: Memo<SimplifyInput, SimplifiedLists>,
-    /// Openness.
     opened: Memo<OpennessInput, VertexOpenness>,
 }
 

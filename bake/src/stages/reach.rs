@@ -11,7 +11,6 @@ pub(crate) const FULL: f32 = 0.25;
 /// weights.
 const MIN_REMAINDER: f32 = 1e-3;
 
-/// Returns the default reach of a mark, metres, on a model with the given radius.
 pub(crate) fn default_reach_m(radius_m: f32) -> f32 {
     DEFAULT_REACH * if radius_m > 0.0 { radius_m } else { 1.0 }
 }

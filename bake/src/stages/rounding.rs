@@ -118,7 +118,6 @@ impl FinerMesh {
         curves
     }
 
-    /// Splits all edges that have curves.
     fn split(&mut self, curves: &HashMap<EdgeKey, EdgeCurve>) {
         let (mut middles, mut mean_rows) = (HashMap::new(), HashMap::new());
         let before = std::mem::take(&mut self.mesh.triangles);
@@ -210,7 +209,6 @@ fn mean_skin(a: &SkinVertex, b: &SkinVertex) -> SkinVertex {
     out
 }
 
-/// Returns the mean of two rows of morph target deltas.
 fn mean_row(a: &[RowDelta], b: &[RowDelta]) -> Vec<RowDelta> {
     let mut targets: Vec<u32> = a.iter().chain(b).map(|delta| delta.target).collect();
     targets.sort_unstable();

@@ -194,7 +194,6 @@ impl MaterialBounds {
     }
 }
 
-/// Returns the area of a triangle.
 fn area([a, b, c]: [Vec3; 3]) -> f64 {
     (b - a).as_dvec3().cross((c - a).as_dvec3()).length() / 2.0
 }

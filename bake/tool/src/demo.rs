@@ -63,7 +63,6 @@ pub fn run(args: &DemoArgs, output: &mut Output) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Bakes a built-in model.
 fn bake(model: &BuiltIn, output: &mut Output) -> Result<Baked, Failure> {
     let recipe = model.recipe()?;
     let mut watch = StageWatch::new(output);

@@ -174,7 +174,6 @@ fn is_record(path: &Path) -> bool {
     value.get("command").is_some() && value.get("exit_code").is_some()
 }
 
-/// Paths and contents of files.
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
 /// Access to the cache for one command.
@@ -260,7 +259,6 @@ fn replay(kept: &CommandResult, files: &[(PathBuf, Vec<u8>)], output: &mut Outpu
     Ok(Exit::of(kept.exit).unwrap_or(Exit::Done))
 }
 
-/// Replaces every string equal to `old` in a JSON value.
 fn rename(value: &mut Value, old: &str, new: &str) {
     match value {
         Value::String(text) if text == old => new.clone_into(text),

@@ -76,7 +76,6 @@ impl SamplesArgs {
     }
 }
 
-/// Reads a look file and applies it to `look`.
 fn read(path: &Path, look: &mut Look) -> Result<(), Failure> {
     let text = read_text(path, LOOK)?;
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -20,11 +20,9 @@ pub struct Output {
     json: bool,
     /// Whether a complete result was written. A later failure must not print a second JSON object.
     done: bool,
-    /// Current work.
     work: Arc<Mutex<Work>>,
     /// Step counter that stages increment.
     steps: Arc<StageProgress>,
-    /// Progress display, while shown.
     shown: Option<ProgressDisplay>,
     /// Result and notes since [`Self::start_recording`].
     said: Mutex<Option<RecordedOutput>>,

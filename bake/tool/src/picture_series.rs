@@ -227,7 +227,6 @@ fn mean_luminance(pixels: &RgbaImage) -> f64 {
     covered().map(of).sum::<f64>() / covered().count().max(1) as f64
 }
 
-/// Returns the report of each pass of a frame.
 fn passes(frame: &Frame) -> Vec<PassRun> {
     let of = |p: &PassReport| PassRun { name: p.name.into(), ran: p.ran, reason: p.reason.clone() };
     frame.report().passes.iter().map(of).collect()

@@ -28,9 +28,7 @@ pub enum Sink {
     Numbered {
         /// Number of the first picture.
         first: usize,
-        /// Name of each picture.
         names: Vec<PathBuf>,
-        /// Path of the journal.
         journal: PathBuf,
     },
     /// Y4M file.

@@ -70,7 +70,6 @@ pub enum Source<'a> {
     Package(&'a NamedPackage<'static>),
 }
 
-/// View and its reference image.
 struct ReferenceView {
     view: PictureView,
     picture: Picture,

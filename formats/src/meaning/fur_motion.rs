@@ -107,7 +107,6 @@ pub fn tip_offset(tip: &Tip, length_m: f32, seconds: f32) -> Vec3 {
     within(tip.offset + tip.velocity * (0.5 * seconds), MAX_OFFSET * length_m)
 }
 
-/// Returns `v` with its length limited to `most`.
 fn within(v: Vec3, most: f32) -> Vec3 {
     v * (most / v.length().max(1e-20)).min(1.0)
 }

@@ -168,7 +168,6 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Returns the number of values per key.
     pub(crate) fn values_per_key(self) -> usize {
         match self {
             Self::Cubic => 3,

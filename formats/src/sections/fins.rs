@@ -250,7 +250,6 @@ impl<'a> FinsView<'a> {
         self.fins.chunks_exact(size_of::<Fin>()).map(bytemuck::pod_read_unaligned)
     }
 
-    /// Returns the offset of fin number `index` in the section.
     fn offset_of(&self, index: usize) -> u64 {
         layout(self.part_counts.len() as u64 / 4, 0)[0] + index as u64 * size_of::<Fin>() as u64
     }

@@ -12,7 +12,6 @@ fn fault(tag: Tag, at: usize, reason: String) -> FormatError {
     FormatError::Content { tag, offset: at as u64, reason }
 }
 
-/// Checks all records, which begin at byte `start`.
 fn check_all<const N: usize>(tag: Tag, start: usize, bytes: &[u8], check: Check<N>) -> Result<(), FormatError> {
     let mut records = bytes.as_chunks::<N>().0.iter().enumerate();
     records.try_for_each(|(number, record)| {

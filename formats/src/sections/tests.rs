@@ -11,7 +11,6 @@ fn open(bytes: &[u8]) -> Package<'_> {
     Package::open(bytes, &Limits::default()).unwrap()
 }
 
-/// Returns the number of meshes checked while `f` ran.
 fn meshes_checked(f: impl FnOnce()) -> u32 {
     let before = mesh::CHECKED.get();
     f();

@@ -4,7 +4,6 @@ use crate::common::sample_with;
 use glam::Vec3;
 use pelage_formats::*;
 
-/// Returns the sample package with these groups.
 fn package(groups: &[HairGroup]) -> Result<Vec<u8>, FormatError> {
     sample_with(|writer| writer.hair_groups(groups))
 }

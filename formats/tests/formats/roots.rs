@@ -10,7 +10,6 @@ fn info() -> RootsInfo {
     RootsInfo { asides, uv_per_tile: vec![0.25; sample_manifest().materials.len()] }
 }
 
-/// Returns the sample package with the section appended.
 fn package(info: &RootsInfo) -> Result<Vec<u8>, FormatError> {
     sample_with(|writer| writer.roots(info))
 }

@@ -6,7 +6,6 @@ use crate::common::{
 };
 use pelage_formats::*;
 
-/// Returns the sample package with these strands.
 fn package(strands: &StrandsData) -> Result<Vec<u8>, FormatError> {
     sample_with(|writer| writer.strands(strands))
 }

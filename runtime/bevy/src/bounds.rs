@@ -19,7 +19,6 @@ pub(crate) fn animal_bounds(animal: &Instance) -> Sphere {
     }
 }
 
-/// Returns the smallest sphere that contains both spheres.
 pub(crate) fn enclosing_sphere(a: Sphere, b: Sphere) -> Sphere {
     let apart = a.center.distance(b.center);
     if apart + b.radius <= a.radius {

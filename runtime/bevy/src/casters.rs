@@ -40,7 +40,6 @@ fn vs_caster(
 const MATRIX_ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
-/// Cache key of a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct PipelineKey {
     stride: u64,
@@ -51,7 +50,6 @@ struct PipelineKey {
     pass: CasterPass,
 }
 
-/// Cache of pipelines by their key.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct CasterPipelines(HashMap<PipelineKey, wgpu::RenderPipeline>);
 

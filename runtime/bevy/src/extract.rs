@@ -34,7 +34,6 @@ pub(crate) struct Animal {
     pub(crate) motion: Motion,
     pub(crate) morphs: PelageMorphs,
     pub(crate) style: Style,
-    /// Whether it casts shadows on Bevy's meshes.
     pub(crate) casts_shadow: bool,
     pub(crate) layers: RenderLayers,
 }
@@ -51,9 +50,7 @@ pub(crate) struct Caster {
 /// Extracted data from which all frames are drawn.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Scene {
-    /// Animals by their entity in the main world.
     pub(crate) animals: HashMap<MainEntity, Animal>,
-    /// Packages of all loaded models.
     pub(crate) packages: HashMap<AssetId<PelageModel>, Arc<NamedPackage<'static>>>,
     pub(crate) suns: Vec<Sun>,
     pub(crate) lamps: Vec<Lamp>,
@@ -129,7 +126,6 @@ pub(crate) fn animals(
     scene.packages.extend(models.iter().map(|(id, model)| (id, model.package.clone())));
 }
 
-/// Transform, visibility and layers of a light.
 type LightPlace = (&'static GlobalTransform, &'static InheritedVisibility, Option<&'static RenderLayers>);
 
 /// Extracts the lights and the shadow settings.
@@ -179,7 +175,6 @@ pub(crate) fn lights(
     scene.shadows = shadows.0;
 }
 
-/// Extracts the hair motion parameters and the time.
 pub(crate) fn hair(mut scene: ResMut<Scene>, hair: Extract<Res<PelageHair>>, time: Extract<Res<Time>>) {
     (scene.hair_motion, scene.time_s) = (hair.0, time.elapsed_secs_f64());
 }

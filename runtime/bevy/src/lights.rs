@@ -18,7 +18,6 @@ pub(crate) struct Sun {
     pub(crate) color: LinearRgba,
     /// Illuminance, lux.
     pub(crate) illuminance: f32,
-    /// Whether it casts shadows.
     pub(crate) shadows: bool,
     pub(crate) layers: RenderLayers,
 }
@@ -44,7 +43,6 @@ pub(crate) struct Lamp {
     pub(crate) range_m: f32,
     /// Direction of a spot light, and its inner and outer angles in radians; `None` for a point light.
     pub(crate) cone: Option<(Vec3, f32, f32)>,
-    /// Whether it casts shadows.
     pub(crate) shadows: bool,
     pub(crate) layers: RenderLayers,
 }

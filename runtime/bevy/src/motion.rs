@@ -47,7 +47,6 @@ pub(crate) fn find_clips(
     }
 }
 
-/// Advances clips by the elapsed time.
 pub(crate) fn play_clips(mut clips: Query<(&mut PelageClip, &ClipLookup)>, time: Res<Time>) {
     for (mut clip, place) in &mut clips {
         let Some((_, duration_s)) = place.found else { continue };
@@ -57,7 +56,6 @@ pub(crate) fn play_clips(mut clips: Query<(&mut PelageClip, &ClipLookup)>, time:
     }
 }
 
-/// Returns the time of a clip after another `passed_s` seconds.
 fn time_after(clip: &PelageClip, passed_s: f32, duration_s: f32) -> f32 {
     let time_s = if clip.paused { clip.time_s } else { clip.time_s + clip.speed * passed_s };
     match clip.looped {

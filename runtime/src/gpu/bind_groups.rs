@@ -7,7 +7,6 @@ use std::collections::HashMap;
 /// Number of frames after which an unused bind group is dropped, so that its resources can be freed.
 const DROPPED_AFTER: u64 = 64;
 
-/// Cache key of a bind group: its layout, and its resources with their binding numbers.
 type Key = (wgpu::BindGroupLayout, Vec<(u32, BindingResource)>);
 
 #[derive(Debug, Default)]

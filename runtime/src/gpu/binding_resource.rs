@@ -2,7 +2,6 @@
 
 use std::num::NonZeroU64;
 
-/// Resource that a binding refers to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum BindingResource {
     /// Range of `size` bytes from `offset`.

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-/// Bind group and its dynamic offset.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DrawBindGroup {
     pub(crate) group: wgpu::BindGroup,
@@ -23,7 +22,6 @@ impl DrawBindGroup {
 #[derive(Clone, Debug)]
 pub(crate) struct Draw {
     pub(crate) pipeline: wgpu::RenderPipeline,
-    /// Bind groups by number.
     pub(crate) groups: [Option<DrawBindGroup>; 4],
     /// Vertex buffers by slot.
     pub(crate) vertices: [Option<wgpu::Buffer>; 5],

@@ -41,7 +41,6 @@ impl TargetSet {
         self.views.iter().find(|(found, _)| found == target).map(|(_, view)| view)
     }
 
-    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let of_pixel: u32 = self.views.iter().map(|(t, _)| t.format.block_copy_size(None).unwrap_or(4)).sum();
         u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(of_pixel)

@@ -138,7 +138,6 @@ impl Drop for SubmissionGuard {
 }
 
 impl UniformRing {
-    /// Returns a free slot.
     pub(crate) fn acquire(&mut self, gpu: &Gpu) -> UniformSlot {
         let free = self.slots.iter().position(|slot| Arc::strong_count(&slot.in_use) == 1);
         let mut slot = free.map_or_else(|| UniformSlot::new(gpu), |index| self.slots.swap_remove(index));

@@ -60,7 +60,6 @@ pub(crate) struct Variant {
     pub(crate) detail: bool,
     /// Whether the far fur layer is drawn on the surface.
     pub(crate) coat: bool,
-    /// Whether fins are drawn.
     pub(crate) fins: bool,
     /// Whether single strands are drawn, of fur or of hair groups.
     pub(crate) strands: bool,
@@ -76,7 +75,6 @@ pub(crate) struct Variant {
     pub(crate) maps_between: bool,
     /// Whether the number of layer-wise maps differs from the baked layer count.
     pub(crate) maps_resampled: bool,
-    /// Whether soft shadows are on.
     soft_shadow: bool,
     /// Whether there are fill lights, which cast no shadows.
     pub(crate) fill_lights: bool,
@@ -129,7 +127,6 @@ impl Variant {
         }
     }
 
-    /// Returns the constants of lit surfaces.
     pub(crate) fn lit_surface_constants(&self) -> Constants {
         let mut constants = self.lit_strand_constants();
         constants.push(flag("GUIDED_SHADOW", self.guided_shadow));
@@ -155,7 +152,6 @@ impl Variant {
     }
 }
 
-/// Returns the constants of shaders that read a part's material.
 pub(crate) fn material_constants(part: &Part) -> Constants {
     vec![
         flag("BASE_COLOR_TEXTURE", part.has_texture),

@@ -32,7 +32,6 @@ pub(super) struct Resources {
     pub(super) fur: Option<wgpu::BindGroup>,
     pub(super) fins: Option<Fins>,
     pub(super) strands: Vec<StrandSet>,
-    /// Colliders of the body for hair.
     pub(super) colliders: Vec<BodyCollider>,
     pub(super) planar_directions: bool,
     pub(super) knows_visibility: bool,
@@ -54,7 +53,6 @@ pub(crate) struct MorphBuffers {
     pub(crate) deltas: wgpu::Buffer,
 }
 
-/// Fins of a model.
 #[derive(Debug)]
 pub(crate) struct Fins {
     /// Fins of all parts, concatenated.
@@ -215,7 +213,6 @@ impl Model {
         &self.resources.strands
     }
 
-    /// Returns the fur strands of the model; `None` if it has none.
     pub(crate) fn fur_strands(&self) -> Option<&StrandSet> {
         self.resources.strands.first().filter(|strands| strands.guided().is_none())
     }
@@ -234,7 +231,6 @@ impl Model {
         self.resources.fibres.as_ref()
     }
 
-    /// Whether the package has baked visibility for its hair.
     pub(crate) fn has_baked_visibility(&self) -> bool {
         self.resources.knows_visibility
     }
@@ -243,7 +239,6 @@ impl Model {
         self.resources.varies
     }
 
-    /// Returns an error if the model has no ink style.
     pub(crate) fn require_ink(&self) -> Result<(), RuntimeError> {
         if self.resources.ink.is_some() {
             return Ok(());
@@ -255,7 +250,6 @@ impl Model {
         })
     }
 
-    /// Returns the ink style of the model, if the package has one.
     pub(crate) fn ink(&self) -> Option<&ModelInk> {
         self.resources.ink.as_ref()
     }
@@ -265,7 +259,6 @@ impl Model {
         &self.resources.extent
     }
 
-    /// Whether the other model shares all buffers and textures with this one.
     pub(crate) fn shares_resources(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.resources, &other.resources)
     }

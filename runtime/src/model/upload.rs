@@ -64,7 +64,6 @@ impl Uploader<'_> {
         if software || !(plain || samples_blocks) { format.decoded() } else { format }
     }
 
-    /// Returns the size of a texture on the device in bytes.
     pub(super) fn device_bytes(&self, view: &TextureView<'_>) -> u64 {
         view.gpu_bytes_as(self.device_format(view.format))
     }

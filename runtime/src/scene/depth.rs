@@ -9,7 +9,6 @@ use crate::light::{CasterPass, ShadowMaps};
 use crate::model::Part;
 use crate::surface::STREAMS;
 
-/// Shader of the depth passes.
 pub(crate) const DEPTH: Shader = Shader {
     name: "pelage casters",
     parts: &[
@@ -62,7 +61,6 @@ pub(crate) fn begin_maps<'e>(
     })
 }
 
-/// Returns the draws of an instance's mesh into one of the depth maps.
 fn depth_draws(frame: &mut Recording<'_>, seen: &VisibleInstance, kind: CasterPass) -> Vec<Draw> {
     // Back faces also cast shadows.
     let both = kind == CasterPass::Nearest;

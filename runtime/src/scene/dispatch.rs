@@ -6,7 +6,6 @@ use crate::gpu::{DrawBindGroup, WORKGROUP, workgroups};
 #[derive(Debug)]
 pub(crate) struct Dispatch {
     pub(crate) pipeline: wgpu::ComputePipeline,
-    /// Bind groups by index.
     pub(crate) groups: Vec<Option<DrawBindGroup>>,
     /// Total number of threads, dispatched in workgroups of 64.
     pub(crate) threads: u32,

@@ -40,7 +40,6 @@ pub(crate) struct NearestSegments {
     pub(crate) block: NearestHairBlock,
 }
 
-/// Buffers of the nearest hair segments.
 #[derive(Debug)]
 pub(crate) struct NearestBuffers {
     /// Per pixel: sorted keys of its nearest segments, and the optical depth of the others.
@@ -52,7 +51,6 @@ pub(crate) struct NearestBuffers {
 }
 
 impl NearestBuffers {
-    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         self.keys.size() + self.lights.size() + self.layers.size()
     }

@@ -7,7 +7,6 @@ use crate::hair::StrandSetDrawing;
 use crate::model::{Strand, StrandConstants};
 use std::ops::Range;
 
-/// Returns the drawn strand sets of all instances.
 pub(crate) fn strand_sets(
     instances: &[VisibleInstance],
 ) -> impl Iterator<Item = (&VisibleInstance, StrandsToDraw<'_>)> {

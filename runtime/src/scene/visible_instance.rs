@@ -17,7 +17,6 @@ pub(crate) struct VisibleInstance {
     /// Level of detail of the fur.
     pub(crate) drawing: InstanceDrawing,
     pub(crate) look: Variant,
-    /// Strand sets that are drawn.
     pub(crate) sets: Vec<VisibleStrandSet>,
     /// Offset of the instance's uniform block for the eye.
     pub(super) view_offset: u64,
@@ -25,11 +24,9 @@ pub(crate) struct VisibleInstance {
     pub(super) light_offset: u64,
 }
 
-/// Strand set that is drawn in a frame.
 #[derive(Debug)]
 pub(crate) struct VisibleStrandSet {
     pub(crate) drawn: StrandSetDrawing,
-    /// Posed points.
     pub(crate) posed: PosedStrands,
     /// Ribbons of the strands, if the instance may be in the picture.
     pub(crate) ribbons: Option<Arc<Ribbons>>,

@@ -14,7 +14,6 @@ use wgpu::util::DeviceExt;
 pub(crate) type Lights = [frame::FillLight; MAX_FILL_LIGHTS + Environment::MOST_LOBES];
 
 shader_struct! {
-    /// Uniform block of a material.
     pub(crate) struct MaterialUniform {
         pub(crate) base_color: [f32; 4],
         pub(crate) alpha_cutoff: f32,

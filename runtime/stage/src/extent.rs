@@ -73,7 +73,6 @@ type SkinnedVertex = (usize, GeometryVertex, Option<SkinVertex>);
 /// Maximum number of guides sampled per group.
 const MAX_TIPS: usize = 64;
 
-/// Tip of a guide hair.
 struct GuideTip {
     /// Corners of the triangle that contains the guide's root.
     corners: [u32; 3],
@@ -89,7 +88,6 @@ impl GuideTip {
     }
 }
 
-/// Returns the tips of some guides of each group.
 fn guide_tips(groups: &[HairGroup], mesh: &MeshView<'_>) -> Vec<GuideTip> {
     let indices: Vec<u32> = if groups.is_empty() { Vec::new() } else { mesh.indices().collect() };
     let of = |group: &HairGroup| {

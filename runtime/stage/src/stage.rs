@@ -369,7 +369,6 @@ fn check(cast: &Cast<'_>, style: StyleKind) -> Result<(), StageError> {
     Ok(())
 }
 
-/// Returns an error for a cast without actors, or with an actor without a model.
 fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
     if cast.actors.is_empty() {
         let reason = "found no copy of a model, expected at least one".into();
@@ -388,7 +387,6 @@ fn check_actors(cast: &Cast<'_>) -> Result<(), StageError> {
     }
 }
 
-/// Returns an error for a package that cannot be drawn in ink.
 fn require_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), StageError> {
     if package.ink().map_err(|error| file.fault(error))?.is_some() {
         return Ok(());
@@ -397,7 +395,6 @@ fn require_ink(file: &NamedPackage<'_>, package: &Package<'_>) -> Result<(), Sta
     Err(StageError::Input { file: file.name.clone(), place: "section INKW, the ink style".into(), reason })
 }
 
-/// Converts an error of the runtime for a package into an error of the stage.
 fn load_error(file: &NamedPackage<'_>, error: RuntimeError) -> StageError {
     match error {
         RuntimeError::Package(source) => file.fault(source),

@@ -28,7 +28,6 @@ pub struct Watch {
     _open: Sender<()>,
 }
 
-/// Watched file.
 struct Watched {
     /// State of the file when its last change was reported.
     reported: Stamp,

@@ -93,7 +93,6 @@ struct Host {
     failure: Option<ViewError>,
 }
 
-/// Open window.
 struct OpenWindow {
     window: Arc<Window>,
     instance: wgpu::Instance,

@@ -12,7 +12,6 @@ pub(crate) fn pelage_error(kind: &str, message: &str) -> JsValue {
     error.into()
 }
 
-/// Converts an error of the stage.
 pub(crate) fn stage_error(error: StageError) -> JsValue {
     let kind = match &error {
         StageError::Package { .. } | StageError::Input { .. } => "package",
@@ -24,7 +23,6 @@ pub(crate) fn stage_error(error: StageError) -> JsValue {
     pelage_error(kind, &error.to_string())
 }
 
-/// Creates the error for an invalid argument, from its description.
 pub(crate) fn invalid_argument(error: impl std::fmt::Display) -> JsValue {
     pelage_error("asked", &error.to_string())
 }

@@ -4,7 +4,6 @@ use js_sys::{Array, Object, Reflect};
 use pelage_runtime::{Frame, Model};
 use wasm_bindgen::JsValue;
 
-/// Creates an object with these properties.
 pub(crate) fn object<const N: usize>(properties: [(&str, JsValue); N]) -> JsValue {
     let object = Object::new();
     for (name, value) in properties {

@@ -367,7 +367,6 @@ impl Viewer {
         Ok(())
     }
 
-    /// Replaces the look by `look`.
     fn apply_look(&mut self, look: Look) -> Result<(), JsValue> {
         let (before, picture) = (self.look.picture(), look.picture());
         let fibres = self.loaded.as_ref().is_some_and(|loaded| loaded.has_fibres);

@@ -20,7 +20,6 @@ const JUMP_PIECES: usize = 5;
 /// Piece of a strand that may be too long.
 #[derive(Clone, Copy)]
 struct Suspect {
-    /// Index of the strand.
     strand: usize,
     /// Index in the strand of the point that the piece leads to.
     point: usize,
@@ -30,7 +29,6 @@ struct Suspect {
     rest: f32,
     /// Longest piece of the strand.
     longest: f32,
-    /// Whether the point is at the origin.
     at_origin: bool,
     is_last: bool,
 }
@@ -153,7 +151,6 @@ impl Guides {
     }
 }
 
-/// Returns a list without the item at `index`.
 fn without<T: Copy>(list: &[T], index: usize) -> Vec<T> {
     list.iter().enumerate().filter(|(i, _)| *i != index).map(|(_, item)| *item).collect()
 }

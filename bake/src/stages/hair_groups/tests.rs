@@ -19,7 +19,6 @@ fn ball() -> (Mesh, RestPose, Vec<Material>) {
     (mesh, rest, materials.to_vec())
 }
 
-/// Grows a recipe's hair on the ball.
 fn grown(recipe: &str, files: &MapImages) -> Result<GuidedHair, BakeError> {
     let recipe = crate::recipe::Recipe::parse("recipe", recipe)?;
     let (mesh, rest, materials) = ball();

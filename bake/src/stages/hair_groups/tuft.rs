@@ -15,7 +15,6 @@ const POINTS: usize = 4;
 /// Maximum number of joints listed in an error.
 const NAMED: usize = 5;
 
-/// Returns the position of a tuft.
 fn tuft_position(params: &TuftParams, ground: &GroomTarget<'_>, warnings: &mut Vec<String>) -> Result<Vec3, String> {
     let Some(joint) = &params.joint else {
         let at = params.at.ok_or("at and joint are missing, expected a position near the skin or a joint's name")?;

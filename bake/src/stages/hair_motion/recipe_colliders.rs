@@ -35,7 +35,6 @@ pub fn merge(
     FittedColliders { colliders, gap_m: fitted.gap_m, warnings }
 }
 
-/// Returns the index of the joint that a table names.
 fn joint(table: &HairColliderParams, animation: Option<&Animation>) -> Result<u32, String> {
     let joints = animation.map_or(&[][..], |animation| &animation.joints);
     let name = |joint: &pelage_formats::Joint| {

@@ -46,7 +46,6 @@ struct TileView {
     side: usize,
     /// Texels per tile width.
     scale: Vec2,
-    /// Whether v repeats.
     periodic_v: bool,
     densities: [f32; 4],
     path: PathOf,

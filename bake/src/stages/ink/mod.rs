@@ -179,7 +179,6 @@ fn texture_format(pack: &PackParams) -> TextureFormat {
     }
 }
 
-/// Encodes painted layers as one texture.
 fn encode(
     layers: Vec<[Plane; 4]>,
     channels: [Channel; 4],

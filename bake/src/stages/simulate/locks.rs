@@ -17,7 +17,6 @@ const SPACING_PER_LENGTH: f32 = 0.5;
 /// lock.
 const LEAST_STRANDS: u32 = 8;
 
-/// Locks of a tile.
 pub(super) struct Locks {
     seed: u64,
     count: u32,
@@ -35,7 +34,6 @@ pub(super) struct Lock {
     pub(super) center: Vec2,
 }
 
-/// Returns whether hairs gather in locks.
 pub(super) fn forms_locks(params: &HairParams) -> bool {
     StyleForces::of(params.style).wet || params.dry_clump > 0.0
 }
@@ -66,7 +64,6 @@ impl Locks {
         stratified(self.seed, index, self.count)
     }
 
-    /// Returns the lock of a strand with its root at `root` in the tile.
     pub(super) fn lock_at(&self, root: Vec2) -> Lock {
         // Centres are stratified, so each root has a centre in its own stratum, less than two grid cells away.
         const REACH: i64 = 2;

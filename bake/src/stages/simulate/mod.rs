@@ -193,7 +193,6 @@ pub fn simulate_with_underfur(
     Ok(strands)
 }
 
-/// Returns the parameters of underfur below the given guard hair.
 fn underfur_params(guard: &HairParams, fur: &UnderfurParams) -> HairParams {
     let is_wet = |style| StyleForces::of(style).wet;
     HairParams {

@@ -31,7 +31,6 @@ pub(super) struct Transmittance {
     halvings: u32,
     /// Variance of the additional blur, in stored texels²; 0 for none.
     blur: f32,
-    /// Transmittance of each stored level.
     levels: Vec<LevelTransmittance>,
     /// Accumulated appearance of the layers so far.
     coat: FarFurSums,

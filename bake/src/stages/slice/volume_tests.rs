@@ -9,7 +9,6 @@ fn strands(hair: &HairParams) -> Strands {
     simulate(hair, &ColorParams::default(), &VolumeParams::default()).unwrap()
 }
 
-/// Makes one straight strand from `a` to `b`.
 fn one(a: Vec3, b: Vec3, radius: f32, height: f32) -> Strands {
     Strands {
         points: vec![a, b],

@@ -104,7 +104,6 @@ struct Flood<'a> {
 }
 
 impl<'a> Flood<'a> {
-    /// Creates the state for `n` faces.
     fn new(topology: &'a Topology, frames: &'a [FaceFrame], reach: &'a Reach, n: usize) -> Self {
         Self { topology, frames, reach, cost: vec![f64::INFINITY; n], seed_of: vec![NONE; n] }
     }

@@ -59,7 +59,6 @@ const WORST_RESIDUAL: f64 = 1e-6;
 pub(super) struct PatchSystem<'a> {
     topology: &'a Topology,
     faces: &'a [u32],
-    /// Frame of each face of the patch.
     frames: Vec<FaceFrame>,
     gradients: Vec<[DVec2; 3]>,
     /// Points of the patch; the first is fixed at 0.

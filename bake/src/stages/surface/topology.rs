@@ -44,7 +44,6 @@ impl Topology {
         (a + b + c) / 3.0
     }
 
-    /// Returns the end points of a half-edge.
     pub(super) fn ends(&self, half_edge: u32) -> [u32; 2] {
         let (f, k) = (half_edge as usize / 3, half_edge as usize % 3);
         [self.faces[f][k], self.faces[f][(k + 1) % 3]]

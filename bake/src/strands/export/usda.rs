@@ -116,7 +116,6 @@ fn identifier(name: &str) -> String {
     if name.starts_with(|c: char| !c.is_ascii_digit()) { name } else { format!("_{name}") }
 }
 
-/// Escapes text for a quoted string.
 fn escaped(text: &str) -> String {
     let plain = |c: char| match c {
         '"' | '\\' => format!("\\{c}"),

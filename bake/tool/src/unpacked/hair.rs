@@ -31,7 +31,6 @@ struct ExactGuide {
     offsets: Vec<[i16; 3]>,
 }
 
-/// Returns the file name of a group.
 fn name_of(number: usize, group: &HairGroup) -> String {
     let plain = group.name.chars().take(40).map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
     format!("hair_{number}_{}.hair", plain.collect::<String>())

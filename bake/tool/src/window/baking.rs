@@ -20,7 +20,6 @@ const ASKED_EVERY: Duration = Duration::from_millis(100);
 /// one.
 const MOST_RECIPES: usize = 256;
 
-/// Request to bake.
 struct BakeRequest {
     recipe: Recipe,
     /// Images of the recipe; `None` reuses those of the previous request.

@@ -114,7 +114,6 @@ impl GrownGroup {
         out
     }
 
-    /// Returns guide number `number` as a hair.
     fn guide_hair(&self, group: &HairGroup, root: TrianglePoint, number: u32) -> Hair {
         let mut follow = GuideWeights::default();
         (follow.guides[0], follow.weights[0]) = (number, 1.0);

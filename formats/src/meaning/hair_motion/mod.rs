@@ -126,7 +126,6 @@ pub struct Capsule {
     pub radius_m: f32,
 }
 
-/// Time step.
 #[derive(Clone, Copy, Debug)]
 struct Step<'a> {
     /// Duration, seconds. With 0, only lengths and colliders are enforced.
@@ -140,7 +139,6 @@ struct Step<'a> {
     time_s: f32,
     /// Colliders at the end of the step.
     colliders: &'a [Capsule],
-    /// Solver settings.
     solver: Solver,
 }
 
@@ -369,13 +367,11 @@ fn advance(
     solved
 }
 
-/// Returns the maximum relative length error of the segments.
 fn max_length_error(pearls: &[Particle], lengths: &[f32], held: usize) -> f32 {
     let of = |k: usize| (pearls[k].place.distance(pearls[k - 1].place) - lengths[k]).abs() / lengths[k].max(1e-9);
     (held + 1..pearls.len()).map(of).fold(0.0, f32::max)
 }
 
-/// Returns the smallest rotation from one direction to another.
 fn smallest_rotation(from: Vec3, to: Vec3) -> Quat {
     let (from, to) = (direction(from, Vec3::Y), direction(to, Vec3::Y));
     let (across, half) = (from.cross(to), 1.0 + from.dot(to));

@@ -156,7 +156,6 @@ impl Default for Shading {
     }
 }
 
-/// Fails for the first value that is not finite.
 fn finite(what: &str, values: &[f32]) -> Result<(), String> {
     match values.iter().find(|v| !v.is_finite()) {
         Some(v) => Err(format!("{what} is {v}, expected a finite number")),

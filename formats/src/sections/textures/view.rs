@@ -56,7 +56,6 @@ pub(super) struct TextureHeader {
 }
 
 impl<'a> TextureView<'a> {
-    /// Returns the texture in a file of this shape.
     pub(super) fn of(ktx2: &'a [u8], shape: TextureHeader) -> Self {
         let TextureHeader { format, width, height, layers, levels } = shape;
         Self { format, width, height, layers, levels, ktx2 }

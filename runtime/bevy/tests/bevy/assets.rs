@@ -11,7 +11,6 @@ use bevy_transform::components::Transform;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Creates a folder for this test.
 fn create_folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     fs::create_dir_all(&folder).unwrap();
@@ -112,7 +111,6 @@ fn changed_files_are_reloaded() {
     assert_eq!(test_app.picture(&camera), striped);
 }
 
-/// Collects all files of a folder, recursively.
 fn collect_files(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();

@@ -33,7 +33,6 @@ fn package() -> Vec<u8> {
     std::env::var_os("PELAGE_PACKAGE").map_or_else(ball_package, |path| std::fs::read(path).unwrap())
 }
 
-/// Spawns the animal in front of a Bevy camera.
 fn spawn_animal(test_app: &mut TestApp) -> Entity {
     let model = test_app.add_model("animal", &package());
     let clip = PelageClip::new(first_clip(test_app, &model));

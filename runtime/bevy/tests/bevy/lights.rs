@@ -19,7 +19,6 @@ fn view_from_above() -> Transform {
     Transform::from_xyz(0.0, 0.9, 0.5).looking_at(Vec3::ZERO, Vec3::Y)
 }
 
-/// Returns the sum of the green channel over all pixels.
 fn green_sum(picture: &Picture) -> u64 {
     picture.pixels().map(|p| u64::from(p[1])).sum()
 }
@@ -162,7 +161,6 @@ fn point_and_spot_lights_light_fur_like_suns() {
     assert_eq!(test_app.renderers().logged_messages().count(), 1);
 }
 
-/// Returns the sums of the green channel over the left and right halves of the picture.
 fn green_sums_of_halves(picture: &Picture) -> [u64; 2] {
     let mut sums = [0; 2];
     for (i, pixel) in picture.pixels().enumerate() {

@@ -21,7 +21,6 @@ fn front_view() -> Transform {
     Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y)
 }
 
-/// Returns the pixel in the middle of the picture.
 fn middle_pixel(picture: &Picture) -> [u8; 4] {
     picture.pixel(SIZE[0] / 2, SIZE[1] / 2)
 }
@@ -81,7 +80,6 @@ fn animal_and_cube_occlude_each_other() {
     );
 }
 
-/// Draws the picture with the runtime alone.
 fn runtime_picture(pelage: &Pelage) -> Picture {
     let gpu = Gpu::with(runtime::wgpu::Features::TEXTURE_COMPRESSION_BC, None).unwrap();
     let options = CanvasOptions::default();

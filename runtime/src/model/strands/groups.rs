@@ -19,7 +19,6 @@ const SAMPLED_HAIRS: usize = 256;
 struct RestMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// Triangle range of each part.
     parts: Vec<Range<u32>>,
 }
 

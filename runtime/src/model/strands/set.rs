@@ -49,7 +49,6 @@ pub(crate) enum StrandSource {
     Guided(Guided),
 }
 
-/// Guided hair.
 #[derive(Debug)]
 pub(crate) struct Guided {
     /// Vertex indices of the root triangle of each guide, and the barycentric weights of the root's second and third
@@ -61,7 +60,6 @@ pub(crate) struct Guided {
     pub(crate) ballast: wgpu::Buffer,
     /// Motion parameters; `None` if the guides do not move.
     pub(crate) motion: Option<GroupMotion>,
-    /// Number of guides.
     pub(crate) guide_count: u32,
     /// Buffer of [`HairRoot`], one per hair.
     pub(crate) hairs: wgpu::Buffer,
@@ -91,7 +89,6 @@ pub(crate) struct HairRoot {
 }
 
 impl StrandSet {
-    /// Returns the guided hair, if the strands follow guides.
     pub(crate) fn guided(&self) -> Option<&Guided> {
         match &self.growth {
             StrandSource::Fur { .. } => None,
@@ -160,12 +157,10 @@ impl StrandSet {
         steps(self.points)
     }
 
-    /// Returns the size in bytes of all ribbons.
     pub(crate) fn ribbon_bytes(&self, step: u32) -> u64 {
         u64::from(self.count) * u64::from(self.corners(step)) * CORNER_BYTES
     }
 
-    /// Returns the size in GPU memory, bytes.
     pub(crate) fn gpu_bytes(&self) -> u64 {
         let growth = match &self.growth {
             StrandSource::Fur { stands } => stands.size(),

@@ -21,7 +21,6 @@ use crate::params::StyleKind;
 use crate::scene::{DEPTH, MapTarget, Recording, begin_maps, light_inside_remark, record_depth};
 use crate::shared::shader_struct::shader_struct;
 
-/// Shader of the filter passes.
 pub(crate) const FILTER: Shader = Shader { name: "pelage shadow width", parts: &[include_str!("filter.wgsl")] };
 
 impl PassId {

@@ -62,7 +62,6 @@ fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part) -> RenderSpe
     frame.picture_spec(SHADER, entries, constants, [look.mirrored, part.double_sided], true)
 }
 
-/// Returns the range of draw instances, one per layer.
 fn layers(frame: &Recording<'_>, seen: &VisibleInstance) -> Range<u32> {
     frame.params.debug.only_layer.map_or_else(
         || seen.drawing.shell_instances(),
@@ -70,7 +69,6 @@ fn layers(frame: &Recording<'_>, seen: &VisibleInstance) -> Range<u32> {
     )
 }
 
-/// Returns the draws of an instance's furred parts.
 fn draws(frame: &mut Recording<'_>, seen: &VisibleInstance) -> Vec<Draw> {
     let (layers, groups) = (layers(frame, seen), [frame.eye_group(seen), seen.fur()]);
     let spec = |frame: &Recording<'_>, part: &Part| spec(frame, seen, part);

@@ -20,7 +20,6 @@ pub(super) struct GroundCaster {
 }
 
 impl GroundCaster {
-    /// Reads the triangles of a package.
     pub(super) fn of(package: &Package<'_>) -> Result<Self, FormatError> {
         let Some(mesh) = package.mesh()? else { return Ok(Self::default()) };
         let indices: Vec<u32> = mesh.indices().collect();

@@ -31,7 +31,6 @@ pub enum GroundKind {
 /// Mean ambient light of packages, relative to a perpendicular key light of colour 1.
 const AMBIENT: f32 = 0.3;
 
-/// Uniform block of `ground.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 struct GroundBlock {
@@ -52,10 +51,8 @@ struct GroundBlock {
     reserved: Vec2,
 }
 
-/// Index of a model's package, its transform, and the layers of its pose.
 type ModelPose = (usize, Mat4, Vec<ClipLayer>);
 
-/// Contact map, and its texture.
 type UploadedMap = (ContactMap, wgpu::TextureView);
 
 /// Ground of a stage, ready to draw.
@@ -168,7 +165,6 @@ impl Ground {
     }
 }
 
-/// Copies a contact map to the device.
 fn upload(gpu: &Gpu, map: ContactMap) -> UploadedMap {
     let texture = gpu.device.create_texture_with_data(
         &gpu.queue,
@@ -197,7 +193,6 @@ fn sampler(gpu: &Gpu) -> wgpu::Sampler {
     })
 }
 
-/// Creates the pipeline, for a pass with the targets of `options`.
 fn pipeline(gpu: &Gpu, options: &CanvasOptions) -> wgpu::RenderPipeline {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("ground"),

@@ -92,7 +92,6 @@ impl Look {
         })
     }
 
-    /// Returns the fur parameters.
     pub(crate) fn fur_params(&self) -> FurParams {
         FurParams::default().with(|fur| {
             fur.layers = self.fur.layers;
@@ -151,7 +150,6 @@ impl Look {
         })
     }
 
-    /// Returns the debug view.
     pub(crate) fn debug_view(&self) -> DebugView {
         let mut view = DebugView::default();
         view.fur = same!(self.fur.show, LookFurShow => FurDebugView: Picture, Geometry, Overdraw);
@@ -160,7 +158,6 @@ impl Look {
     }
 }
 
-/// Returns a distant white light.
 fn distant(towards_light: Vec3, strength: f32) -> Light {
     Light::Directional { towards_light, color: Vec3::splat(strength) }
 }

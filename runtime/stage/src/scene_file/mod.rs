@@ -240,7 +240,6 @@ fn shot(source: &TomlText<'_>, camera: &SceneCamera) -> Result<CameraTrack, Stag
     })
 }
 
-/// Returns the names of the models, for results.
 fn names(source: &TomlText<'_>, models: &[SceneModel]) -> Result<Vec<String>, StageError> {
     for (i, model) in models.iter().enumerate() {
         let same = |other: &SceneModel| other.name.is_some() && other.name == model.name;

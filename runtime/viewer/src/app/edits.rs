@@ -4,7 +4,6 @@ use super::state::App;
 use crate::knobs::{Edits, Knobs};
 use pelage_stage::{Look, LookStyle};
 
-/// Returns the message for an undo without a change to undo.
 fn nothing_to_undo(changed_outside: bool) -> &'static str {
     if changed_outside {
         "nothing to undo here: the recipe's file was changed outside this window; undo that where it was changed"

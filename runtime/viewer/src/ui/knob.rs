@@ -9,7 +9,6 @@ use pelage_stage::CONDITIONS;
 const WIDEST_SLIDER: f64 = 1e5;
 const CHANGED: Color32 = Color32::from_rgb(232, 176, 92);
 
-/// User input on a knob.
 enum KnobInput {
     Nothing,
     /// New value during a drag, as TOML. More changes of the same drag may follow.

@@ -58,7 +58,6 @@ mod tests {
     use pelage_stage::{CONDITIONS, Look};
     use std::path::Path;
 
-    /// Adds the text of all files in a folder.
     fn read_all(folder: &Path, text: &mut String) {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

@@ -62,7 +62,6 @@ fn truth(ui: &mut Ui, app: &mut App, [drawn, traced, flip]: [Rect; 3]) {
     }
 }
 
-/// Handles mouse input for the camera or the light.
 fn mouse_input(ui: &mut Ui, app: &mut App, picture: &Response) {
     let rect = picture.rect;
     let height = rect.height().max(1.0);

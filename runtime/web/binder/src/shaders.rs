@@ -43,7 +43,6 @@ fn remove_line_starts(lines: &mut [u8]) {
     lines.copy_from_slice(&left);
 }
 
-/// Returns the positions of the line ends.
 fn line_ends(data: &[u8]) -> Vec<usize> {
     data.iter().enumerate().filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at).collect()
 }

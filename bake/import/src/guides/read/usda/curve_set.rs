@@ -19,14 +19,12 @@ pub(super) struct CurveSet<'a> {
     pub(super) widths: Vec<f32>,
     /// Linear RGB, three numbers each, spread like the widths.
     pub(super) colors: Vec<f32>,
-    /// Whether the colours are a palette.
     pub(super) has_palette: bool,
     kind: Option<&'a str>,
     basis: Option<&'a str>,
     wrap: Option<&'a str>,
 }
 
-/// Curve of a prim.
 struct Curve {
     /// Index of the curve in its prim.
     number: usize,

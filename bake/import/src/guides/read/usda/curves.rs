@@ -56,7 +56,6 @@ impl CurveKind {
         (segments > 0).then_some(segments)
     }
 
-    /// Returns the number of points of the polyline for a curve of `segments` segments.
     pub(super) fn polyline_points(self, segments: usize) -> usize {
         self.pieces() * segments + 1
     }

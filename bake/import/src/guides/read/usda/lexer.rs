@@ -37,7 +37,6 @@ impl<'a> Lexer<'a> {
         self.fault_in(&format!("line {line}"), reason)
     }
 
-    /// Returns an error at the given place.
     pub(super) fn fault_in(&self, place: &str, reason: impl Into<String>) -> BakeError {
         self.source.fault(place.to_owned(), reason)
     }
@@ -122,7 +121,6 @@ impl<'a> Lexer<'a> {
         Ok(())
     }
 
-    /// Skips a value.
     pub(super) fn skip_value(&mut self) -> Result<(), BakeError> {
         match self.next()? {
             Token::Mark('(' | '[' | '{') => self.skip_brackets(|_, _| ()),
@@ -130,7 +128,6 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Reads a string.
     pub(super) fn string(&mut self) -> Result<&'a str, BakeError> {
         match self.next()? {
             Token::Text(text) => Ok(text),
@@ -138,7 +135,6 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Returns the error for a token.
     pub(super) fn unexpected(&self, found: Token<'a>, expected: &str) -> BakeError {
         let found = match found {
             Token::Word(text) | Token::Text(text) => format!("{:?}", text.chars().take(40).collect::<String>()),
@@ -149,7 +145,6 @@ impl<'a> Lexer<'a> {
         self.fault(format!("found {found}, expected {expected}"))
     }
 
-    /// Reads a list of strings.
     pub(super) fn strings(&mut self) -> Result<Vec<&'a str>, BakeError> {
         let mut strings = Vec::new();
         if self.next()? != Token::Mark('[') {

@@ -60,7 +60,6 @@ struct Node {
     matrix: DMat4,
 }
 
-/// Prim that is being read.
 struct Prim<'a> {
     name: &'a str,
     /// Whether the prim and its children are not shown.
@@ -74,7 +73,6 @@ struct Prim<'a> {
     first_curves: usize,
 }
 
-/// Layer that is being read.
 struct Layer<'a> {
     lexer: Lexer<'a>,
     /// Prims that are open, the outermost first.
@@ -112,7 +110,6 @@ impl<'a> Layer<'a> {
         }
     }
 
-    /// Reads the metadata of the layer.
     fn metadata(&mut self) -> Result<(), BakeError> {
         let (meters_per_unit, is_z_up) = (&mut self.meters_per_unit, &mut self.is_z_up);
         let references = &mut self.references;
