@@ -1,9 +1,6 @@
 //! The `STRN` section: round trip and rejected contents.
 
-use crate::common::{
-    Refusal, assert_every_byte_is_checked, assert_refused, changed_sample_with, sample_manifest, sample_with,
-    section_bytes,
-};
+use crate::common::{Refusal, assert_refused, changed_sample_with, sample_manifest, sample_with, section_bytes};
 use pelage_formats::*;
 
 fn package(strands: &StrandsData) -> Result<Vec<u8>, FormatError> {
@@ -86,11 +83,6 @@ fn strand_contents_are_checked() {
     let few = Limits { strands: 1, ..Limits::default() };
     let found = Package::open(&bytes, &few).map(|package| package.strands().unwrap_err().to_string());
     assert!(found.is_ok_and(|found| found.contains("limit")), "strands are bounded");
-}
-
-#[test]
-fn every_changed_byte_of_strands_is_detected() {
-    assert_every_byte_is_checked(&package(&strands()).unwrap(), Tag::STRANDS);
 }
 
 #[test]

@@ -295,16 +295,6 @@ pub fn section_bytes<'a>(package: &Package<'a>, tag: Tag) -> &'a [u8] {
     package.section_bytes(package.sections().iter().position(|s| s.tag == tag).unwrap()).unwrap()
 }
 
-/// Checks that a change of any byte of the section is detected.
-pub fn assert_every_byte_is_checked(bytes: &[u8], tag: Tag) {
-    let section = *open(bytes).sections().iter().find(|s| s.tag == tag).unwrap();
-    for at in section.offset..section.offset + section.length {
-        let mut broken = bytes.to_vec();
-        broken[at as usize] ^= 0x10;
-        assert!(!Package::validate(&broken, &Limits::default()).is_empty(), "byte {at} changed, and nobody saw it");
-    }
-}
-
 /// Change of a sample, and text that the resulting error contains.
 pub type Refusal<T> = (fn(&mut T), &'static str);
 
