@@ -1,6 +1,6 @@
 //! Measures how much of a drawing's ink is in specks instead of strokes.
 
-use pelage_bake::mask::Mask;
+use pelage_lab::mask::Mask;
 
 /// Returns the 8-connected components of a mask as pixel indices, row by row from the top.
 pub fn components(mask: &Mask) -> Vec<Vec<usize>> {

@@ -5,8 +5,8 @@
 //! line is represented by its centre pixels: pass the detected features if known, else [`Mask::core`] of the ink.
 //! Otherwise, a stroke that is meant to be wide would have an error of half its width.
 
+use crate::mask::{Mask, Stroke};
 use crate::truth::{LineKind, VisibleLines};
-use pelage_bake::mask::{Mask, Stroke};
 use pelage_import::BakeError;
 
 /// Largest distance at which a drawn line still matches a true one, pixels.

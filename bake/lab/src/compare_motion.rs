@@ -10,8 +10,8 @@
 //! frames or in neither are therefore separated from those where a line appears or vanishes. Figures are meant to
 //! compare drawing methods on the same motion; even a perfect method does not reach 0.
 
+use crate::mask::Mask;
 use glam::DVec2;
-use pelage_bake::mask::Mask;
 use pelage_import::BakeError;
 use pelage_truth::{SurfaceVisibility, TrueCamera};
 use rayon::prelude::*;

@@ -6,6 +6,7 @@ pub mod command;
 pub mod compare_lines;
 pub mod compare_motion;
 mod least_squares;
+pub mod mask;
 pub mod printed_light;
 pub mod stability;
 pub mod truth;

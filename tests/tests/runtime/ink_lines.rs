@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{Mat4, Vec3, vec3};
-use pelage_bake::mask::Mask;
 use pelage_bake::strands::PosedMesh;
 use pelage_lab::chart::ink::{on_blank_paper, template_px};
 use pelage_lab::compare_motion::{Flicker, FlickerFrame, MeanOf, flicker};
+use pelage_lab::mask::Mask;
 use pelage_needs::data;
 use pelage_runtime::ClipLayer;
 use pelage_runtime::formats::{Limits, Package};

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{Vec3, vec3};
-use pelage_bake::mask::Mask;
 use pelage_lab::chart::ink::{on_blank_paper, template_px};
+use pelage_lab::mask::Mask;
 use pelage_needs::data;
 use pelage_runtime::formats::{InkShading, Limits, Package};
 use pelage_runtime::{

@@ -8,7 +8,7 @@ use crate::chart::strands::{
     COLUMNS, DrawMethod, Size, StrandsConfiguration, StrandsMeasures, StrandsSizeFacts, cells, configurations, panels,
 };
 use crate::compare_motion::{FlickerFrame, flicker};
-use pelage_bake::mask::Mask;
+use crate::mask::Mask;
 use pelage_bake::picture::Picture;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::find_furred_materials;

@@ -5,8 +5,8 @@
 use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::{silhouette, surface};
 use crate::chart::ink::{on_blank_paper, template_px};
+use crate::mask::Mask;
 use glam::{Vec3, vec3};
-use pelage_bake::mask::Mask;
 use pelage_bake::recipe::Recipe;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;

@@ -5,8 +5,8 @@
 //! All pictures are supersampled: with one sample per pixel, sampling alone would cause a difference of 0.07 per pixel.
 
 use super::row::{DrawCallback, Drawing};
+use crate::mask::Mask;
 use glam::Vec3;
-use pelage_bake::mask::Mask;
 use pelage_bake::pipeline;
 use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::Recipe;

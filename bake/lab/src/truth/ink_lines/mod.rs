@@ -23,7 +23,7 @@ mod smooth;
 mod topology;
 mod visible;
 
-use pelage_bake::mask::Mask;
+use crate::mask::Mask;
 use pelage_bake::strands::PosedMesh;
 use pelage_import::BakeError;
 use pelage_truth::{SurfaceVisibility, TrueCamera};

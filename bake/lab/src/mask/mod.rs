@@ -1,7 +1,12 @@
-//! Set of pixels and its operations.
+//! Sets of pixels and distances between them, for measuring lines in rendered images.
+//!
+//! [`Mask::core`] thins lines of any width to one pixel. [`Mask::widest_stroke`] returns the diameter of the largest
+//! disc that fits into the ink.
 
-use super::distance;
+mod thinning;
+
 use image::RgbaImage;
+use pelage_bake::mask::squared_distances;
 use pelage_import::BakeError;
 
 /// Set of pixels.
@@ -91,7 +96,7 @@ impl Mask {
     /// Returns the distance from each pixel's centre to the centre of the nearest pixel of the set, pixels. It is 0 in
     /// the set, and infinite if the set is empty. It is exact except for the rounding of one square root.
     pub fn distances(&self) -> Vec<f64> {
-        let mut squares = distance::squared(self.width as usize, self.height as usize, |i| self.pixels[i]);
+        let mut squares = squared_distances(self.width as usize, self.height as usize, |i| self.pixels[i]);
         squares.iter_mut().for_each(|d| *d = d.sqrt());
         squares
     }
@@ -119,7 +124,7 @@ impl Mask {
             paper[y * columns] = true;
             paper[(y + 1) * columns - 1] = true;
         }
-        let squares = distance::squared(columns, rows, |i| paper[i]);
+        let squares = squared_distances(columns, rows, |i| paper[i]);
         let mut widest = (0.0, 0);
         for (i, square) in squares.iter().enumerate() {
             if *square > widest.0 {
@@ -134,3 +139,6 @@ impl Mask {
         Stroke { width_px: square.sqrt(), at_px: [(i % columns) as f64 / 2.0, (i / columns) as f64 / 2.0] }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 //! Thinning: T. Y. Zhang, C. Y. Suen, *A fast parallel algorithm for thinning digital patterns*, CACM 27 (1984).
 
-use super::set::Mask;
+use super::Mask;
 
 /// Offsets to the neighbours of a pixel, clockwise from above.
 const NEIGHBOUR_OFFSETS: [(i64, i64); 8] = [(0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1)];

@@ -1,5 +1,4 @@
 use super::*;
-use crate::noise::uniform;
 
 /// Builds the set of the `#` characters.
 fn mask_of(rows: &[&str]) -> Mask {
@@ -7,28 +6,8 @@ fn mask_of(rows: &[&str]) -> Mask {
     Mask::from_fn(cells[0].len() as u32, cells.len() as u32, |x, y| cells[y as usize][x as usize] == '#')
 }
 
-fn random(seed: u64, width: u32, height: u32, share: f32) -> Mask {
-    Mask::from_fn(width, height, |x, y| uniform(seed, u64::from(y * width + x)) < share)
-}
-
 fn disc(size: u32, x0: f64, y0: f64, radius: f64) -> Mask {
     Mask::from_fn(size, size, |x, y| (f64::from(x) + 0.5 - x0).hypot(f64::from(y) + 0.5 - y0) < radius)
-}
-
-#[test]
-fn distances_agree_with_an_exhaustive_search() {
-    for (seed, (width, height)) in [(1, 1), (7, 1), (1, 9), (13, 8), (31, 22)].into_iter().enumerate() {
-        for share in [0.0, 0.01, 0.1, 0.6, 1.0] {
-            let mask = random(seed as u64, width, height, share);
-            let set: Vec<usize> = (0..mask.pixels.len()).filter(|i| mask.pixels[*i]).collect();
-            let place = |i: usize| (f64::from(i as u32 % width), f64::from(i as u32 / width));
-            for (i, found) in mask.distances().into_iter().enumerate() {
-                let far = |j: &usize| (place(i).0 - place(*j).0).hypot(place(i).1 - place(*j).1);
-                let nearest = set.iter().map(far).fold(f64::INFINITY, f64::min);
-                assert!(found == nearest || (found - nearest).abs() < 1e-12, "{width}x{height}, pixel {i}");
-            }
-        }
-    }
 }
 
 #[test]
