@@ -1,12 +1,11 @@
 //! File access; no other module of the library touches files.
 
-use crate::io_guard;
-use crate::io_trace;
 use crate::picture::Picture;
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use crate::stages::import::{ImportOptions, import, import_strands, input_record};
 use crate::temp_files::{TEMP_FILE_AFFIXES, TempFileGuard};
+use crate::{io_guard, io_trace};
 use pelage_import::BakeError;
 use pelage_import::guides::read::GuideFormat;
 use pelage_import::image_file::{Channels, MAX_TEXELS, decode_image, fit_images};

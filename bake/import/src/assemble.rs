@@ -1,18 +1,12 @@
 //! Assembly of the meshes of all nodes into one mesh. It is in world space if nothing moves, else bound to joints.
 
-use super::clips;
-use super::comb_lines;
-use super::hidden;
 use super::json::JsonNode;
-use super::morphs;
-use super::normals;
 use super::options::ImportOptions;
-use super::orient;
 use super::primitive::{MeshTotals, MeshUse, Primitive, read_mesh};
 use super::scene::{MeshVisibility, Tree, mirrors};
 use super::skin::Joints;
 use super::source::Source;
-use super::unfold;
+use super::{clips, comb_lines, hidden, morphs, normals, orient, unfold};
 use crate::BakeError;
 use crate::mesh::{Mesh, MeshPart, Model, NamedPosition, RestPose};
 use glam::{Mat3, Mat4, Quat, Vec3};

@@ -5,18 +5,12 @@ use super::outputs::{
     BakeInput, Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required,
 };
 use crate::recipe::{ColorParams, HairColors, Recipe};
-use crate::stages::detail;
-use crate::stages::fins;
 use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
-use crate::stages::hair_groups;
 use crate::stages::ink::{self, InkTarget, VertexInk};
 use crate::stages::pack::{self, ModelResults, PackInput};
-use crate::stages::scatter;
 use crate::stages::simulate::{LateralOffsets, StyleForces, TileHair};
-use crate::stages::slice;
-use crate::stages::strand_data;
 use crate::stages::surface::Surface;
-use crate::stages::visibility;
+use crate::stages::{detail, fins, hair_groups, scatter, slice, strand_data, visibility};
 use Output::*;
 use pelage_formats::Shading;
 use pelage_import::BakeError;

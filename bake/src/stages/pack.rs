@@ -3,18 +3,15 @@
 use super::assemble::{Content, NamedTexture, Textures, assemble, borrowed_texture, copied_sections};
 use crate::memo::Memo;
 use crate::recipe::{HairColors, Recipe};
-use crate::stages::detail;
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Colors, Lengths, VertexGroom, cornea_normals};
 use crate::stages::hair_groups::GuidedHair;
-use crate::stages::hair_motion;
 use crate::stages::ink::{InkFiles, VertexInk};
-use crate::stages::morphs;
 use crate::stages::openness::openness;
 use crate::stages::scatter::FibreTables;
-use crate::stages::simplify;
 use crate::stages::slice::{FIN_SLICES, FinTextures, ShellTextures, VisibilityTexture};
 use crate::stages::surface::Surface;
+use crate::stages::{detail, hair_motion, morphs, simplify};
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::meaning::{encode_bare_normal, groom_bytes, tile_frame, to_tile};
 use pelage_formats::{

@@ -1,6 +1,5 @@
 use super::*;
-use crate::strands::TILE_GROUP;
-use crate::strands::{PosedMaterial, PosedVertex};
+use crate::strands::{PosedMaterial, PosedVertex, TILE_GROUP};
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
 /// Makes a flat sheet in the xz plane of `side` × `side` squares of two triangles, with one tile per metre. Tile

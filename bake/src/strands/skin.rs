@@ -5,8 +5,10 @@ use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::slice::decode_texture;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_formats::meaning::planting::{PlantingMesh, same_places};
-use pelage_formats::meaning::{decode_bare_normal, groom_of_vertex, groom_with_texel, posed_vertices, tile_axes_f64};
-use pelage_formats::meaning::{measured_vertices, shown_vertices};
+use pelage_formats::meaning::{
+    decode_bare_normal, groom_of_vertex, groom_with_texel, measured_vertices, posed_vertices, shown_vertices,
+    tile_axes_f64,
+};
 use pelage_formats::{ClipLayer, FormatError, GeometryVertex, Gloss, Package, Pose, SkinVertex, stored_bare_normals};
 use pelage_import::BakeError;
 use pelage_import::mesh::Image;

@@ -8,8 +8,9 @@ use pelage_bake::recipe::Recipe;
 use pelage_formats::Choice;
 use pelage_import::BakeError;
 use pelage_stage::{Gpu, LookDetail};
-use pelage_truth::decide;
-use pelage_truth::decide::{Decision, Figure, FrameTime, Judge, Limits, Setting, SettingFigures, SettingSpace, Trial};
+use pelage_truth::decide::{
+    self, Decision, Figure, FrameTime, Judge, Limits, Setting, SettingFigures, SettingSpace, Trial,
+};
 use pelage_truth::likeness::Likeness;
 use serde::Serialize;
 use std::fmt::Write as _;

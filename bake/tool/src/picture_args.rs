@@ -9,8 +9,7 @@ use pelage_bake::stages::metric::{self, TileRecipe};
 use pelage_import::BakeError;
 use pelage_import::mesh::{Model, RestPose};
 use pelage_stage::{NamedPackage, Size, Viewpoint};
-use pelage_truth::doctor;
-use pelage_truth::doctor::OnScreen;
+use pelage_truth::doctor::{self, OnScreen};
 
 /// Options that describe the pictures for which a bake chooses layers and tile.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]

@@ -1,8 +1,7 @@
 //! Reads scene files with their packages and looks.
 
 use super::exit::Failure;
-use super::look_args;
-use super::package_file;
+use super::{look_args, package_file};
 use pelage_bake::io::read_text;
 use pelage_formats::MAGIC;
 use pelage_stage::{LoadedScene, Look, SceneFile};

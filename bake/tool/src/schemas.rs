@@ -1,7 +1,9 @@
 //! JSON schemas of what `--json` prints.
 
-use super::{bake, bench, compare, demo, doctor, export, groom, herd, inspect, job, merge, output, pack, sky};
-use super::{reference, render, unpack, validate};
+use super::{
+    bake, bench, compare, demo, doctor, export, groom, herd, inspect, job, merge, output, pack, reference, render, sky,
+    unpack, validate,
+};
 use schemars::{JsonSchema as _, Schema, SchemaGenerator};
 
 /// Name of a subcommand, and a function that generates the schema of its result.

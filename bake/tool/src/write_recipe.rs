@@ -10,8 +10,7 @@ use pelage_bake::recipe::{Recipe, keys};
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::pack;
 use pelage_formats::{InputRecord, Limits as FormatLimits, Package};
-use pelage_import::BakeError;
-use pelage_import::input_record;
+use pelage_import::{BakeError, input_record};
 use pelage_truth::decide::{Figure, Limits};
 use std::path::Path;
 

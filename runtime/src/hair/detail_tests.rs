@@ -5,8 +5,7 @@ use crate::shared::detail::{
     detail_exponent, detail_layer, far_layer_light, far_layer_light_coefficients, represented_layers,
 };
 use glam::Vec3;
-use pelage_formats::DetailLevel;
-use pelage_formats::{FarLayerInfo, FurInfo};
+use pelage_formats::{DetailLevel, FarLayerInfo, FurInfo};
 
 fn levels() -> Vec<DetailLevel> {
     vec![

@@ -1,10 +1,9 @@
 //! Creation of a model from a package.
 
 use super::bounds::ModelBounds;
-use super::ink;
 use super::resources::{Fins, Model, MorphBuffers, Part, Resources, VaryingAttributes};
-use super::strands;
 use super::upload::Uploader;
+use super::{ink, strands};
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, SamplerSettings};
 use crate::params::RendererOptions;

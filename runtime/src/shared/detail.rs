@@ -1,5 +1,7 @@
-pub use pelage_formats::meaning::{detail_count, detail_fade, detail_layer, detail_pairs, represented_layers};
-pub use pelage_formats::meaning::{far_layer_light, far_layer_light_coefficients};
+pub use pelage_formats::meaning::{
+    detail_count, detail_fade, detail_layer, detail_pairs, far_layer_light, far_layer_light_coefficients,
+    represented_layers,
+};
 
 /// WGSL source of this topic.
 pub const WGSL: &str = include_str!("detail.wgsl");

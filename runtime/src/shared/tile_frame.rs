@@ -1,7 +1,9 @@
 use glam::{Vec3, Vec4};
 
-pub use pelage_formats::meaning::{TileFrame, any_perpendicular, orthonormal_tangent, tile_frame, to_tile};
-pub use pelage_formats::meaning::{grown_tangent, hair_direction, lean_offset, lean_slope, root_offset};
+pub use pelage_formats::meaning::{
+    TileFrame, any_perpendicular, grown_tangent, hair_direction, lean_offset, lean_slope, orthonormal_tangent,
+    root_offset, tile_frame, to_tile,
+};
 
 /// WGSL source of this topic.
 pub const WGSL: &str = include_str!("tile_frame.wgsl");

@@ -7,8 +7,7 @@ use crate::json::shorten;
 use crate::material::emission_as_base_color;
 use crate::mesh::Material;
 use crate::notes::Notes;
-use crate::source;
-use crate::source::Resolve;
+use crate::source::{self, Resolve};
 use std::collections::{BTreeMap, btree_map};
 
 /// Materials of all material files, and the list of those that faces use.

@@ -7,8 +7,7 @@
 
 use super::noise::gradient;
 use super::plane::Plane;
-use crate::noise::smooth_step;
-use crate::noise::{hash, uniform};
+use crate::noise::{hash, smooth_step, uniform};
 use crate::stages::simulate::Strands;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;

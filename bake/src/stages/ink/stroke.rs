@@ -7,8 +7,7 @@
 
 use super::noise::{gradient, octaves};
 use super::plane::Plane;
-use crate::noise::hash;
-use crate::noise::smooth_step;
+use crate::noise::{hash, smooth_step};
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 use std::f32::consts::TAU;

@@ -3,8 +3,7 @@
 use super::diffusion::{Paper, simulate_drying};
 use super::noise::octaves;
 use super::plane::Plane;
-use crate::noise::smooth_step;
-use crate::noise::{hash, uniform};
+use crate::noise::{hash, smooth_step, uniform};
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
 

@@ -1,15 +1,13 @@
 //! Herd on disk: its file, models, history and output paths.
 
 use super::args::HerdFiles;
-use super::models;
 use super::paths::{absolute, io_error, relative_to, utf8};
-use super::saved_state;
+use super::{models, saved_state};
 use crate::bake::RecipeArgs;
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use crate::reference::only_drawn;
-use pelage_bake::io;
-use pelage_bake::temp_files;
+use pelage_bake::{io, temp_files};
 use pelage_herd::{ArgumentValidators, HerdFile, History, Kind, NAME, Plan, PlanInput, Task, ninja, plan};
 use pelage_stage::TomlText;
 use std::collections::BTreeSet;

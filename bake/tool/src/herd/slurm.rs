@@ -1,13 +1,11 @@
 //! Runs commands on Slurm, through its command-line programs.
 
 use super::args::RunArgs;
-use super::engine;
-use super::finish;
 use super::ninja_output::NinjaOutput;
 use super::on_disk::Herd;
 use super::paths::io_error;
 use super::result::HerdResult;
-use super::saved_state;
+use super::{engine, finish, saved_state};
 use crate::exit::Failure;
 use crate::output::{Output, make_folder};
 use pelage_bake::io;

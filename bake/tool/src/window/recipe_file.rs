@@ -1,7 +1,6 @@
 //! Edits a recipe file. Keys get new values, and everything else in the file is unchanged.
 
-use pelage_bake::io;
-use pelage_bake::recipe;
+use pelage_bake::{io, recipe};
 use pelage_import::BakeError;
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, Table};
