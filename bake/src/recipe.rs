@@ -20,7 +20,6 @@ mod fibre;
 mod hair_group;
 mod ink;
 mod joint_groom;
-mod key_pictures;
 mod maps;
 mod material_groom;
 mod named_table;
@@ -28,13 +27,12 @@ mod params;
 mod shading;
 mod style;
 
-pub use coats::{Coat, coats_page};
+pub use coats::Coat;
 pub use comb_marks::CombMarkParams;
 pub use fibre::{FibreParams, OtherFibre};
 pub use hair_group::{HairColliderParams, HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
 pub use joint_groom::JointGroom;
-pub use key_pictures::{KEY_PICTURES, KeyPicture};
 pub use maps::{Channel, ColorMap, FilePath, ScalarMap, VectorMap};
 pub use material_groom::{MaterialGloss, MaterialGroom};
 pub use named_table::NamedTable;
@@ -92,27 +90,6 @@ pelage_params::tables! {
 pub fn keys() -> impl Iterator<Item = &'static Knob> {
     pelage_params::knobs::<Recipe>()
 }
-
-/// Returns the recipe reference as a Markdown page. For every key, it gives meaning, default, type and range, and the
-/// image if the key is in [`KEY_PICTURES`].
-pub fn reference_page() -> String {
-    pelage_params::reference_page::<Recipe>("Recipe reference", &INTRODUCTION, |key| {
-        KEY_PICTURES.iter().find(|picture| picture.key == key).map(KeyPicture::markdown)
-    })
-}
-
-const INTRODUCTION: [&str; 4] = [
-    "A recipe is a TOML file that describes how a model becomes furry: `pelage bake fox.glb --recipe fox.toml -o \
-     fox.pelage`. It has a table for each stage of the bake and a key for each parameter. Keys that are left out keep \
-     their defaults, so an empty recipe gives the coat `animal`; `hair.coat` selects another one ([coats](coats.md)). \
-     `--set hair.length_m=0.02` sets one key on the command line and overrides the recipe. A table or key that does \
-     not exist is an error, which names the line and the nearest key that does.",
-    "Lengths end in `_m` and are metres, angles end in `_deg`, widths on screen in `_px`. Where a default is \"left \
-     out\", the bake chooses the value from the model. `pelage unpack` writes out the recipe that a package was baked \
-     with.",
-    "The pictures show the hare from `assets/models`, baked with the default recipe and three values of one key.",
-    "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin chores write-docs`.",
-];
 
 /// Returns each path once, with the first key that names it.
 fn each_once<'a>(named: impl IntoIterator<Item = (String, Option<&'a str>)>) -> Vec<(String, &'a str)> {

@@ -3,7 +3,7 @@
 //! A coat is a partial recipe in a file in `coats/` beside this one. Its values replace the defaults of keys, so keys
 //! that a recipe sets take precedence. The coat `animal` has no file: it consists of the declared defaults.
 
-use pelage_params::{Choice, Control, Field, ParamError, Tables, knobs, read, words, wrap};
+use pelage_params::{ParamError, Tables, knobs, read, words};
 
 words! {
     /// Kinds of hair that a recipe can start from.
@@ -66,41 +66,6 @@ pub(super) fn change<S: Tables>(recipe: &mut S, before: Coat, after: Coat) -> Re
     }
     read(recipe, &changed)
 }
-
-/// Returns a Markdown page of all coats: description, values set, and image.
-///
-/// * `has_picture`: whether the file of a path relative to the page's folder exists
-pub fn coats_page(has_picture: impl Fn(&str) -> bool) -> String {
-    let mut page = "# Coats\n".to_owned();
-    for paragraph in INTRODUCTION {
-        page += &format!("\n{}\n", wrap("", paragraph));
-    }
-    let choices: &[Choice] = match Coat::control(&()) {
-        Control::Choice(choices) => choices,
-        _ => &[],
-    };
-    for (coat, choice) in Coat::ALL.iter().zip(choices).filter(|(coat, _)| !coat.toml().is_empty()) {
-        let name = coat.word();
-        page += &format!("\n## `{name}`\n\n{}\n\n", wrap("", choice.doc.trim()));
-        let picture = format!("pictures/coat_{name}.png");
-        if has_picture(&picture) {
-            page += &format!("![Animals in the coat {name}]({picture})\n\n");
-        }
-        page += &format!("```toml\n{}```\n", coat.toml());
-    }
-    page
-}
-
-const INTRODUCTION: [&str; 4] = [
-    "A coat is a named kind of hair. Set it on the command line (`pelage bake fox.glb --set hair.coat=winter -o \
-     fox.pelage`) or in a recipe (`coat = \"winter\"` in the table `[hair]`). It changes the defaults listed below. \
-     All other keys keep the defaults of the [recipe reference](recipe.md), which describe the coat `animal`.",
-    "Keys set in a recipe, wherever they are in the file, and keys set by `--set` override the coat. `--set \
-     hair.coat=winter` after a recipe changes the keys that still have the value of the previous coat.",
-    "Lengths follow from the model's size (`hair.length_per_radius`, `surface.tile_size_per_radius`); `hair.length_m` \
-     and `surface.tile_size_m` set them in metres.",
-    "This page is made from the files in `bake/src/recipe/coats/` by `cargo run --bin chores write-docs`.",
-];
 
 #[cfg(test)]
 #[path = "coats_tests.rs"]

@@ -1,6 +1,6 @@
 //! Tests of the coats' files and of recipes that name a coat.
 
-use super::{Coat, coats_page};
+use super::Coat;
 use crate::recipe::{Recipe, keys};
 use std::path::Path;
 
@@ -79,18 +79,6 @@ fn unknown_coat_errors_list_all_coats() {
         assert!(error.contains("hair.coat") && error.contains("wolly"), "{error}");
         assert!(Coat::ALL.iter().all(|coat| error.contains(coat.word())), "{error}");
     }
-}
-
-#[test]
-fn coats_page_lists_every_coat_and_existing_pictures() {
-    let page = coats_page(|path| path == "pictures/coat_wool.png");
-    for coat in &Coat::ALL[1..] {
-        assert!(page.contains(&format!("\n## `{}`\n", coat.word())) && page.contains(coat.toml()), "{page}");
-    }
-    assert!(page.contains("\n## `wool`\n\nTightly curled"), "{page}");
-    assert_eq!(page.matches("](pictures/").count(), 1);
-    assert!(page.contains("](pictures/coat_wool.png)"));
-    assert!(page.lines().all(|line| line.chars().count() <= 120), "{page}");
 }
 
 #[test]

@@ -25,7 +25,6 @@ mod apply;
 #[cfg(feature = "draw")]
 mod frame;
 mod kinds;
-mod page;
 mod short;
 #[cfg(feature = "study")]
 mod study;

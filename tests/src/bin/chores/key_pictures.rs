@@ -4,9 +4,9 @@
 //! drawn.
 
 use anyhow::{Context as _, bail, ensure};
-use pelage_bake::recipe::KEY_PICTURES;
 use pelage_tests::binary::workspace;
 use pelage_tests::chores::{ChoreFolder, sheet};
+use pelage_tests::pages::KEY_PICTURES;
 use std::path::Path;
 
 const WHOLE: &str = "--camera=0.5,0.42,0.66/0,0.235,0.01/28";
