@@ -1,6 +1,6 @@
 //! The `ANIM` section: node tree, joints and clips. Fields are in byte order.
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::package::Package;
@@ -14,14 +14,10 @@ impl Tag {
     pub const ANIMATION: Self = Self(*b"ANIM");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::ANIMATION,
-    since: 1,
-    count: Count::AtMostOne,
-    check: |package, _| package.skeleton().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[skeleton and clips](#anim-skeleton-and-clips)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::ANIMATION, 1, "[skeleton and clips](#anim-skeleton-and-clips)", |package, _| {
+        package.skeleton().map(drop)
+    });
 
 impl Package<'_> {
     /// Returns the contents of the section `ANIM`, without the animation of morph targets.

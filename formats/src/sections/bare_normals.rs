@@ -1,6 +1,6 @@
 //! The `NORM` section: normals by which bare surface is lit. Layout in `FORMAT.md`, "NORM".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::error::FormatError;
 use crate::package::Package;
 use crate::tag::Tag;
@@ -11,18 +11,10 @@ impl Tag {
     pub const BARE_NORMALS: Self = Self(*b"NORM");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::BARE_NORMALS,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.bare_normals().map(drop),
-    check_use: USES_NOTHING,
-    row: Row {
-        what: "[normals of bare surface](#norm-normals-of-bare-surface)",
-        how_many: "at most one",
-        place: "any",
-    },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::BARE_NORMALS, 3, "[normals of bare surface](#norm-normals-of-bare-surface)", |package, _| {
+        package.bare_normals().map(drop)
+    });
 
 /// Checks that a record is a possible result of [`crate::meaning::encode_bare_normal`].
 fn check_vertex(number: usize, record: [u8; 4]) -> Result<(), String> {

@@ -1,6 +1,6 @@
 //! The `GLOS` section: gloss of bare surface. Layout in `FORMAT.md`, "GLOS".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::package::Package;
@@ -14,14 +14,10 @@ impl Tag {
     pub const GLOSS: Self = Self(*b"GLOS");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::GLOSS,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.gloss().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[gloss of bare surface](#glos-gloss-of-bare-surface)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::GLOSS, 3, "[gloss of bare surface](#glos-gloss-of-bare-surface)", |package, _| {
+        package.gloss().map(drop)
+    });
 
 /// Gloss of a material where its surface is bare.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

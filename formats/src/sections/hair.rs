@@ -1,6 +1,6 @@
 //! The `HAIR` section: groups of guided hair. Layout in `FORMAT.md`, "HAIR".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::package::Package;
@@ -15,14 +15,8 @@ impl Tag {
     pub const HAIR: Self = Self(*b"HAIR");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::HAIR,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.hair_groups().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[guided hair](#hair-guided-hair)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::HAIR, 3, "[guided hair](#hair-guided-hair)", |package, _| package.hair_groups().map(drop));
 
 /// Maximum number of groups in a package.
 const MOST_GROUPS: usize = 256;

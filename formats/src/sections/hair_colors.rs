@@ -1,6 +1,6 @@
 //! The `HCOL` section: colours of hair that differ from those of the skin below it. Layout in `FORMAT.md`, "HCOL".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::package::Package;
@@ -12,14 +12,10 @@ impl Tag {
     pub const HAIR_COLORS: Self = Self(*b"HCOL");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::HAIR_COLORS,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.hair_colors().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[colours of hair](#hcol-colours-of-hair)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::HAIR_COLORS, 3, "[colours of hair](#hcol-colours-of-hair)", |package, _| {
+        package.hair_colors().map(drop)
+    });
 
 impl Package<'_> {
     /// Returns for each material the linear RGB by which its hair is multiplied in place of the base colour; `None` for

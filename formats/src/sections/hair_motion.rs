@@ -1,7 +1,7 @@
 //! The `HMOV` section: motion of guided hair, and its colliders. Layout in `FORMAT.md`, "HMOV".
 
 use super::hair::HairGroup;
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::package::Package;
@@ -16,14 +16,10 @@ impl Tag {
     pub const HAIR_MOTION: Self = Self(*b"HMOV");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::HAIR_MOTION,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.hair_motion().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[how hair moves](#hmov-how-hair-moves)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::HAIR_MOTION, 3, "[how hair moves](#hmov-how-hair-moves)", |package, _| {
+        package.hair_motion().map(drop)
+    });
 
 /// Maximum absolute value of a coordinate, metres.
 const FARTHEST_M: f32 = 1e6;

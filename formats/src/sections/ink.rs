@@ -1,6 +1,6 @@
 //! The `INKW` section: data for drawing a package as an ink-wash painting (Fang 2006). Layout in `FORMAT.md`, "INKW".
 
-use super::kind::{Count, Kind, Row, faults};
+use super::kind::{Kind, faults};
 use super::textures::TextureView;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
@@ -19,12 +19,8 @@ impl Tag {
 }
 
 pub(crate) const KIND: Kind = Kind {
-    tag: Tag::INK,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.ink().map(drop),
     check_use: |package| faults([package.ink_textures().err()]),
-    row: Row { what: "[the ink style](#inkw-the-ink-style)", how_many: "at most one", place: "any" },
+    ..Kind::optional(Tag::INK, 3, "[the ink style](#inkw-the-ink-style)", |package, _| package.ink().map(drop))
 };
 
 impl<'a> Package<'a> {

@@ -28,6 +28,19 @@ pub(crate) struct Kind {
     pub(crate) row: Row,
 }
 
+impl Kind {
+    /// Returns a kind of which a package has at most one section, anywhere, and which names no texture.
+    pub(crate) const fn optional(
+        tag: Tag,
+        since: u32,
+        what: &'static str,
+        check: fn(&Package<'_>, u32) -> Result<(), FormatError>,
+    ) -> Self {
+        let row = Row { what, how_many: "at most one", place: "any" };
+        Self { tag, since, count: Count::AtMostOne, check, check_use: USES_NOTHING, row }
+    }
+}
+
 /// Allowed number of sections of a kind in a package.
 #[derive(Debug)]
 pub(crate) enum Count {

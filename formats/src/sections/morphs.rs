@@ -2,7 +2,7 @@
 //! in byte order. Layout in `FORMAT.md`, "MRPH".
 
 use super::animation::{Animation, MorphMotion};
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::package::Package;
@@ -18,14 +18,8 @@ impl Tag {
     pub const MORPHS: Self = Self(*b"MRPH");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::MORPHS,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.morphs().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[morph targets](#mrph-morph-targets)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::MORPHS, 3, "[morph targets](#mrph-morph-targets)", |package, _| package.morphs().map(drop));
 
 /// Maximum number of targets in a package.
 const MOST_TARGETS: usize = 1 << 12;

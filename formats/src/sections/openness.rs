@@ -1,7 +1,7 @@
 //! The `OPEN` section: the directions that the body does not hide from the hair at each vertex. Layout in `FORMAT.md`,
 //! "OPEN".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::error::FormatError;
 use crate::meaning::openness::Openness;
 use crate::package::Package;
@@ -13,18 +13,10 @@ impl Tag {
     pub const OPENNESS: Self = Self(*b"OPEN");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::OPENNESS,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.openness().map(drop),
-    check_use: USES_NOTHING,
-    row: Row {
-        what: "[what the body leaves open](#open-what-the-body-leaves-open)",
-        how_many: "at most one",
-        place: "any",
-    },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::OPENNESS, 3, "[what the body leaves open](#open-what-the-body-leaves-open)", |package, _| {
+        package.openness().map(drop)
+    });
 
 /// Checks that these four bytes are a possible result of [`Openness::to_bytes`].
 fn check_vertex(number: usize, bytes: [u8; 4]) -> Result<(), String> {

@@ -1,7 +1,7 @@
 //! The `ROOT` section: lateral offset of hair from its root, so that hair can have the surface colour at its root.
 //! Layout in `FORMAT.md`, "ROOT".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::meaning::RootOffset;
@@ -15,14 +15,8 @@ impl Tag {
     pub const ROOTS: Self = Self(*b"ROOT");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::ROOTS,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.roots().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[where hair roots](#root-where-hair-roots)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::ROOTS, 3, "[where hair roots](#root-where-hair-roots)", |package, _| package.roots().map(drop));
 
 /// Number of heights at which [`RootsInfo`] gives offsets: evenly from the surface to the outermost layer.
 pub const ROOT_HEIGHTS: usize = 8;

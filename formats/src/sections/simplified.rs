@@ -1,6 +1,6 @@
 //! The `SIMP` section: index lists with fewer triangles over the mesh's vertices. Layout in `FORMAT.md`, "SIMP".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::error::FormatError;
 use crate::limits::Limits;
 use crate::package::Package;
@@ -13,14 +13,10 @@ impl Tag {
     pub const SIMPLIFIED: Self = Self(*b"SIMP");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::SIMPLIFIED,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.simplified().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[fewer triangles](#simp-fewer-triangles)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::SIMPLIFIED, 3, "[fewer triangles](#simp-fewer-triangles)", |package, _| {
+        package.simplified().map(drop)
+    });
 
 impl<'a> Package<'a> {
     /// Returns the simplified index lists; `None` if the package has none. Every index is checked once; the result is

@@ -1,7 +1,7 @@
 //! The `VISI` section: textures with the share of light that reaches the hair past other strands. Layout in
 //! `FORMAT.md`, "VISI".
 
-use super::kind::{Count, Kind, Row, faults};
+use super::kind::{Kind, faults};
 use super::textures::TextureView;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
@@ -16,12 +16,10 @@ impl Tag {
 }
 
 pub(crate) const KIND: Kind = Kind {
-    tag: Tag::VISIBILITY,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.visibility().map(drop),
     check_use: |package| faults([package.visibility_textures().err()]),
-    row: Row { what: "[visibility of the hair](#visi-visibility-of-the-hair)", how_many: "at most one", place: "any" },
+    ..Kind::optional(Tag::VISIBILITY, 3, "[visibility of the hair](#visi-visibility-of-the-hair)", |package, _| {
+        package.visibility().map(drop)
+    })
 };
 
 /// Visibility textures: the light that reaches the hair, as read by [`crate::meaning::visibility_towards`].

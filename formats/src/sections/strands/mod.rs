@@ -4,7 +4,7 @@ mod data;
 
 pub use data::{StoredStrandPoint, StoredStrands, StrandPoint, StrandScale, StrandsData, strand_root};
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::error::FormatError;
 use crate::limits::Limits;
 use crate::package::Package;
@@ -17,14 +17,10 @@ impl Tag {
     pub const STRANDS: Self = Self(*b"STRN");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::STRANDS,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.strands().map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[strands of the tile](#strn-strands-of-the-tile)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::STRANDS, 3, "[strands of the tile](#strn-strands-of-the-tile)", |package, _| {
+        package.strands().map(drop)
+    });
 
 impl<'a> Package<'a> {
     /// Returns the strands of the tile; `None` if the package has none. Every number is checked once.
