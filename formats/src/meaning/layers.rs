@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn every_layer_is_represented_once() {
-        for baked in [2u32, 3, 9, 16, 64] {
+        for baked in [2u32, 3, 4, 5, 9, 16, 17, 64] {
             for step in [1u32, 2, 4, 8] {
                 let drawn: Vec<u32> =
                     (0..detail_count(baked, step)).map(|i| detail_layer(i, baked, step, 0.0)).collect();

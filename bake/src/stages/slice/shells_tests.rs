@@ -1,6 +1,5 @@
 use super::*;
 use crate::recipe::{ColorParams, HairParams};
-use crate::stages::fixtures::on_threads;
 use crate::stages::simulate::{VolumeParams, simulate};
 use crate::stages::slice::collect_layers;
 use pelage_formats::{Limits, Manifest, Package, PackageWriter, TextureEntry};
@@ -69,10 +68,4 @@ fn every_format_reads_back_layer_by_layer() {
             }
         });
     }
-}
-
-#[test]
-fn shell_textures_do_not_depend_on_thread_count() {
-    let make = || shell_textures(&strands(), None, &SLICE, &PackParams::default(), true, &mut || ()).unwrap();
-    assert!(on_threads(1, make) == on_threads(3, make));
 }

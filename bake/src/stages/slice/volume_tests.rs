@@ -1,6 +1,5 @@
 use super::*;
 use crate::recipe::{ColorParams, HairParams, natural};
-use crate::stages::fixtures::on_threads;
 use crate::stages::simulate::{VolumeParams, simulate};
 use glam::Vec3;
 use pelage_formats::meaning::linear_to_srgb;
@@ -26,15 +25,6 @@ fn layers(strands: &Strands, params: &SliceParams) -> Result<ShellSet, BakeError
 
 fn params(layers: u32, tile_texels: u32) -> SliceParams {
     SliceParams { layers, tile_texels, ..SliceParams::default() }
-}
-
-#[test]
-fn sliced_layers_do_not_depend_on_thread_count() {
-    let hair = HairParams { density: 400, lean: 0.8, ..natural().hair };
-    let on = |threads| on_threads(threads, || layers(&strands(&hair), &params(8, 128)).unwrap());
-    let one = on(1);
-    assert_eq!(one, on(2));
-    assert_eq!(one, on(5));
 }
 
 #[test]
