@@ -8,7 +8,7 @@ use super::limits::{TrialFigures, choose};
 use super::output::{Output, human_bytes, require_parent};
 use super::picture_args::{PictureArgs, positive};
 use super::progress::span;
-use super::shell_judge::Source;
+use super::shell_judge::Baker;
 use super::threads;
 use super::write_recipe::{self, RecipeChoices};
 use pelage_bake::decision::Decision;
@@ -27,6 +27,7 @@ use pelage_bake::stages::surface::Measures;
 use pelage_formats::{Choice, FormatError, InputRecord, Limits as FormatLimits, Package};
 use pelage_import::mesh::{Mesh, RestPose};
 use pelage_import::{BakeError, ImportOptions, input_record};
+use pelage_stage::NamedPackage;
 use pelage_truth::decide::Limits;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -317,8 +318,9 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
         let recipe_of_tile = tile.recipe.clone();
         let chosen = {
             let slicer = Slicer::new(BakeInput::new(&file, &name, &recipe_of_tile, &images), &model).map_err(placed)?;
-            let source = Source::Baked { name: &name, slicer: &slicer };
-            choose(&file, source, &recipe_of_tile, limits, args.limits.exhaustive, watch.output())?
+            let baker: Baker<'_> =
+                Box::new(|recipe| Ok(NamedPackage { name: name.clone(), bytes: slicer.slice(recipe)?.into() }));
+            choose(&file, baker, &recipe_of_tile, limits, args.limits.exhaustive, watch.output())?
         };
         recipe = chosen.recipe;
         choice = Some((chosen.choice, chosen.judged, chosen.text));

@@ -5,7 +5,7 @@
 
 use super::exit::Failure;
 use pelage_bake::hexadecimal::hex;
-use pelage_bake::io::{digest, read_text};
+use pelage_bake::io::read_text;
 use pelage_bake::io_guard;
 use pelage_import::BakeError;
 use serde::de::DeserializeOwned;
@@ -137,13 +137,6 @@ impl Key {
     /// Creates a key that depends on the version and build of the tool.
     pub fn of_build() -> Self {
         Self::of_version().with(build())
-    }
-
-    /// Creates a key that depends on the version and build of the tool, but not on where it is installed. Hashes the
-    /// program file, which takes a moment.
-    pub fn of_program() -> Self {
-        let program = std::env::current_exe().and_then(|program| digest(&program, u64::MAX));
-        Self::of_version().with(program.unwrap_or_default())
     }
 
     /// Creates a key that depends only on the version of the tool. It is for results from several machines with their

@@ -3,7 +3,7 @@
 use super::exit::Failure;
 use super::machine::measured_on;
 use super::output::{Output, human_bytes};
-use super::shell_judge::{ShellJudge, Source};
+use super::shell_judge::{Baker, ShellJudge};
 use pelage_bake::recipe::Recipe;
 use pelage_formats::Choice;
 use pelage_import::BakeError;
@@ -51,7 +51,7 @@ pub struct ChosenSetting {
 /// Fails with [`BakeError::Input`], exit code 3, if no setting meets the limits; the message names the nearest.
 pub fn choose(
     file: &str,
-    source: Source<'_>,
+    baker: Baker<'_>,
     recipe: &Recipe,
     limits: &Limits,
     exhaustive: bool,
@@ -62,7 +62,7 @@ pub fn choose(
     let gpu = Gpu::open()?;
     // The pictures use automatic detail, the default of applications. Layers beyond the fur's height in pixels then
     // only increase the size.
-    let judge = ShellJudge::new(source, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
+    let judge = ShellJudge::new(baker, recipe, &gpu, LookDetail::Auto, &mut |what| output.progress(what))?;
     let adapter = measured_on(&gpu.info.name);
     // The reference images do not depend on individual strands, so the same judge is used for both searches.
     let of = |recipe: &Recipe, output: &mut Output| search(&judge, &adapter, recipe, limits, exhaustive, output);

@@ -1,10 +1,5 @@
 //! Describes the hardware of a measurement.
 
-/// Returns the description for a measurement that uses no graphics adapter.
-pub fn processor() -> String {
-    measured_on(&format!("CPU, {} threads", rayon::current_num_threads()))
-}
-
 /// Returns the hardware description `what`, with a mark in debug builds, whose times are not representative.
 pub fn measured_on(what: &str) -> String {
     let build = if cfg!(debug_assertions) { ", debug build" } else { "" };

@@ -5,11 +5,7 @@ use super::stages::{pixels, stage_of};
 use super::truth::ReferenceTracer;
 use super::view::PictureView;
 use pelage_bake::picture::Picture;
-use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
-use pelage_bake::reslice::{Slicer, reslice};
-use pelage_bake::stages::groom::MapImages;
-use pelage_import::mesh::Model;
 use pelage_stage::{
     Gpu, LookDetail, LookHair, Meter, NamedPackage, Stage, Viewpoint, count_fragments, fastest, framing,
 };
@@ -45,30 +41,8 @@ pub struct SettingMeasurements {
     pub bake_s: f64,
 }
 
-/// Source that packages with different settings are made from.
-#[derive(Clone, Copy)]
-pub enum Source<'a> {
-    /// Imported model.
-    Model {
-        /// File name as given by the user.
-        file: &'a str,
-        /// Name in the package.
-        name: &'a str,
-        /// Imported model.
-        model: &'a Model,
-        /// Images that the recipe names.
-        images: &'a MapImages,
-    },
-    /// Model that was baked once. Its fur can be resliced, so that changes of layers, tile and fins are fast.
-    Baked {
-        /// Name in the package.
-        name: &'a str,
-        /// Baked data to reslice.
-        slicer: &'a Slicer<'a>,
-    },
-    /// Package, whose fur is resliced.
-    Package(&'a NamedPackage<'static>),
-}
+/// Bakes or reslices a package with a recipe.
+pub type Baker<'a> = Box<dyn Fn(&Recipe) -> Result<NamedPackage<'static>, Failure> + 'a>;
 
 struct ReferenceView {
     view: PictureView,
@@ -79,7 +53,7 @@ struct ReferenceView {
 
 /// Measures settings of one model: bakes and draws each, and compares the pictures with the reference images.
 pub struct ShellJudge<'a> {
-    source: Source<'a>,
+    baker: Baker<'a>,
     views: Vec<ReferenceView>,
     /// Level of detail to draw.
     detail: LookDetail,
@@ -94,22 +68,22 @@ impl<'a> ShellJudge<'a> {
     /// * `detail`: level of detail to draw
     /// * `doing`: progress callback
     pub fn new(
-        source: Source<'a>,
+        baker: Baker<'a>,
         recipe: &Recipe,
         gpu: &Gpu,
         detail: LookDetail,
         doing: &mut dyn FnMut(&str),
     ) -> Result<Self, Failure> {
-        let file = source.bake(recipe)?;
+        let file = baker(recipe)?;
         let truth = ReferenceTracer::new(&file, &PictureView::default())?;
         let size = (recipe.judge.width, recipe.judge.height);
         let views = cameras(recipe, &truth);
-        Ok(Self { detail, ..Self::of_views(source, &truth, size, &views, recipe.judge.samples, gpu, doing) })
+        Ok(Self { detail, ..Self::of_views(baker, &truth, size, &views, recipe.judge.samples, gpu, doing) })
     }
 
     /// Traces reference images of the given size in pixels, cameras, and number of samples per pixel.
     pub fn of_views(
-        source: Source<'a>,
+        baker: Baker<'a>,
         truth: &ReferenceTracer,
         size: (u32, u32),
         cameras: &[Viewpoint],
@@ -128,7 +102,7 @@ impl<'a> ShellJudge<'a> {
             let fur_px = truth.fur_px(&view);
             views.push(ReferenceView { view, picture, fur_px });
         }
-        Self { source, views, detail: EVERYTHING, gpu: gpu.clone(), meter: Meter::new(gpu) }
+        Self { baker, views, detail: EVERYTHING, gpu: gpu.clone(), meter: Meter::new(gpu) }
     }
 
     /// Returns the number of layers, skin included, above which pictures with automatic detail no longer change.
@@ -151,7 +125,7 @@ impl<'a> ShellJudge<'a> {
     /// Bakes a recipe, draws and times it from all views, and compares the pictures with the reference images.
     pub fn measure(&self, recipe: &Recipe) -> Result<(SettingMeasurements, Likeness), Failure> {
         let begun = Instant::now();
-        let file = self.source.bake(recipe)?;
+        let file = (self.baker)(recipe)?;
         let bake_s = begun.elapsed().as_secs_f64();
         let (measured, likeness) = self.measure_drawn(&file, self.detail)?;
         Ok((SettingMeasurements { bake_s, ..measured }, likeness))
@@ -209,7 +183,7 @@ impl<'a> ShellJudge<'a> {
     /// slowest view.
     pub fn time_in_turns(&self, recipes: &[Recipe]) -> Result<Vec<FrameTime>, Failure> {
         let Some(first) = self.views.first() else { return Ok(vec![FrameTime::default(); recipes.len()]) };
-        let stage = |recipe: &Recipe| self.stage(&self.source.bake(recipe)?, &first.view, self.detail);
+        let stage = |recipe: &Recipe| self.stage(&(self.baker)(recipe)?, &first.view, self.detail);
         let mut stages = recipes.iter().map(stage).collect::<Result<Vec<_>, _>>()?;
         let mut rounds = vec![Vec::new(); recipes.len()];
         for _ in 0..ROUNDS {
@@ -231,14 +205,6 @@ impl<'a> ShellJudge<'a> {
         Ok(rounds.into_iter().map(FrameTime::of).collect())
     }
 
-    /// Returns the fur height on screen in the first view, at the nearest point of the model, pixels. It is computed as
-    /// in the runtime. `None` if the package has no levels of detail, or the eye is within the model's bounds.
-    pub fn fur_px(&self, file: &NamedPackage<'_>) -> Result<Option<f32>, Failure> {
-        let Some(ReferenceView { view, .. }) = self.views.first() else { return Ok(None) };
-        let frame = self.stage(file, view, LookDetail::Auto)?.draw()?;
-        Ok(frame.report().instances.first().and_then(|drawn| drawn.fur_px).filter(|px| px.is_finite()))
-    }
-
     /// Creates a stage of a package at a level of detail. Fur is always drawn in layers, even where individual strands
     /// would replace them.
     fn stage(&self, file: &NamedPackage<'_>, view: &PictureView, detail: LookDetail) -> Result<Stage, Failure> {
@@ -254,23 +220,6 @@ const EVERYTHING: LookDetail = LookDetail::Full;
 const ROUNDS: usize = 7;
 /// Number of frames of a view per round. Only the fastest counts, because other load can only add time.
 const FRAMES: usize = 2;
-
-impl Source<'_> {
-    /// Bakes a package with `recipe`.
-    pub fn bake(&self, recipe: &Recipe) -> Result<NamedPackage<'static>, Failure> {
-        match *self {
-            Self::Model { file, name, model, images } => {
-                let baked = pipeline::bake(&BakeInput::new(file, name, recipe, images), model, &mut |_| ())?;
-                Ok(NamedPackage { name: name.into(), bytes: baked.package.into() })
-            }
-            Self::Baked { name, slicer } => Ok(NamedPackage { name: name.into(), bytes: slicer.slice(recipe)?.into() }),
-            Self::Package(package) => {
-                let bytes = reslice(&package.name, &package.open()?, recipe)?;
-                Ok(NamedPackage { name: package.name.clone(), bytes: bytes.into() })
-            }
-        }
-    }
-}
 
 /// Returns the views of the recipe. If it has none, returns two that frame the model.
 pub fn cameras(recipe: &Recipe, truth: &ReferenceTracer) -> Vec<Viewpoint> {

@@ -5,10 +5,11 @@ use super::subject::Subject;
 use crate::chart::{Cell, detail};
 use pelage_bake::recipe::Recipe;
 use pelage_runtime::wgpu::Features;
-use pelage_stage::{Gpu, NamedPackage, Viewpoint};
+use pelage_stage::{Gpu, LookDetail, LookHair, NamedPackage, Viewpoint};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_tool::shell_judge::{ShellJudge, Source, cameras};
+use pelage_tool::shell_judge::{ShellJudge, cameras};
+use pelage_tool::stages::stage_of;
 use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::PictureView;
 
@@ -61,37 +62,43 @@ impl Topic for DetailTopic<'_> {
     }
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
-        let Subject { file, name, model, images, recipe: base, package, .. } = self.subject;
-        let source = match package {
-            Some(package) => Source::Package(package),
-            None => Source::Model { file, name, model, images },
-        };
+        let (subject, base) = (self.subject, &self.subject.recipe);
         let configuration = &self.configurations[index];
         let size = detail::Size::ALL[configuration.size];
         let (gpu, truth, packages) = (&self.gpu, &mut self.truth, &mut self.packages);
         let (judge, seen) = get_or_make(&mut self.sizes[configuration.size], || {
-            let file = baked(packages, source, base, doing)?;
+            let file = baked(packages, subject, base, doing)?;
             let (truth, camera) = get_or_make(truth, || {
                 let truth = ReferenceTracer::new(file, &PictureView::default())?;
                 let camera = cameras(base, &truth)[0];
                 Ok((truth, camera))
             })?;
             let (pixels, samples) = (size.pixels(base), base.judge.samples);
-            let judge = ShellJudge::of_views(source, truth, pixels, &[*camera], samples, gpu, doing);
-            let fur_px = judge.fur_px(file)?;
+            let baker = Box::new(move |recipe: &Recipe| subject.bake(recipe));
+            let judge = ShellJudge::of_views(baker, truth, pixels, &[*camera], samples, gpu, doing);
+            let fur_px = fur_px(file, pixels, *camera, gpu)?;
             Ok((judge, detail::DetailSizeFacts { pixels, fur_px, samples }))
         })?;
-        let file = baked(packages, source, &configuration.recipe, doing)?;
+        let file = baked(packages, subject, &configuration.recipe, doing)?;
         doing("drawing");
         let (measured, _) = judge.measure_drawn(file, configuration.detail)?;
         Ok(detail::cells(configuration, seen, &measured, judge.timing()))
     }
 }
 
+/// Returns the fur height on screen at the nearest point of the model, pixels, in a picture of the given size. It is
+/// computed as in the runtime. `None` if the package has no levels of detail, or the eye is within the model's bounds.
+fn fur_px(file: &NamedPackage<'_>, size: (u32, u32), camera: Viewpoint, gpu: &Gpu) -> Result<Option<f32>, Failure> {
+    let view = PictureView { camera: Some(camera), ..PictureView::sized(size) };
+    let view = view.with(|look| (look.fur.detail, look.fur.hair) = (LookDetail::Auto, LookHair::Shells));
+    let frame = stage_of(file, &view, || Ok(gpu.clone()))?.draw()?;
+    Ok(frame.report().instances.first().and_then(|drawn| drawn.fur_px).filter(|px| px.is_finite()))
+}
+
 /// Returns the package of a recipe, baking it if it is not cached yet.
 fn baked<'p>(
     packages: &'p mut Vec<(Recipe, NamedPackage<'static>)>,
-    source: Source<'_>,
+    subject: &Subject,
     recipe: &Recipe,
     doing: &mut dyn FnMut(&str),
 ) -> Result<&'p NamedPackage<'static>, Failure> {
@@ -99,7 +106,7 @@ fn baked<'p>(
         Some(index) => index,
         None => {
             doing("baking");
-            packages.push((recipe.clone(), source.bake(recipe)?));
+            packages.push((recipe.clone(), subject.bake(recipe)?));
             packages.len() - 1
         }
     };

@@ -10,6 +10,7 @@ use pelage_bake::io;
 use pelage_herd::shell_word;
 use pelage_tool::exit::{Exit, Failure};
 use pelage_tool::journal::Key;
+use pelage_tool::machine::measured_on;
 use pelage_tool::output::{Output, make_folder};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -170,6 +171,11 @@ pub fn run(
     Ok(exit)
 }
 
+/// Returns the hardware description of a measurement that uses no graphics adapter.
+pub fn processor() -> String {
+    measured_on(&format!("CPU, {} threads", rayon::current_num_threads()))
+}
+
 /// Returns the command that measures one row again. It writes to a separate folder, so that the whole table is
 /// preserved.
 fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> String {
@@ -180,7 +186,9 @@ fn command(subject: &Subject, folder: &Path, topic: &str, number: usize) -> Stri
 /// Returns a key for everything but the row number that a row's figures depend on. It differs for a different tool,
 /// model, recipe or adapter.
 fn key(subject: &Subject, plan: &Plan) -> String {
-    let mut key = Key::of_program().with(&plan.adapter).with(&plan.title).with(subject.recipe.to_toml());
+    // The hash of the program file differs between builds, but not with the place where it is installed.
+    let program = std::env::current_exe().and_then(|program| io::digest(&program, u64::MAX)).unwrap_or_default();
+    let mut key = Key::of_version().with(program).with(&plan.adapter).with(&plan.title).with(subject.recipe.to_toml());
     for input in subject.model.inputs.iter().chain(&subject.images.inputs) {
         key = key.with(format!("{} {} {:?}", input.role, input.name, input.sha256));
     }

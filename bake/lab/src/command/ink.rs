@@ -15,7 +15,6 @@ use pelage_runtime::{InkDebugView, InkParams, Style};
 use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing, outline};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
 use pelage_tool::view::PictureView;
@@ -84,10 +83,9 @@ impl Topic for InkTopic<'_> {
 
 impl Shared {
     fn new(subject: &Subject, gpu: &Gpu) -> Result<Self, Failure> {
-        let Subject { file, name, model, images, recipe, package, .. } = subject;
-        let file = match package {
+        let file = match &subject.package {
             Some(package) => NamedPackage { name: package.name.clone(), bytes: package.bytes.clone() },
-            None => Source::Model { file, name, model, images }.bake(recipe)?,
+            None => subject.bake(&subject.recipe)?,
         };
         let opened = file.open()?;
         let rest_points = outline(&file, &opened, None, None)?;

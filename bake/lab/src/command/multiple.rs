@@ -12,7 +12,6 @@ use pelage_formats::Shading;
 use pelage_stage::{Gpu, LookHair, Meter, NamedPackage, Samples, Viewpoint, framing};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::PictureView;
@@ -103,12 +102,7 @@ impl FurWithTruths {
         recipe.fibre.eumelanin = Some(eumelanin);
         (recipe.color.root, recipe.color.tip, recipe.color.gain) = (None, None, None);
         recipe.color.base_color = false;
-        let Subject { file, name, model, images, package, .. } = subject;
-        let source = match package {
-            Some(package) => Source::Package(package),
-            None => Source::Model { file, name, model, images },
-        };
-        let package = source.bake(&recipe)?;
+        let package = subject.bake(&recipe)?;
         let mut truth = ReferenceTracer::new(&package, &PictureView::default())?;
         truth.scatter(TrueScattering::BOUNCES)?;
         let camera = truth.framed(&PictureView::sized((SIZE, SIZE)), framing::TOWARDS_CAMERA);

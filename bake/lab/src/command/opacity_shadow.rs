@@ -17,7 +17,6 @@ use pelage_runtime::{Frame, Light, PassId, wgpu};
 use pelage_stage::{Gpu, KeyLight, LookHair, LookStudio, Meter, Samples, Spread, Stage, StageError};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::ReferenceTracer;
 use pelage_tool::view::PictureView;
@@ -93,12 +92,7 @@ impl Topic for OpacityShadowTopic<'_> {
 impl Shared {
     fn new(subject: &Subject, recipe: &Recipe, gpu: &Gpu, doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
         doing("baking");
-        let Subject { file, name, model, images, package, .. } = subject;
-        let source = match package {
-            Some(package) => Source::Package(package),
-            None => Source::Model { file, name, model, images },
-        };
-        let baked = source.bake(recipe)?;
+        let baked = subject.bake(recipe)?;
         let size = (recipe.judge.width, recipe.judge.height);
         let view = PictureView { camera: recipe.judge.views.first().copied(), ..PictureView::sized(size) };
         let view = view.with(|look| {
@@ -111,7 +105,7 @@ impl Shared {
         let points = &truth.scene.curves().points;
         if points.is_empty() {
             let reason = "found no strands, expected a model with hair".into();
-            return Err(BakeError::Input { file: file.clone(), place: "hair".into(), reason }.into());
+            return Err(BakeError::Input { file: subject.file.clone(), place: "hair".into(), reason }.into());
         }
         let width_m = 2.0 * points.iter().map(|p| f64::from(p.radius_m)).sum::<f64>() / points.len() as f64;
         let traced = truth.picture(&view, recipe.judge.samples, &mut |done, all| {

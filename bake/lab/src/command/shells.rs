@@ -3,10 +3,11 @@
 use super::driver::{Plan, PlannedRow, Topic, get_or_make};
 use super::subject::Subject;
 use crate::chart::{Cell, shells};
+use pelage_bake::recipe::Recipe;
 use pelage_stage::{Gpu, LookDetail};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use pelage_tool::shell_judge::{ShellJudge, Source};
+use pelage_tool::shell_judge::ShellJudge;
 
 /// Topic `shells`.
 pub struct ShellsTopic<'a> {
@@ -45,13 +46,11 @@ impl Topic for ShellsTopic<'_> {
     }
 
     fn measure(&mut self, index: usize, doing: &mut dyn FnMut(&str)) -> Result<Vec<Cell>, Failure> {
-        let Subject { file, name, model, images, recipe, package, .. } = self.subject;
-        let gpu = &self.gpu;
-        let source = match package {
-            Some(package) => Source::Package(package),
-            None => Source::Model { file, name, model, images },
-        };
-        let judge = get_or_make(&mut self.judge, || ShellJudge::new(source, recipe, gpu, LookDetail::Full, doing))?;
+        let (subject, gpu) = (self.subject, &self.gpu);
+        let judge = get_or_make(&mut self.judge, || {
+            let baker = Box::new(move |recipe: &Recipe| subject.bake(recipe));
+            ShellJudge::new(baker, &subject.recipe, gpu, LookDetail::Full, doing)
+        })?;
         let configuration = &self.configurations[index];
         doing("baking and drawing");
         let (measured, _) = judge.measure(&configuration.recipe)?;

@@ -1,13 +1,12 @@
 //! `pelage chart stability`: the table of `bake/lab/src/stability/`, computed on this machine.
 
 use super::args::ChartArgs;
-use super::driver::ChartResult;
+use super::driver::{ChartResult, processor};
 use crate::chart;
 use crate::chart::Cell;
 use crate::stability::{DRAWN_ROWS, Finding, ROWS, Row};
 use pelage_bake::io;
 use pelage_tool::exit::{Exit, Failure};
-use pelage_tool::machine::processor;
 use pelage_tool::output::{Output, make_folder};
 use schemars::JsonSchema;
 use serde::Serialize;

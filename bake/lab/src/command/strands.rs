@@ -17,7 +17,6 @@ use pelage_stage::{Gpu, LookStrandEdges, Meter, NamedPackage, Samples, Stage, Vi
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::shell_judge::SettingMeasurements;
-use pelage_tool::shell_judge::Source;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::{ReferenceTracer, true_camera};
 use pelage_tool::view::PictureView;
@@ -148,12 +147,7 @@ fn draw_methods(subject: &Subject) -> Vec<DrawMethod> {
 impl Shared {
     fn new(subject: &Subject, recipes: &[Recipe; 2], doing: &mut dyn FnMut(&str)) -> Result<Self, Failure> {
         doing("baking");
-        let Subject { file, name, model, images, package, .. } = subject;
-        let source = match package {
-            Some(package) => Source::Package(package),
-            None => Source::Model { file, name, model, images },
-        };
-        let packages = [source.bake(&recipes[0])?, source.bake(&recipes[1])?];
+        let packages = [subject.bake(&recipes[0])?, subject.bake(&recipes[1])?];
         let size = (recipes[0].judge.width, recipes[0].judge.height);
         let truth = ReferenceTracer::new(&packages[1], &PictureView::default())?;
         let framed = || truth.framed(&PictureView::sized(size), framing::TOWARDS_CAMERA);

@@ -2,7 +2,9 @@
 
 use super::args::ChartArgs;
 use pelage_bake::io;
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
+use pelage_bake::reslice::reslice;
 use pelage_bake::stages::groom::{self, MapImages};
 use pelage_bake::stages::import::{ImportOptions, import};
 use pelage_bake::stages::metric;
@@ -39,6 +41,18 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// Bakes the model, or reslices the package, with `recipe`.
+    pub fn bake(&self, recipe: &Recipe) -> Result<NamedPackage<'static>, Failure> {
+        let (name, bytes) = match &self.package {
+            Some(package) => (package.name.clone(), reslice(&package.name, &package.open()?, recipe)?),
+            None => {
+                let input = BakeInput::new(&self.file, &self.name, recipe, &self.images);
+                (self.name.clone(), pipeline::bake(&input, &self.model, &mut |_| ())?.package)
+            }
+        };
+        Ok(NamedPackage { name, bytes: bytes.into() })
+    }
+
     /// Reads the model and recipe that the arguments name; the default is the built-in hare.
     pub fn new(args: &ChartArgs) -> Result<Self, Failure> {
         let sets = args.recipe.set.clone();

@@ -1,12 +1,11 @@
 //! `pelage chart surface`: the `surface` stage of the bake, repeated for timing.
 
-use super::driver::{Plan, PlannedRow, Topic};
+use super::driver::{Plan, PlannedRow, Topic, processor};
 use super::subject::{Subject, set_words};
 use crate::chart::{Cell, surface};
 use pelage_bake::pipeline;
 use pelage_herd::shell_word;
 use pelage_tool::exit::Failure;
-use pelage_tool::machine::processor;
 use std::time::Instant;
 
 /// Number of runs per configuration, of which the median counts.

@@ -1,6 +1,6 @@
 //! `pelage chart textures`: formats, encoders and mips of a tile of hair.
 
-use super::driver::{Plan, PlannedRow, Topic, get_or_make};
+use super::driver::{Plan, PlannedRow, Topic, get_or_make, processor};
 use super::subject::Subject;
 use crate::chart::Cell;
 use crate::chart::textures::{COLUMNS, PANELS, SlicedTile, TexturesConfiguration, configurations, measure};
@@ -8,7 +8,6 @@ use pelage_bake::stages::groom::{self, Lengths};
 use pelage_bake::stages::simulate::{VolumeParams, simulate_recipe};
 use pelage_import::mesh::RestPose;
 use pelage_tool::exit::Failure;
-use pelage_tool::machine::processor;
 use std::time::Instant;
 
 /// Topic `textures`.
