@@ -55,6 +55,8 @@ pub const KEY_PICTURES: [KeyPicture; 14] = [
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
     use super::KEY_PICTURES;
     use pelage_bake::recipe::{Recipe, keys};
 
