@@ -33,9 +33,9 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<ModelPart<'a>, For
             images.push(copied_texture(package, old)?);
         }
     }
-    let anew =
-        [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED, Tag::STRANDS, Tag::HAIR, Tag::FIBRES];
-    let mut sections = copied_sections(package, |tag| !anew.contains(&tag))?;
+    let look = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED];
+    let hair = [Tag::STRANDS, Tag::HAIR, Tag::FIBRES, Tag::MEDULLAE];
+    let mut sections = copied_sections(package, |tag| !look.contains(&tag) && !hair.contains(&tag))?;
     if let Some(mesh) = package.mesh()?.filter(|_| recipe.detail.has_lists()) {
         let lists = simplified(&mesh.to_data(), &manifest, package.animation()?.as_deref());
         let after = sections.iter().position(|s| matches!(s, Content::Bytes(Tag::MESH, _))).map_or(0, |at| at + 1);

@@ -5,6 +5,7 @@ use super::params::HairColors;
 use pelage_formats::FibreOptics;
 use pelage_formats::meaning::linear_to_srgb;
 use pelage_formats::meaning::scattering::colour;
+use pelage_formats::meaning::scattering::optics::Medulla;
 use pelage_params::{PowerOfTwo, Range, SrgbColor, params};
 
 /// Range of indices of refraction.
@@ -107,7 +108,7 @@ impl FibreParams {
 
 fn optics(eta: f32, along_deg: f32, tilt_deg: f32, around: f32) -> FibreOptics {
     let around = colour::scale_of(f64::from(around)).max(0.01) as f32;
-    FibreOptics { eta, along: along_deg.to_radians(), tilt: tilt_deg.to_radians(), around }
+    FibreOptics { eta, along: along_deg.to_radians(), tilt: tilt_deg.to_radians(), around, medulla: Medulla::NONE }
 }
 
 #[cfg(test)]

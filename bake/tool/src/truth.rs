@@ -251,6 +251,7 @@ mod tests {
     use super::*;
     use glam::Vec2;
     use pelage_bake::strands::{CurvePoint, PosedMaterial};
+    use pelage_formats::meaning::scattering::optics::Medulla;
 
     #[test]
     fn traced_pixels_are_encoded_like_rendered_ones() {
@@ -270,7 +271,7 @@ mod tests {
 
     #[test]
     fn bare_materials_do_not_affect_the_fibre_of_the_fur() {
-        let optics = |eta| FibreOptics { eta, along: 0.2, tilt: 0.0, around: 0.3 };
+        let optics = |eta| FibreOptics { eta, along: 0.2, tilt: 0.0, around: 0.3, medulla: Medulla::NONE };
         let info = FibreInfo { fibres: vec![optics(1.5), optics(1.6), optics(1.7)], ..FibreInfo::default() };
         let material =
             |name: &str, furred, fibre| PosedMaterial { name: name.into(), furred, fibre, ..Default::default() };

@@ -284,7 +284,9 @@ pub fn pack(folder: &str, read: &mut Read<'_>) -> Result<Vec<u8>, BakeError> {
     if let Some((index, described, found)) = guides {
         // Guides are read with the mesh surface at rest, taken from the package without guides. Their motion and the
         // fibres are left out too, because they require guides.
-        let needs_guides = |section: &Content<'_>| matches!(section, Content::Bytes(Tag::HAIR_MOTION | Tag::FIBRES, _));
+        let needs_guides = |section: &Content<'_>| {
+            matches!(section, Content::Bytes(Tag::HAIR_MOTION | Tag::FIBRES | Tag::MEDULLAE, _))
+        };
         let skin = sections.iter().filter(|section| !needs_guides(section));
         let without = assemble(version, manifest.clone(), skin.map(Content::borrowed)).map_err(faulty)?;
         let skin = Package::open(&without, &Limits::default()).and_then(|package| RestMesh::of(&package));

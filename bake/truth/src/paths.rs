@@ -150,7 +150,8 @@ impl Sample<'_> {
                 let (from, to) = (a.position_ws.as_dvec3(), b.position_ws.as_dvec3());
                 let tip = (to - from).normalize_or(DVec3::Y);
                 let color = a.color.as_dvec3().lerp(b.color.as_dvec3(), share);
-                let sigma = colour::absorption(color.to_array(), of.scale);
+                let darker = colour::medulla_absorption(&of.fibre.medulla, of.scale);
+                let sigma = colour::absorption(color.to_array(), of.scale).map(|sigma| sigma * darker);
                 let sin = tip.dot(to_eye).clamp(-1.0, 1.0);
                 let across = (to_eye - tip * sin).normalize_or(tip.any_orthonormal_vector());
                 let out = place - from.lerp(to, share);

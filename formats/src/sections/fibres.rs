@@ -5,6 +5,7 @@ use super::textures::{TextureFormat, TextureView};
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::meaning::scattering::means::FibreMeans;
+use crate::meaning::scattering::optics::Medulla;
 use crate::meaning::scattering::{AzimuthalScattering, Fibre, LobeShape};
 use crate::package::Package;
 use crate::tag::Tag;
@@ -56,6 +57,9 @@ pub struct FibreOptics {
     pub tilt: f32,
     /// Scale of the azimuthal logistic distribution, radians, 0.01..=5; practically uniform from 4 upwards.
     pub around: f32,
+    /// Medulla, from the section `MEDU`.
+    #[serde(skip)]
+    pub medulla: Medulla,
 }
 
 impl FibreOptics {
@@ -67,6 +71,7 @@ impl FibreOptics {
             tilt: self.tilt.into(),
             around: AzimuthalScattering::Rough(self.around.into()),
             keeps: LobeShape::Energy,
+            medulla: self.medulla,
         }
     }
 
@@ -117,14 +122,19 @@ impl FibreInfo {
 impl<'a> Package<'a> {
     /// Returns the light scattering of the fibres; `None` if the package has no such section.
     ///
-    /// Fails if the section is damaged, or is inconsistent with the hair groups or the materials.
+    /// Fails if the section or that of the medullae is damaged, or is inconsistent with hair groups or materials.
     pub fn fibres(&self) -> Result<Option<Arc<FibreInfo>>, FormatError> {
         let Some((index, section)) = self.find(Tag::FIBRES, 0) else { return Ok(None) };
         let info = self.cached(index, || {
-            let info: FibreInfo = decode_section(Tag::FIBRES, section.offset, self.section_bytes(index)?)?;
+            let mut info: FibreInfo = decode_section(Tag::FIBRES, section.offset, self.section_bytes(index)?)?;
             let fail = |reason| FormatError::Content { tag: Tag::FIBRES, offset: section.offset, reason };
             let fault = info.fault(self.hair_groups()?.len(), self.manifest().materials.len());
-            fault.map_or(Ok(Arc::new(info)), |reason| Err(fail(reason)))
+            if let Some(reason) = fault {
+                return Err(fail(reason));
+            }
+            let medullae = self.medullae(info.fibres.len())?;
+            info.fibres.iter_mut().zip(medullae).for_each(|(fibre, medulla)| fibre.medulla = medulla);
+            Ok(Arc::new(info))
         })?;
         Ok(Some(info))
     }
@@ -162,8 +172,10 @@ impl<'a> Package<'a> {
 }
 
 impl PackageWriter<'_> {
-    /// Adds the light scattering of fibres.
+    /// Adds the light scattering of fibres, and their medullae if any scatters light.
     pub fn fibres(self, info: &FibreInfo) -> Self {
-        self.encoded(Tag::FIBRES, encode_section(Tag::FIBRES, info))
+        let with_fibres = self.encoded(Tag::FIBRES, encode_section(Tag::FIBRES, info));
+        let medullae: Vec<Medulla> = info.fibres.iter().map(|fibre| fibre.medulla).collect();
+        if medullae.iter().any(Medulla::scatters) { with_fibres.medullae(&medullae) } else { with_fibres }
     }
 }

@@ -14,6 +14,7 @@ pub(crate) mod hair_motion;
 pub(crate) mod ink;
 pub(crate) mod kind;
 pub(crate) mod manifest;
+pub(crate) mod medullae;
 pub(crate) mod mesh;
 pub(crate) mod morphs;
 pub(crate) mod openness;
@@ -48,6 +49,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &hair::KIND,
     &hair_motion::KIND,
     &fibres::KIND,
+    &medullae::KIND,
     &textures::KIND,
     #[cfg(test)]
     &probe::KIND,

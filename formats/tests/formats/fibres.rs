@@ -1,11 +1,14 @@
 //! The `FIBR` section: round trip and rejected contents.
 
-use crate::common::{Refusal, assert_refused, furless_manifest, ktx2_file, sample_animation, sample_mesh};
+use crate::common::{
+    Refusal, assert_refused, furless_manifest, ktx2_file, sample_animation, sample_mesh, sample_with, section_bytes,
+};
 use pelage_formats::meaning::scattering::means::FibreMeans;
+use pelage_formats::meaning::scattering::optics::Medulla;
 use pelage_formats::meaning::scattering::tables::ScatteringTables;
 use pelage_formats::*;
 
-const HAIR: FibreOptics = FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12 };
+const HAIR: FibreOptics = FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12, medulla: Medulla::NONE };
 
 fn sample() -> FibreInfo {
     let fibres = vec![HAIR, FibreOptics { tilt: -0.05, ..HAIR }];
@@ -40,6 +43,34 @@ fn fibres_survive_a_round_trip() {
     let read = ScatteringTables::of_layers(info.fibres[1].eta.into(), info.means[1], layers).unwrap();
     assert_eq!((read.size, view.floats(4)), (8, None));
     assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+}
+
+/// Medullae have a section of their own, which packages without medullae do not contain.
+#[test]
+fn medullae_survive_a_round_trip_and_are_checked() {
+    let with = |medulla: Medulla| {
+        let mut info = sample();
+        info.fibres[1].medulla = medulla;
+        info
+    };
+    let (info, none) = (with(Medulla { ratio: 0.75, scattering: 2.0 }), packed(&sample(), tables(8, 4)).unwrap());
+    let bytes = packed(&info, tables(8, 4)).unwrap();
+    let package = Package::open(&bytes, &Limits::default()).unwrap();
+    assert_eq!(*package.fibres().unwrap().unwrap(), info);
+    assert_eq!(Package::validate(&bytes, &Limits::default()), []);
+    let expected = [2u64.to_le_bytes().to_vec(), [0.0f32, 0.0, 0.75, 2.0].map(f32::to_le_bytes).concat()].concat();
+    assert_eq!(section_bytes(&package, Tag::MEDULLAE), expected);
+    let count = |bytes| Package::open(bytes, &Limits::default()).unwrap().sections().len();
+    assert_eq!(count(&bytes), count(&none) + 1);
+    for (medulla, expected) in [
+        (Medulla { ratio: 1.0, scattering: 1.0 }, "entry 1: ratio is 1, expected 0 to 0.95"),
+        (Medulla { ratio: 0.5, scattering: 11.0 }, "entry 1: scattering is 11, expected 0 to 10"),
+    ] {
+        let error = packed(&with(medulla), tables(8, 4)).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    let alone = sample_with(|writer| writer.section(Tag::MEDULLAE, expected.clone())).unwrap_err().to_string();
+    assert!(alone.contains("2 entries, expected one for each of 0 fibres"), "{alone}");
 }
 
 #[test]

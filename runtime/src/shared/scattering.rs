@@ -25,8 +25,8 @@ pub struct FibreAngles {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Fibre {
-    /// Values: 1 / η²; 1 / d of `FORMAT.md`, "FIBR"; mean square offset of incidence, `FibreMeans::aside` of the
-    /// package; longitudinal variance of the reflected lobe, in full angles.
+    /// Values: 1 / η²; 1 / d of `FORMAT.md`, "FIBR", times the root of the factor in "MEDU"; mean square offset of
+    /// incidence, `FibreMeans::aside` of the package; longitudinal variance of the reflected lobe, in full angles.
     pub optics: [f32; 4],
     /// Coefficients of the shares scattered forward, `FibreMeans::on` of the package.
     pub on: [[f32; 4]; 3],
@@ -37,7 +37,9 @@ pub struct Fibre {
 impl Fibre {
     /// Creates the shader constants of a package's fibre.
     pub fn new(optics: &FibreOptics, means: &FibreMeans) -> Self {
-        let per_depth = colour::depth(optics.around.into()).recip() as f32;
+        let around = optics.around.into();
+        let darker = colour::medulla_absorption(&optics.medulla, around);
+        let per_depth = (colour::depth(around).recip() * darker.sqrt()) as f32;
         Self {
             optics: [
                 (optics.eta * optics.eta).recip(),

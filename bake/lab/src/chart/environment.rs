@@ -16,6 +16,7 @@ use pelage_formats::meaning::scattering::broad::{
     BroadSize, BroadTables, CutGaussianLight, HORIZON_SINE, LEAST_MEAN, cut_gaussian_mean_cosine,
 };
 use pelage_formats::meaning::scattering::gaussian_light::{BroadlyLitFibre, GaussianLight};
+use pelage_formats::meaning::scattering::optics::Medulla;
 use pelage_formats::meaning::scattering::{Angles, AzimuthalScattering, Fibre};
 use pelage_stage::sky::{FitParams, Panorama};
 use rayon::prelude::*;
@@ -27,9 +28,9 @@ const POINTS: usize = 160;
 const SIGMAS: [f64; 2] = [0.1, 0.5];
 /// Fibres under environment maps: human hair, soft hair, and matt wool.
 const FIBRES: [FibreOptics; 3] = [
-    FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12 },
-    FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2 },
-    FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5 },
+    FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.12, medulla: Medulla::NONE },
+    FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2, medulla: Medulla::NONE },
+    FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5, medulla: Medulla::NONE },
 ];
 /// Columns and rows of cells over which the truth is summed.
 const CELLS: (u32, u32) = (64, 32);

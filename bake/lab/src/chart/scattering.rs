@@ -10,7 +10,7 @@ use pelage_bake::noise::{hash, uniform};
 use pelage_formats::FibreOptics;
 use pelage_formats::meaning::scattering::azimuthal::PathContribution;
 use pelage_formats::meaning::scattering::means::REFERENCE_SIGMA;
-use pelage_formats::meaning::scattering::optics::LEAST_COS_D;
+use pelage_formats::meaning::scattering::optics::{LEAST_COS_D, Medulla};
 use pelage_formats::meaning::scattering::tables::{ScatteringTables, between};
 use pelage_formats::meaning::scattering::{Angles, Fibre, PATHS};
 use std::f64::consts::PI;
@@ -22,11 +22,11 @@ pub const SIGMAS: [f64; 3] = [0.1, 0.5, 2.0];
 
 /// Fibres: human hair, glossy tilted hair, soft hair, clear hair with glints, and matt wool.
 pub const FIBRES: [FibreOptics; 5] = [
-    FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.117 },
-    FibreOptics { eta: 1.55, along: 0.09, tilt: 0.12, around: 0.08 },
-    FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2 },
-    FibreOptics { eta: 1.6, along: 0.1, tilt: 0.03, around: 0.05 },
-    FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5 },
+    FibreOptics { eta: 1.55, along: 0.13, tilt: 0.05, around: 0.117, medulla: Medulla::NONE },
+    FibreOptics { eta: 1.55, along: 0.09, tilt: 0.12, around: 0.08, medulla: Medulla::NONE },
+    FibreOptics { eta: 1.45, along: 0.2, tilt: 0.05, around: 0.2, medulla: Medulla::NONE },
+    FibreOptics { eta: 1.6, along: 0.1, tilt: 0.03, around: 0.05, medulla: Medulla::NONE },
+    FibreOptics { eta: 1.55, along: 0.35, tilt: 0.0, around: 0.5, medulla: Medulla::NONE },
 ];
 
 /// Columns of the chart.

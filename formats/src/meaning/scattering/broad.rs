@@ -14,7 +14,7 @@ use super::azimuthal::legendre;
 use super::gaussian_light::{BroadlyLitFibre, TERMS, window};
 use super::means::{FibreMeans, REFERENCE_SIGMA};
 use super::optics::LEAST_COS_D;
-use super::{Angles, Fibre, PATHS};
+use super::{Angles, Fibre, SCATTERED};
 use core::array::from_fn;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
@@ -169,13 +169,14 @@ impl<'a> Light<'a> {
     }
 
     /// Returns the light that the fibre scatters if the axis of the incident light has inclination θj. Each element
-    /// belongs to an azimuth of `cosines`: the light of the four series, and of all further paths.
+    /// belongs to an azimuth of `cosines`: the light of the four series, and of all further and scattered light.
     fn of_angles(&self, theta_o: f64, theta_j: f64, cosines: &[[f64; TERMS]]) -> Vec<([f64; SERIES], f64)> {
         let sines = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
         let (to, middle) = (sines(theta_o), sines(theta_j));
         let mut sums = [[0.0; TERMS]; SERIES];
+        let scattered = self.fibre.section(to.1).scattered(0.0);
         let mut rest = 0.0;
-        for p in 0..PATHS {
+        for p in 0..self.fibre.path_count() {
             let (begin, end) = window(&self.fibre.spread(p as u32), theta_j, theta_o, self.sharpness);
             let (centre, half) = (0.5 * (begin + end), 0.5 * (end - begin).max(0.0));
             for (x, weight) in super::azimuthal::legendre() {
@@ -188,6 +189,10 @@ impl<'a> Light<'a> {
                     continue;
                 }
                 let terms = self.terms_at(from.1 * middle.1, cut_azimuth(from, middle));
+                if p == SCATTERED {
+                    rest += along * TAU * terms[0] * scattered;
+                    continue;
+                }
                 let (below, between) =
                     interpolation_index((angles.cos_d() - LEAST_COS_D) / (1.0 - LEAST_COS_D), SECTIONS);
                 let [a, b] = [&self.around.sections[below], &self.around.sections[below + 1]];

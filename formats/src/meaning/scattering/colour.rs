@@ -1,5 +1,6 @@
 //! Absorption of a fibre, from its pigments or from the desired colour of fur made of such fibres.
 
+use super::optics::Medulla;
 use core::f64::consts::PI;
 
 /// Absorption per radius, for red, green and blue, per unit of eumelanin. Hair is black with 8 units, brown with 1.3,
@@ -44,6 +45,18 @@ pub fn color(absorption: [f64; 3], around: f64) -> [f64; 3] {
 pub fn depth(around: f64) -> f64 {
     let b = roughness(around);
     5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))))
+}
+
+/// Returns the factor on [`absorption`] that keeps the colour of deep fur although the fibres have a medulla, which
+/// returns more light; 1 for no medulla.
+///
+/// * `around`: scale of the azimuthal logistic distribution, radians
+pub fn medulla_absorption(medulla: &Medulla, around: f64) -> f64 {
+    let [ratio, scattering] = [medulla.ratio, medulla.scattering].map(f64::from);
+    // Share of the light that is scattered.
+    let scattered = (1.6 * ratio).min(0.91) * -libm::expm1(-1.9 * ratio * scattering);
+    let depth = depth(around);
+    1.0 + scattered / (1.0 + scattered) * (depth * depth - 20.5) / 7.0
 }
 
 /// Returns the scale of the logistic distribution, radians, for a perceptually uniform roughness, 0..=1 (Chiang 2016,

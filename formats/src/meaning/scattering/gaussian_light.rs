@@ -7,7 +7,7 @@
 
 use super::azimuthal::{legendre, logistic};
 use super::longitudinal::{Spread, i0e};
-use super::{Angles, AzimuthalScattering, Fibre, FibreSection, PATHS};
+use super::{Angles, AzimuthalScattering, Fibre, FibreSection, SCATTERED};
 use core::array::from_fn;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
@@ -79,7 +79,7 @@ impl BroadlyLitFibre {
         let middle = Angles::between(tip, light.towards, eye);
         let [theta_j, theta_o] = [middle.from, middle.to].map(|(sin, cos)| libm::atan2(sin, cos));
         let mut sum = [0.0; 3];
-        for p in 0..PATHS {
+        for p in 0..self.fibre.path_count() {
             let (from, to) = window(&self.fibre.spread(p as u32), theta_j, theta_o, light.sharpness);
             let (centre, half) = (0.5 * (from + to), 0.5 * (to - from).max(0.0));
             for (x, weight) in legendre() {
@@ -90,7 +90,7 @@ impl BroadlyLitFibre {
                 let near = libm::exp(light.sharpness * (libm::cos(theta - theta_j) - 1.0));
                 let along = weight * half * cos * near * self.fibre.path_along(p as u32, &angles);
                 if along > 0.0 {
-                    let section = self.fibre.section(angles.cos_d());
+                    let section = self.fibre.section(if p == SCATTERED { angles.to.1 } else { angles.cos_d() });
                     let around = self.around(&section, p, sigma, sharpness, middle.phi);
                     for (sum, around) in sum.iter_mut().zip(around) {
                         *sum += along * around;
@@ -105,8 +105,10 @@ impl BroadlyLitFibre {
     /// `sharpness` and δ is `delta`.
     fn around(&self, section: &FibreSection, p: usize, sigma: [f64; 3], sharpness: f64, delta: f64) -> [f64; 3] {
         let light = cosines_of_gaussian(sharpness, delta);
-        if p == 3 {
-            return sigma.map(|sigma| TAU * light[0] * section.rest(sigma));
+        match p {
+            3 => return sigma.map(|sigma| TAU * light[0] * section.rest(sigma)),
+            SCATTERED => return sigma.map(|sigma| TAU * light[0] * section.scattered(sigma)),
+            _ => {}
         }
         // A bundle that leaves at azimuth φ contributes its own light multiplied by the incident light's series at φ.
         let mut sum = [0.0; 3];

@@ -19,12 +19,12 @@ const PHIS: usize = 48;
 pub struct FibreMeans {
     /// Mean squared offset from the axis, in squared radii, at which internally reflected light enters the fibre,
     /// 0..=1. It determines the length of each crossing ([`FibreMeans::transmittance`]). Light reflected once inside
-    /// (TRT) crosses twice; all further light is assumed to cross three times. The length of transmitted light (TT) is
-    /// in the tables, by azimuth.
+    /// (TRT) or scattered by the medulla crosses twice; all further light is assumed to cross three times. The length
+    /// of transmitted light (TT) is in the tables, by azimuth.
     pub aside: f32,
     /// Share of light that continues on the far side of the fibre, without absorption, for R, TT, TRT and all further
     /// light. Each row holds the coefficients of one basis function: 1, (1 − cos θ)² and (1 − cos θ)⁴, where θ is the
-    /// light's inclination to the normal plane.
+    /// light's inclination to the normal plane. Light that the medulla scatters counts as TRT.
     pub on: [[f32; PATHS]; 3],
     /// Share of light that returns on the near side, in the same form as `on`.
     pub back: [[f32; PATHS]; 3],
@@ -55,7 +55,7 @@ impl FibreMeans {
     /// Fits the properties of a fibre by least squares. Without absorption the shares sum to 1.
     pub fn new(fibre: &Fibre) -> Self {
         let phis: Vec<f64> = (0..PHIS).map(|i| PI * i as f64 / (PHIS - 1) as f64).collect();
-        // For TRT: the sum of squared entry offsets, weighted by light, and the sum of light.
+        // For TRT and scattered light: the sum of squared entry offsets, weighted by light, and the sum of light.
         let (mut asides, mut light) = (0.0, 0.0);
         let mut matrix = DMat3::ZERO;
         let mut sums = [[DVec3::ZERO; PATHS]; 2];
@@ -68,7 +68,7 @@ impl FibreMeans {
                 let [back, on] = halves(&ways.iter().map(|way| way.light).collect::<Vec<_>>());
                 (sides[0][p as usize], sides[1][p as usize]) = (on, back);
                 if p == 2 {
-                    for way in ways {
+                    for way in ways.into_iter().chain([section.mean_scattered(REFERENCE_SIGMA); PHIS]) {
                         let [slant, per_across] = bent(cos, fibre.eta);
                         // Weight by solid angle: directions close to the fibre's direction are few.
                         let weight = way.light * cos;
@@ -78,6 +78,7 @@ impl FibreMeans {
                 }
             }
             for side in &mut sides {
+                side[2] += PI * section.scattered(0.0);
                 side[3] = PI * section.rest(0.0);
             }
             let all: f64 = sides.as_flattened().iter().sum();

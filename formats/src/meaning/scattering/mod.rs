@@ -1,5 +1,5 @@
 //! Light scattering of a fibre (Marschner 2003; d'Eon 2011; Chiang 2016; broad lights Xu 2011): reflected at its
-//! surface (R), transmitted (TT), and reflected once inside (TRT).
+//! surface (R), transmitted (TT), reflected once inside (TRT), and scattered by a medulla (after Yan 2015).
 //!
 //! Angles: θ is the inclination to the normal plane of the fibre, positive towards its tip, −π/2..=π/2. φ is the
 //! azimuth around the fibre, from incident to outgoing light; 0 is straight back. Both directions point away from the
@@ -22,10 +22,13 @@ use azimuthal::{GlintShape, Glints, PathContribution};
 use core::array::from_fn;
 use glam::DVec3;
 use longitudinal::Spread;
-use optics::Section;
+use optics::{Medulla, Section};
 
 /// Number of paths: R, TT, TRT, and all light reflected inside more than once, which leaves uniformly in azimuth.
 pub const PATHS: usize = 4;
+/// Number of the path of light that the medulla scatters. It leaves uniformly in azimuth, after two crossings on
+/// average.
+pub const SCATTERED: usize = PATHS;
 
 /// Optical properties of a fibre except for its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +45,8 @@ pub struct Fibre {
     pub around: AzimuthalScattering,
     /// Longitudinal lobe shape.
     pub keeps: LobeShape,
+    /// Medulla.
+    pub medulla: Medulla,
 }
 
 /// Azimuthal scattering of a fibre.
@@ -71,6 +76,7 @@ impl Default for Fibre {
             tilt: 3.0_f64.to_radians(),
             around: AzimuthalScattering::Rough(0.12),
             keeps: LobeShape::Energy,
+            medulla: Medulla::NONE,
         }
     }
 }
@@ -116,8 +122,16 @@ impl Angles {
 }
 
 impl Fibre {
-    /// Returns the longitudinal lobe of path `p`.
+    /// Returns the number of paths that carry light.
+    pub(crate) fn path_count(&self) -> usize {
+        PATHS + usize::from(self.medulla.scatters())
+    }
+
+    /// Returns the longitudinal lobe of path `p`; for scattered light, one that is wider than all directions.
     pub fn spread(&self, p: u32) -> Spread {
+        if p as usize == SCATTERED {
+            return Spread { shift: 0.0, width: 10.0 };
+        }
         let (shift, width) = [(-1.0, 1.0), (0.5, 0.5), (1.5, 2.0), (0.0, 2.0)][p.min(3) as usize];
         Spread { shift: shift * self.tilt, width: width * self.along }
     }
@@ -128,8 +142,12 @@ impl Fibre {
         from_fn(|p| self.path_along(p as u32, angles))
     }
 
-    /// Returns the longitudinal factor of path `p`.
+    /// Returns the longitudinal factor of path `p`, up to [`SCATTERED`].
     pub fn path_along(&self, p: u32, angles: &Angles) -> f64 {
+        if p as usize == SCATTERED {
+            // A core that sends light evenly in all directions has the brightness of its projected area.
+            return angles.from.1 * core::f64::consts::FRAC_2_PI;
+        }
         let spread = self.spread(p);
         match self.keeps {
             LobeShape::Energy => spread.conserving(angles.from, angles.to),
@@ -143,7 +161,7 @@ impl Fibre {
 
     /// Returns the cross-section for the difference angle with cosine `cos_d`, which is the same at all azimuths.
     pub fn section(&self, cos_d: f64) -> FibreSection {
-        let section = Section::new(self.eta, cos_d);
+        let section = Section { medulla: self.medulla, ..Section::new(self.eta, cos_d) };
         let glints = match &self.around {
             AzimuthalScattering::Smooth(glint) => section.glints(glint),
             AzimuthalScattering::Rough(_) => None,
@@ -169,6 +187,10 @@ impl Fibre {
                     *sum += along * way.attenuated(sigma);
                 }
             });
+        }
+        if self.medulla.scatters() {
+            let (along, section) = (self.path_along(SCATTERED as u32, angles), self.section(angles.to.1));
+            sum.iter_mut().zip(sigma).for_each(|(sum, sigma)| *sum += along * section.scattered(sigma));
         }
         sum
     }
@@ -216,8 +238,19 @@ impl FibreSection {
     pub fn rest(&self, sigma: f64) -> f64 {
         let section = &self.section;
         let left = azimuthal::over_section(|gamma| {
-            let through = libm::exp(-sigma * section.chord(libm::sin(gamma)));
+            let sin = libm::sin(gamma);
+            let through = libm::exp(-sigma * section.chord(sin)) * section.unscattered(sin);
             section.rest(section.fresnel(libm::cos(gamma)), through)
+        });
+        0.5 * left / core::f64::consts::TAU
+    }
+
+    /// Returns the light per radian that the medulla scatters, if the fibre absorbs `sigma` per radius.
+    pub fn scattered(&self, sigma: f64) -> f64 {
+        let section = &self.section;
+        let left = azimuthal::over_section(|gamma| {
+            let (sin, cos) = (libm::sin(gamma), libm::cos(gamma));
+            section.scattered(sin, cos) * libm::exp(-2.0 * sigma * section.chord(sin))
         });
         0.5 * left / core::f64::consts::TAU
     }
@@ -226,6 +259,11 @@ impl FibreSection {
     /// result is the effective length at absorption `sigma`.
     pub fn mean_rest(&self, sigma: f64) -> PathContribution {
         mean_of(self.rest(0.0), self.rest(sigma), sigma)
+    }
+
+    /// Returns the same as [`FibreSection::mean_rest`] for light that the medulla scatters.
+    pub fn mean_scattered(&self, sigma: f64) -> PathContribution {
+        mean_of(self.scattered(0.0), self.scattered(sigma), sigma)
     }
 
     /// Returns [`FibreSection::mean_contribution`] of path `p` at many azimuths.

@@ -7,7 +7,7 @@
 
 use super::azimuthal::{logistic, wrapped};
 use super::optics::Section;
-use super::{Fibre, PATHS};
+use super::{Angles, Fibre, PATHS, SCATTERED};
 use core::array::from_fn;
 use core::f64::consts::{PI, TAU};
 
@@ -20,9 +20,9 @@ pub struct FibreHit<'a> {
     /// Exit azimuths of the paths, relative to the eye.
     ends: [f64; 3],
     /// Share of the light on each path, for each colour.
-    shares: [[f64; 3]; PATHS],
+    shares: [[f64; 3]; PATHS + 1],
     /// Probability of sampling each path.
-    chances: [f64; PATHS],
+    chances: [f64; PATHS + 1],
 }
 
 /// Sampled direction of incident light.
@@ -43,16 +43,20 @@ impl<'a> FibreHit<'a> {
     /// * `offset`: distance from the axis divided by the radius, −1..=1, positive towards increasing azimuths
     /// * `to`: sine and cosine of θo
     pub fn new(fibre: &'a Fibre, scale: f64, sigma: [f64; 3], offset: f64, to: (f64, f64)) -> Self {
-        let section = Section::new(fibre.eta, to.1);
+        let section = Section { medulla: fibre.medulla, ..Section::new(fibre.eta, to.1) };
         let gamma = libm::asin(offset.clamp(-1.0, 1.0));
-        let (reflected, chord) = (section.fresnel(libm::cos(gamma)), section.chord(libm::sin(gamma)));
+        let (sin, cos) = (libm::sin(gamma), libm::cos(gamma));
+        let (reflected, chord) = (section.fresnel(cos), section.chord(sin));
         let within = (1.0 - reflected) * (1.0 - reflected);
-        let through = sigma.map(|sigma| libm::exp(-sigma * chord));
+        let remains = sigma.map(|sigma| libm::exp(-sigma * chord));
+        let (unscattered, scattered) = (section.unscattered(sin), section.scattered(sin, cos));
+        let through = remains.map(|remains| remains * unscattered);
         let shares = [
             [reflected; 3],
             through.map(|t| within * t),
             through.map(|t| within * reflected * t * t),
             through.map(|t| section.rest(reflected, t)),
+            remains.map(|t| scattered * t * t),
         ];
         let sums = shares.map(|of| of.iter().sum::<f64>());
         let whole: f64 = sums.iter().sum();
@@ -63,7 +67,7 @@ impl<'a> FibreHit<'a> {
     /// Returns the probability density with which path `p` scatters into directions of light. It is the path's lobe
     /// about the cone times its distribution about the exit azimuth.
     fn spread(&self, p: usize, from: (f64, f64), phi: f64) -> f64 {
-        let along = self.fibre.spread(p as u32).conserving(from, self.to);
+        let along = self.fibre.path_along(p as u32, &Angles { from, to: self.to, phi });
         along * self.ends.get(p).map_or(1.0 / TAU, |end| logistic(self.scale, wrapped(phi - end)))
     }
 
@@ -71,7 +75,7 @@ impl<'a> FibreHit<'a> {
     /// probability density of sampling that direction, per steradian.
     pub fn value(&self, from: (f64, f64), phi: f64) -> ([f64; 3], f64) {
         let (mut sum, mut chance) = ([0.0; 3], 0.0);
-        for p in 0..PATHS {
+        for p in 0..=SCATTERED {
             let spread = self.spread(p, from, phi);
             chance += self.chances[p] * spread;
             for (sum, share) in sum.iter_mut().zip(self.shares[p]) {
@@ -84,18 +88,23 @@ impl<'a> FibreHit<'a> {
     /// Samples a direction from four uniform numbers in 0..1.
     pub fn sample(&self, [path, around, height, turn]: [f64; 4]) -> SampledDirection {
         let (mut p, mut left) = (0, path);
-        while p + 1 < PATHS && left >= self.chances[p] {
+        while p < SCATTERED && left >= self.chances[p] {
             left -= self.chances[p];
             p += 1;
         }
-        let spread = self.fibre.spread(p as u32);
-        let (sin_o, cos_o) = spread.tilted(self.to);
-        let v = spread.variance();
-        // d'Eon's lobe is a distribution about a direction, and depends only on the cosine to it.
-        let height = height.max(1e-300);
-        let cos = 1.0 + v * libm::log(height + (1.0 - height) * libm::exp(-2.0 / v));
-        let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let sin_i = (-cos * sin_o + sin * libm::cos(TAU * turn) * cos_o).clamp(-1.0, 1.0);
+        let sin_i = if p == SCATTERED {
+            // Coordinate of a point that is uniformly distributed over the unit disc.
+            height.sqrt() * libm::cos(TAU * turn)
+        } else {
+            let spread = self.fibre.spread(p as u32);
+            let (sin_o, cos_o) = spread.tilted(self.to);
+            let v = spread.variance();
+            // d'Eon's lobe is a distribution about a direction, and depends only on the cosine to it.
+            let height = height.max(1e-300);
+            let cos = 1.0 + v * libm::log(height + (1.0 - height) * libm::exp(-2.0 / v));
+            let sin = (1.0 - cos * cos).max(0.0).sqrt();
+            (-cos * sin_o + sin * libm::cos(TAU * turn) * cos_o).clamp(-1.0, 1.0)
+        };
         let from = (sin_i, (1.0 - sin_i * sin_i).max(0.0).sqrt());
         let phi = match self.ends.get(p) {
             Some(end) => wrapped(end + sample_logistic(self.scale, around)),

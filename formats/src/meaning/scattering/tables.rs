@@ -6,14 +6,16 @@
 //!   are.
 //! - Colour is not part of the tables: the light of a path is stored with its length in the fibre, to which absorption
 //!   is applied. One table serves all colours.
+//! - Light that a medulla scatters is part of TRT: both cross the fibre twice, and TRT spreads nearly as far. The sum
+//!   over all azimuths is exact.
 //! - Values that hardly depend on the azimuth, or not at all, need no table: [`FibreMeans`].
 
 use super::azimuthal::PathContribution;
 use super::means::{FibreMeans, REFERENCE_SIGMA};
 use super::optics::LEAST_COS_D;
-use super::{Angles, Fibre, PATHS};
+use super::{Angles, Fibre, PATHS, SCATTERED};
 use core::array::from_fn;
-use core::f64::consts::PI;
+use core::f64::consts::{PI, TAU};
 
 /// Weight of the linear term of [`stretched`]. Around sin θh = 0, the axis is stretched by the reciprocal of this
 /// weight.
@@ -30,8 +32,8 @@ pub struct ScatteringTables {
     /// [`stretched`] of sin θh from −1 to 1. The last component is for all light reflected inside more than once. It
     /// already contains the light per radian of that path, which is the same at every azimuth.
     pub along: Vec<[f32; PATHS]>,
-    /// Light per radian of R, TT and TRT, and path length of TT in the fibre, in radii. Rows run over cos θd from
-    /// [`LEAST_COS_D`] to 1, columns over φ / π from 0 to 1.
+    /// Light per radian of R, TT, and TRT with scattered light, and path length of TT in the fibre, in radii. Rows run
+    /// over cos θd from [`LEAST_COS_D`] to 1, columns over φ / π from 0 to 1.
     pub around: Vec<[f32; PATHS]>,
     /// Properties that need no table.
     pub means: FibreMeans,
@@ -72,7 +74,8 @@ impl ScatteringTables {
         let mut along = Vec::with_capacity(size * size);
         for j in 0..size {
             let d = 2.0 * libm::atan(2.0 * share(j) - 1.0);
-            let rest = fibre.section(libm::cos(d)).rest(0.0);
+            let section = fibre.section(libm::cos(d));
+            let (rest, inside, scattered) = (section.rest(0.0), section.section.energy(2), section.scattered(0.0));
             for i in 0..size {
                 let h = libm::asin(unstretched(2.0 * share(i) - 1.0).clamp(-1.0, 1.0));
                 // θ beyond ±π/2 is not a direction. Clamping it extends the lobe evenly to these texels, for
@@ -80,7 +83,11 @@ impl ScatteringTables {
                 let [from, to] = [h - d, h + d].map(|theta| theta.clamp(-0.5 * PI, 0.5 * PI));
                 let of = |theta: f64| (libm::sin(theta), libm::cos(theta).max(0.0));
                 let angles = Angles { from: of(from), to: of(to), phi: 0.0 };
-                let [r, tt, trt, others] = fibre.along(&angles);
+                let [r, tt, mut trt, others] = fibre.along(&angles);
+                if fibre.medulla.scatters() {
+                    let even = fibre.path_along(SCATTERED as u32, &angles) * fibre.section(angles.to.1).scattered(0.0);
+                    trt = (inside * trt + TAU * even) / (inside + TAU * scattered);
+                }
                 along.push([r, tt, trt, others * rest].map(|x| x as f32));
             }
         }
@@ -89,7 +96,9 @@ impl ScatteringTables {
         for j in 0..size {
             let section = fibre.section(LEAST_COS_D + (1.0 - LEAST_COS_D) * share(j));
             let [r, tt, trt] = from_fn(|p| section.mean_contributions(p as u32, &phis, REFERENCE_SIGMA));
-            around.extend((0..size).map(|i| [r[i].light, tt[i].light, trt[i].light, tt[i].length].map(|x| x as f32)));
+            let scattered = section.scattered(0.0);
+            let texel = |i: usize| [r[i].light, tt[i].light, trt[i].light + scattered, tt[i].length];
+            around.extend((0..size).map(|i| texel(i).map(|x| x as f32)));
         }
         Self { size, eta: fibre.eta, along, around, means: FibreMeans::new(fibre) }
     }

@@ -1,8 +1,9 @@
 use super::azimuthal::{GlintShape, over_section, wrapped};
 use super::gaussian_light::{BroadlyLitFibre, GaussianLight};
 use super::longitudinal::{Spread, i0e};
+use super::means::FibreMeans;
 use super::near::{FibreHit, SampledDirection};
-use super::optics::Section;
+use super::optics::{Medulla, Section};
 use super::tables::ScatteringTables;
 use super::*;
 use core::f64::consts::{PI, TAU};
@@ -227,25 +228,35 @@ fn off(fibre: &Fibre, sigma: [f64; 3], found: impl Fn(&Angles) -> [f64; 3]) -> f
 
 #[test]
 fn scattering_tables_approximate_the_equations() {
+    let check = |fibre: &Fibre, size: usize, most: f64| {
+        let tables = ScatteringTables::new(fibre, size);
+        let sigma = [0.1, 0.5, 2.0];
+        let found = off(fibre, sigma, |angles| tables.scatter(sigma, angles));
+        println!("{fibre:?} {size}: {found}");
+        assert!(found < most, "{fibre:?} {size}: {found}");
+    };
     for around in [AzimuthalScattering::Rough(0.12), AzimuthalScattering::Smooth(GlintShape::default())] {
         for keeps in [LobeShape::Energy, LobeShape::Reciprocity] {
             let fibre = Fibre { around, keeps, ..Fibre::default() };
-            for (size, most) in [(64, 0.02), (128, 0.007)] {
-                let tables = ScatteringTables::new(&fibre, size);
-                let sigma = [0.1, 0.5, 2.0];
-                let found = off(&fibre, sigma, |angles| tables.scatter(sigma, angles));
-                println!("{around:?} {keeps:?} {size}: {found}");
-                assert!(found < most, "{around:?} {keeps:?} {size}: {found}");
-            }
+            check(&fibre, 64, 0.02);
+            check(&fibre, 128, 0.007);
         }
+    }
+    for medulla in [MEDULLAE[2], MEDULLAE[3]] {
+        check(&Fibre { medulla, ..Fibre::default() }, 64, 0.04);
     }
 }
 
 /// Continuing and returning light add up to the light that the fibre does not absorb; in white fibres, to all light.
 #[test]
 fn table_means_split_light_into_forward_and_backward() {
-    let fibre = Fibre::default();
-    let tables = ScatteringTables::new(&fibre, 64);
+    for medulla in [Medulla::NONE, MEDULLAE[2]] {
+        assert_means_split_light(&Fibre { medulla, ..Fibre::default() });
+    }
+}
+
+fn assert_means_split_light(fibre: &Fibre) {
+    let tables = ScatteringTables::new(fibre, 64);
     for cos in [0.15, 0.4, 0.7, 1.0] {
         let sigmas = colour::absorption([1.0, 0.5, 0.1], 0.12);
         let [on, back] = tables.means.sides(cos, tables.eta, sigmas);
@@ -259,7 +270,9 @@ fn table_means_split_light_into_forward_and_backward() {
             };
             let half = |from: f64| {
                 let of = |k: u32| from + (f64::from(k) + 0.5) * PI / 200.0;
-                let ways = |phi: f64| (0..3).map(|p| of_ways(p, phi)).sum::<f64>() + section.rest(sigma);
+                let ways = |phi: f64| {
+                    (0..3).map(|p| of_ways(p, phi)).sum::<f64>() + section.rest(sigma) + section.scattered(sigma)
+                };
                 (0..200).map(|k| ways(of(k))).sum::<f64>() * PI / 200.0
             };
             for (found, from, side) in [(on[c], 0.5 * PI, "on"), (back[c], -0.5 * PI, "back")] {
@@ -295,6 +308,27 @@ fn colours_convert_to_absorption_and_pigments() {
     assert_eq!(colour::of_pigments(-1.0, 0.0), [0.0; 3]);
 }
 
+/// Deep fur (Kubelka and Munk 1931) of fibres with a medulla has the colour of such fur without one.
+#[test]
+fn medullae_leave_the_colour_of_deep_fur() {
+    for (roughness, medulla) in [(0.3, MEDULLAE[1]), (0.3, MEDULLAE[2]), (0.15, MEDULLAE[3]), (0.6, MEDULLAE[2])] {
+        let scale = colour::scale_of(roughness);
+        let reflected = |medulla: Medulla| {
+            let fibre = Fibre { medulla, around: AzimuthalScattering::Rough(scale), ..Fibre::default() };
+            let darker = colour::medulla_absorption(&medulla, scale);
+            let sigma = colour::absorption([0.15, 0.3, 0.6], scale).map(|sigma| sigma * darker);
+            let [on, back] = FibreMeans::new(&fibre).sides(0.8, fibre.eta, sigma);
+            from_fn::<f64, 3, _>(|i| {
+                let lost = 1.0 - on[i] - back[i];
+                back[i] / (lost + back[i] + (lost * (lost + 2.0 * back[i])).sqrt())
+            })
+        };
+        let (found, expected) = (reflected(medulla), reflected(Medulla::NONE));
+        let off = found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 0.1);
+        assert!(off, "roughness {roughness}, {medulla:?}: {found:?}, expected {expected:?}");
+    }
+}
+
 /// Returns quasi-random numbers, uniform in 0..1: fractional parts of multiples of the powers of 1 / `ROOT` (Roberts
 /// 2018).
 fn even(i: u32) -> [f64; 5] {
@@ -309,10 +343,19 @@ fn even(i: u32) -> [f64; 5] {
 /// Positive root of x⁶ = x + 1.
 const ROOT: f64 = 1.134_724_138_401_519_4;
 
+/// Medullae: none, thin, wide, and wide and nearly opaque.
+const MEDULLAE: [Medulla; 4] = [
+    Medulla::NONE,
+    Medulla { ratio: 0.3, scattering: 1.0 },
+    Medulla { ratio: 0.7, scattering: 1.0 },
+    Medulla { ratio: 0.95, scattering: 5.0 },
+];
+
 #[test]
 fn white_fibre_is_invisible_under_uniform_light() {
-    for (along, scale) in [(3.0_f64, 0.05), (7.5, 0.12), (15.0, 0.5)] {
-        let fibre = Fibre { along: along.to_radians(), ..Fibre::default() };
+    let shapes = [(3.0_f64, 0.05), (7.5, 0.12), (15.0, 0.5), (7.5, 0.12)].into_iter().zip(MEDULLAE);
+    for ((along, scale), medulla) in shapes.chain([((7.5, 0.12), MEDULLAE[3])]) {
+        let fibre = Fibre { along: along.to_radians(), medulla, ..Fibre::default() };
         for degrees in [0.0_f64, 30.0, -60.0, 80.0, 89.0] {
             let to = (libm::sin(degrees.to_radians()), libm::cos(degrees.to_radians()));
             const COUNT: u32 = 20_000;
@@ -337,11 +380,11 @@ fn white_fibre_is_invisible_under_uniform_light() {
 
 #[test]
 fn near_field_averaged_over_offsets_equals_the_far_field() {
-    let fibre = Fibre::default();
-    let AzimuthalScattering::Rough(scale) = fibre.around else { return };
+    let scale = 0.12;
     let sigma = [0.1, 0.5, 2.0];
+    let fibres = MEDULLAE.map(|medulla| Fibre { medulla, ..Fibre::default() });
     // On the cone of each path, the near and the distant fibre have the same cross-section.
-    for degrees in [0.0_f64, 20.0, 50.0] {
+    for (fibre, degrees) in fibres.iter().zip([0.0_f64, 20.0, 50.0, 35.0]) {
         let theta = degrees.to_radians();
         let (to, from) = ((libm::sin(theta), libm::cos(theta)), (-libm::sin(theta), libm::cos(theta)));
         for phi in [0.0, 0.7, 2.0, 3.0] {
@@ -350,7 +393,7 @@ fn near_field_averaged_over_offsets_equals_the_far_field() {
             let mut near = [0.0; 3];
             for i in 0..COUNT {
                 let offset = (2.0 * f64::from(i) + 1.0) / f64::from(COUNT) - 1.0;
-                let (value, _) = FibreHit::new(&fibre, scale, sigma, offset, to).value(from, phi);
+                let (value, _) = FibreHit::new(fibre, scale, sigma, offset, to).value(from, phi);
                 near.iter_mut().zip(value).for_each(|(sum, x)| *sum += x / f64::from(COUNT));
             }
             for (a, b) in afar.into_iter().zip(near) {
@@ -362,7 +405,7 @@ fn near_field_averaged_over_offsets_equals_the_far_field() {
 
 #[test]
 fn sampled_directions_follow_their_density() {
-    let fibre = Fibre::default();
+    let fibre = Fibre { medulla: MEDULLAE[2], ..Fibre::default() };
     let to = (0.5, 0.75_f64.sqrt());
     let hit = FibreHit::new(&fibre, 0.12, [0.3, 0.5, 1.0], 0.4, to);
     // Bins of sin θi and φ: number of samples in each, and its probability.
@@ -406,12 +449,13 @@ fn by_grid(fibre: &Fibre, sigma: f64, tip: DVec3, light: &GaussianLight, eye: DV
         let (sin, cos) = (libm::sin(theta), libm::cos(theta));
         let angles = Angles { from: (sin, cos), ..Angles::between(tip, light.towards, eye) };
         let (along, section) = (fibre.along(&angles), fibre.section(angles.cos_d()));
+        let scattered = fibre.path_along(4, &angles) * fibre.section(angles.to.1).scattered(sigma);
         let ways: [Vec<_>; 3] = from_fn(|p| section.mean_contributions(p as u32, &phis, sigma));
         let rest = section.rest(sigma);
         for (j, phi) in phis.iter().enumerate() {
             let from = tip * sin + (across * libm::cos(start + phi) + beside * libm::sin(start + phi)) * cos;
             let around: f64 = (0..3).map(|p| along[p] * ways[p][j].attenuated(sigma)).sum();
-            sum += (around + along[3] * rest) * light.radiance(from) * cos;
+            sum += (around + along[3] * rest + scattered) * light.radiance(from) * cos;
         }
     }
     sum * PI / ROWS as f64 * TAU / AROUND as f64
@@ -435,8 +479,10 @@ fn gaussian_lights_scatter_as_the_integral_over_their_directions() {
         (smooth, behind, 25.0),
         (smooth, before, 60.0),
     ];
+    let medullated = Fibre { medulla: MEDULLAE[2], ..rough };
+    let cases = cases.into_iter().chain([(medullated, behind, 25.0), (medullated, before, 60.0)]);
     let others = [(marschner, behind, 25.0), (Fibre { eta: 1.8, ..rough }, before, 25.0)];
-    for (fibre, towards, degrees) in cases.into_iter().chain(others) {
+    for (fibre, towards, degrees) in cases.chain(others) {
         let sharpness = f64::to_radians(degrees).powi(-2);
         let light = GaussianLight { towards: towards.normalize(), sharpness };
         let found = BroadlyLitFibre::new(&fibre).scatter([0.2; 3], tip, &light, eye)[0];
