@@ -29,7 +29,7 @@ mod style;
 
 pub use coats::Coat;
 pub use comb_marks::CombMarkParams;
-pub use fibre::{FibreParams, OtherFibre};
+pub use fibre::{FibreKind, FibreParams, OtherFibre};
 pub use hair_group::{HairColliderParams, HairGroupParams, TuftParams};
 pub use ink::{InkFill, InkParams, MaterialInk};
 pub use joint_groom::JointGroom;
