@@ -1,6 +1,6 @@
 //! The `MEDU` section: medullae of the hair's fibres. Layout in `FORMAT.md`, "MEDU".
 
-use super::kind::{Count, Kind, Row, USES_NOTHING};
+use super::kind::Kind;
 use crate::encoding::{decode_section, encode_section};
 use crate::error::FormatError;
 use crate::meaning::scattering::optics::Medulla;
@@ -13,14 +13,10 @@ impl Tag {
     pub const MEDULLAE: Self = Self(*b"MEDU");
 }
 
-pub(crate) const KIND: Kind = Kind {
-    tag: Tag::MEDULLAE,
-    since: 3,
-    count: Count::AtMostOne,
-    check: |package, _| package.medullae(package.fibres()?.map_or(0, |info| info.fibres.len())).map(drop),
-    check_use: USES_NOTHING,
-    row: Row { what: "[medullae of fibres](#medu-medullae-of-fibres)", how_many: "at most one", place: "any" },
-};
+pub(crate) const KIND: Kind =
+    Kind::optional(Tag::MEDULLAE, 3, "[medullae of fibres](#medu-medullae-of-fibres)", |package, _| {
+        package.medullae(package.fibres()?.map_or(0, |info| info.fibres.len())).map(drop)
+    });
 
 impl Package<'_> {
     /// Returns the medullae of the package's `expected` fibres; an empty list if the package does not have the section.
