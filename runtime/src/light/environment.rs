@@ -21,10 +21,7 @@ const DIRECTIONS: usize = 1024;
 /// the spacing of directions.
 const RISE: f32 = 0.05;
 /// Maximum number of parts into which an environment is divided.
-const PARTS: usize = 3;
-/// Minimum light of the lobe that starts a part, as a share of the light of all lobes, times its distance from the
-/// nearest centre.
-const LEAST_GAIN: f32 = 0.055;
+const PARTS: usize = 2;
 /// Minimum distance between the centres of two parts, as 1 minus the cosine of their angle.
 const LEAST_APART: f32 = 0.15;
 /// Number of rounds in which the centres of parts move to the mean of their lights.
@@ -135,12 +132,11 @@ fn part_centres(environment: &Environment) -> Vec<Vec3> {
         .filter(|(_, weight)| *weight > 0.0)
         .collect();
     let nearest = |centres: &[Vec3], way: Vec3| centres.iter().map(|centre| way.dot(*centre)).fold(-1.0, f32::max);
-    let least = LEAST_GAIN * weighted.iter().map(|(_, weight)| weight).sum::<f32>();
     let mut centres: Vec<Vec3> = Vec::new();
     for _ in 0..PARTS {
         let gain = |(way, weight): &(Vec3, f32)| weight * (1.0 - nearest(&centres, *way));
         let Some(next) = weighted.iter().max_by(|a, b| gain(a).total_cmp(&gain(b))) else { break };
-        if gain(next) < least || 1.0 - nearest(&centres, next.0) < LEAST_APART {
+        if 1.0 - nearest(&centres, next.0) < LEAST_APART {
             break;
         }
         centres.push(next.0);
@@ -268,14 +264,7 @@ mod tests {
         let still = part_centres(&sky([1.0, 0.2, 0.0], [-1.0, 0.2, 0.3]));
         let turned = part_centres(&sky([0.0, 0.2, -1.0], [0.3, 0.2, 1.0]));
         let quarter = |way: &Vec3| Vec3::new(way.z, way.y, -way.x);
-        assert_eq!(still.len(), 2);
-        let with_third = |radiance| {
-            let mut sky = sky([1.0, 0.2, 0.0], [-1.0, 0.2, 0.3]);
-            sky.lobes.push(lobe([0.0, 1.0, 0.0], [radiance; 3]));
-            part_centres(&sky).len()
-        };
-        // A part needs enough light of its own.
-        assert_eq!([with_third(0.02), with_third(1.0)], [2, 3]);
+        assert_eq!(still.len(), PARTS);
         assert!(still.iter().map(quarter).zip(&turned).all(|(a, b)| a.distance(*b) < 1e-5), "{still:?} {turned:?}");
         // Each part has the colour and direction of its own light.
         let (layers, _) = build_map(&sky([1.0, 0.2, 0.0], [-1.0, 0.2, 0.3]));
