@@ -59,6 +59,8 @@ struct Openness {
     whole: vec3<f32>,
     // Share of the irradiance that reaches the point.
     irradiance: vec3<f32>,
+    // Sine of the angle below the horizon up to which light reaches the tips of the hair.
+    rim: f32,
 }
 
 // Returns the openness of a body with that colour at a point (formulas 4.15).
@@ -70,7 +72,8 @@ fn openness_at(spot: Spot, tile: TileFrame, color: vec3<f32>) -> Openness {
     // least: the contribution of an open cone is the square of its sine.
     let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
     let whole = environment_share(color, max(1.0 - share, 0.0)) * max(share, 1.0);
-    return Openness(environment_place(facing), share, whole, environment_share(color, below * below));
+    let irradiance = environment_share(color, below * below);
+    return Openness(environment_place(facing), share, whole, irradiance, rim_at(spot.open));
 }
 
 // Returns the light of a part of the environment at a point (formulas 4.15).
@@ -378,15 +381,15 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     for (var part = 0u; part < environment_parts(); part++) {
         let around = around_at(at, tile, part);
         if any(around.whole > vec3(0.0)) {
-            sum += part_on_hair(p, around, full, eye);
+            sum += part_on_hair(p, around, full, eye, at.rim);
         }
     }
     return sum;
 }
 
 // Returns the light of a part of the environment that hair sends to the eye (formulas 4.15). `full`: tinted colour of
-// the hair, not premultiplied.
-fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
+// the hair, not premultiplied; `rim`: as returned by rim_at.
+fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>, rim: f32) -> vec3<f32> {
     var direct = visible_past_strands_around(p.baked, around.towards, material.rim);
     if BAKED_SHADOW && !HANGS && !SCATTERING {
         direct = visible_past_strands_spread(p.baked, around.towards);
@@ -405,7 +408,6 @@ fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>) -
         }
     }
     if SCATTERING {
-        let rim = rim_at(p.spot.open);
         return p.opacity * scatter_around(p.direction, around, eye, full, p.deeper * p.tint, direct, p.baked, rim);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);

@@ -248,6 +248,9 @@ impl FibreSection {
     /// Returns the light per radian that the medulla scatters, if the fibre absorbs `sigma` per radius.
     pub fn scattered(&self, sigma: f64) -> f64 {
         let section = &self.section;
+        if !section.medulla.scatters() {
+            return 0.0;
+        }
         let left = azimuthal::over_section(|gamma| {
             let (sin, cos) = (libm::sin(gamma), libm::cos(gamma));
             section.scattered(sin, cos) * libm::exp(-2.0 * sigma * section.chord(sin))
