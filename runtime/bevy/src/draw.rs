@@ -1,11 +1,11 @@
 //! Draws animals in Bevy's main pass: after opaque objects, before transparent ones.
 
-use crate::{Pelage, bounds, lights};
 use crate::casters::CasterDraws;
 use crate::extract::{Animal, Scene};
 use crate::lights::LampLight;
 use crate::renderers::{Frames, PassKind, PassRenderer, PelageRenderers, PreparedFrame};
 use crate::view::View;
+use crate::{Pelage, bounds, lights};
 use bevy_camera::visibility::RenderLayers;
 use bevy_camera::{CompositingSpace, MainPassResolutionOverride};
 use bevy_core_pipeline::core_3d::CORE_3D_DEPTH_FORMAT;
