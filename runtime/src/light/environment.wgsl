@@ -53,38 +53,42 @@ fn environment_parts() -> u32 {
 struct Openness {
     // Texture coordinates in the environment map.
     place: vec2<f32>,
+    // Middle of the open directions, in the tile frame.
+    middle: vec3<f32>,
     // Open share of all directions, relative to that of most bodies.
     share: f32,
-    // Share of the total light that reaches the point.
-    whole: vec3<f32>,
-    // Share of the irradiance that reaches the point.
-    irradiance: vec3<f32>,
     // Sine of the angle below the horizon up to which light reaches the tips of the hair.
     rim: f32,
 }
 
-// Returns the openness of a body with that colour at a point (formulas 4.15).
-fn openness_at(spot: Spot, tile: TileFrame, color: vec3<f32>) -> Openness {
-    let share = clamp(length(spot.open), LEAST_OPEN, 1.0 / USUALLY_OPEN);
-    let open = spot.open / share;
-    let facing = tile.tangent_ws * open.x + tile.bitangent_ws * open.y + tile.normal_ws * open.z;
+// Returns the openness of a body at a point (formulas 4.15).
+fn openness_at(spot: Spot, tile: TileFrame) -> Openness {
+    let open = max(length(spot.open), 1e-6);
+    let middle = spot.open / open;
+    let facing = tile.tangent_ws * middle.x + tile.bitangent_ws * middle.y + tile.normal_ws * middle.z;
+    let share = clamp(open, LEAST_OPEN, 1.0 / USUALLY_OPEN);
+    return Openness(environment_place(facing), middle, share, rim_at(spot.open));
+}
+
+// Returns the light of a part of the environment at a point on a body of that colour (formulas 4.15).
+fn around_at(at: Openness, tile: TileFrame, part: u32, color: vec3<f32>) -> Around {
+    let first = LAYERS_OF_PART * part;
+    var towards = to_tile(tile, environment_texel(at.place, first + 1u));
+    // The body hides directions far from the middle of the open ones first. Share of the light that it leaves, relative
+    // to most bodies: heights are spread evenly over a range of 1 + BELOW about the mean.
+    let raised = (dot(towards, at.middle) - LEAST_MEAN) / (1.0 + BELOW);
+    let share = clamp((at.share + raised) / (1.0 + min(raised, 0.0)), 0.0, max(at.share, 1.0));
+    // The smaller the open share, the narrower the spread of the light.
+    let long = max(length(towards), 1e-6);
+    towards *= max(1.0 - at.share * (1.0 - long), LEAST_LONG) / long;
+    // Bodies that are more open than most receive more spread light from below the horizon.
+    let more = mix(max(share, 1.0), 1.0, min(long, 1.0));
+    let whole = environment_texel(at.place, first) * environment_share(color, max(1.0 - share, 0.0)) * more;
     // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
     // least: the contribution of an open cone is the square of its sine.
     let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
-    let whole = environment_share(color, max(1.0 - share, 0.0)) * max(share, 1.0);
-    let irradiance = environment_share(color, below * below);
-    return Openness(environment_place(facing), share, whole, irradiance, rim_at(spot.open));
-}
-
-// Returns the light of a part of the environment at a point (formulas 4.15).
-fn around_at(at: Openness, tile: TileFrame, part: u32) -> Around {
-    let first = LAYERS_OF_PART * part;
-    var towards = to_tile(tile, environment_texel(at.place, first + 1u));
-    // The smaller the open share of the body, the narrower the spread of the light.
-    let long = max(length(towards), 1e-6);
-    towards *= max(1.0 - at.share * (1.0 - long), LEAST_LONG) / long;
-    let whole = environment_texel(at.place, first) * at.whole;
-    return Around(whole, environment_texel(at.place, first + 2u) * at.irradiance, towards);
+    let irradiance = environment_texel(at.place, first + 2u) * environment_share(color, below * below);
+    return Around(whole, irradiance, towards);
 }
 
 // Returns the irradiance of all parts of the environment, divided by pi. `place`: coordinates in the environment map.
@@ -143,17 +147,6 @@ fn visible_past_strands_around(b: Baked, towards_ts: vec3<f32>, rim: f32) -> f32
     towards.z = over_curve(towards.z, rim * b.texel.w);
     let t = visibility_towards(b.texel, towards, material.horizon);
     return b.within * (1.0 - b.kept * (1.0 - t));
-}
-
-// Returns the share of light, spread about a direction, that other strands let through (formulas 4.15). Low light
-// passes through much more hair than high light, so the share of the mean direction is not the mean share. The light
-// arrives from two heights, one standard deviation above and below the mean height.
-fn visible_past_strands_spread(b: Baked, towards: vec3<f32>) -> f32 {
-    let long = length(towards);
-    let square = mean_square(clamp(long, LEAST_MEAN, 1.0), towards.z / long);
-    let deviation = vec3(0.0, 0.0, sqrt(max(square - towards.z * towards.z, 0.0)));
-    let high = visible_past_strands_around(b, towards + deviation, material.rim);
-    return 0.5 * (high + visible_past_strands_around(b, towards - deviation, material.rim));
 }
 
 // Mean of |z| of light that is spread evenly above the angle of BELOW, relative to the root of the mean of z squared.
@@ -217,6 +210,18 @@ fn lit_from(
         + about_eye * (eye - sin_o * tip) * inverseSqrt(max(1.0 - sin_o * sin_o, 1e-8));
     let both = max(length(aside), 1e-4);
     return Cone(sine * tip, cosine * aside / both, mean_cosine_around(both));
+}
+
+// Variance of the angle along the fibre of the light that Kajiya-Kay's diffuse term collects: that of cos^3.
+const DIFFUSE_VARIANCE: f32 = 0.24;
+
+// Returns the share of the light that other strands let through, for Kajiya-Kay's diffuse term (formulas 4.15), which
+// collects light from all azimuths around the fibre equally.
+fn visible_to_diffuse(b: Baked, direction: vec3<f32>, towards: vec3<f32>, rim: f32) -> f32 {
+    let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
+    let long = length(towards);
+    let concentration = 1.0 / max(broad_variance(clamp(long, LEAST_MEAN, 1.0)), 1e-2);
+    return visible_on_cone(b, lit_from(tip, towards / long, vec3(0.0), concentration, DIFFUSE_VARIANCE, 0.0), rim);
 }
 
 // Samples the broad-light tables with interpolation (formulas 4.14, 4.15): R, TT, all internal reflections, and the
@@ -376,10 +381,10 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     let tile = tile_of(p.spot);
     let eye = to_tile(tile, direction_to(frame.eye_ws, p.spot.position_ws));
     let full = p.color * p.tint / max(p.opacity, 1e-6);
-    let at = openness_at(p.spot, tile, full);
+    let at = openness_at(p.spot, tile);
     var sum = vec3(0.0);
     for (var part = 0u; part < environment_parts(); part++) {
-        let around = around_at(at, tile, part);
+        let around = around_at(at, tile, part, full);
         if any(around.whole > vec3(0.0)) {
             sum += part_on_hair(p, around, full, eye, at.rim);
         }
@@ -392,7 +397,7 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
 fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>, rim: f32) -> vec3<f32> {
     var direct = visible_past_strands_around(p.baked, around.towards, material.rim);
     if BAKED_SHADOW && !HANGS && !SCATTERING {
-        direct = visible_past_strands_spread(p.baked, around.towards);
+        direct = visible_to_diffuse(p.baked, p.direction, around.towards, rim);
     }
     if (HANGS && DEEP_SHADOW) || (!BAKED_SHADOW && (DEEP_SHADOW || SELF_SHADOW)) {
         // The depth of a point in hanging hair is known only in the direction of the key light. Diffuse light crosses
@@ -418,10 +423,10 @@ fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>, r
 // Returns the environment light that the mat of an undercoat with that colour reflects.
 fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
     let tile = tile_of(p.spot);
-    let at = openness_at(p.spot, tile, color);
+    let at = openness_at(p.spot, tile);
     var sum = vec3(0.0);
     for (var part = 0u; part < environment_parts(); part++) {
-        let around = around_at(at, tile, part);
+        let around = around_at(at, tile, part, color);
         // A surface receives most of its light from above, where hair hides least.
         let from_above = vec3(around.towards.xy, flux_height(around.towards));
         let direct = visible_past_strands_around(p.baked, from_above, material.rim);
@@ -441,6 +446,11 @@ fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32, gloss: GlossPoin
         let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
         return color * enters * irradiance_of_parts(environment_place(normal));
     }
-    let at = openness_at(spot, tile_of(spot), color);
-    return color * enters * irradiance_of_parts(at.place) * at.irradiance;
+    let tile = tile_of(spot);
+    let at = openness_at(spot, tile);
+    var sum = vec3(0.0);
+    for (var part = 0u; part < environment_parts(); part++) {
+        sum += around_at(at, tile, part, color).irradiance;
+    }
+    return color * enters * sum;
 }
