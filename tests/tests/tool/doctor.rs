@@ -23,8 +23,9 @@ fn doctor_predictions_match_adapter_counts() {
     let Some(gpu) = gpu("doctor_predictions_match_adapter_counts") else { return };
     let software = gpu.info.device_type == pelage_runtime::wgpu::DeviceType::Cpu;
     let sandbox = Sandbox::new();
-    // Software adapters store these formats unchanged.
+    // Software adapters store these formats unchanged. Fibres do not change the number of fragments.
     let plain = [
+        "shading.model=kajiya-kay",
         "pack.shell_format=rgba8",
         "pack.direction_format=rgba8",
         "pack.base_color_format=rgba8",

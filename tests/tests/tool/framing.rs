@@ -8,7 +8,8 @@ use serde_json::Value;
 
 /// Bake settings for small textures, in formats that need no encoder.
 const SMALL: &str = "--set slice.tile_texels=32 --set slice.layers=4 --set hair.density=60 \
-    --set pack.shell_format=rgba8 --set pack.direction_format=rg8 --set pack.base_color_format=rgba8";
+    --set pack.shell_format=rgba8 --set pack.direction_format=rg8 --set pack.base_color_format=rgba8 \
+    --set shading.model=kajiya-kay";
 
 /// Returns a folder with `hare.pelage`.
 fn sandbox() -> Sandbox {

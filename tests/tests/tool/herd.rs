@@ -22,7 +22,8 @@ files = "animals/*.{glb,obj,gltf}"
 
 [[recipe]]
 set = { slice = { tile_texels = 32, layers = 4 }, "#,
-    r#""hair.density" = 60, pack.shell_format = "rgba8", "ink.enabled" = false, "visibility.enabled" = false }
+    r#""hair.density" = 60, pack.shell_format = "rgba8", "ink.enabled" = false, "visibility.enabled" = false, "#,
+    r#""shading.model" = "kajiya-kay" }
 
 [[recipe]]
 models = "*knot*"

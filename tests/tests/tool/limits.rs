@@ -8,15 +8,16 @@ use pelage_tests::likeness::likeness;
 use pelage_tests::schema;
 use serde_json::Value;
 
-/// Bake settings for fast measurements: small pictures and uncompressed texels. Ink textures are disabled: limits do
-/// not affect them, and their size would dominate that of the package.
-const SMALL: [&str; 6] = [
+/// Bake settings for fast measurements: small pictures, uncompressed texels, and no light between fibres. Ink textures
+/// are disabled: limits do not affect them, and their size would dominate that of the package.
+const SMALL: [&str; 7] = [
     "judge.width=120",
     "judge.height=72",
     "judge.samples=8",
     "pack.shell_format=rgba8",
     "pack.direction_format=rg8",
     "ink.enabled=false",
+    "shading.model=kajiya-kay",
 ];
 
 /// Runs `pelage bake` on the built-in torus with additional arguments.
