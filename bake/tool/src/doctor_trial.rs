@@ -19,8 +19,10 @@ const RAYS: u64 = 1 << 22;
 
 /// Tests each recommendation by drawing, and drops those that make the picture worse. The recommendations that were
 /// kept stay applied for the next test, in the order of `advice`. Hair is lit without light between fibres, which the
-/// changes do not affect and which takes most of the time of tracing. Returns `advice` untested if nothing can be drawn:
-/// without an adapter, for a picture of more than [`RAYS`] pixels, or if the package cannot be resliced.
+/// changes do not affect and which takes most of the time of tracing.
+///
+/// Returns `advice` untested if nothing can be drawn: without an adapter, for a picture of more than [`RAYS`] pixels,
+/// or if the package cannot be resliced.
 ///
 /// Fails with errors of drawing, if there is an adapter.
 pub fn try_advice(
