@@ -212,6 +212,11 @@ fn lit_from(
     return Cone(sine * tip, cosine * aside / both, mean_cosine_around(both));
 }
 
+// Returns the concentration kappa of light with this mean cosine (formulas 4.15).
+fn broad_concentration(mean: f32) -> f32 {
+    return 1.0 / max(broad_variance(mean), 1e-2);
+}
+
 // Variance of the angle along the fibre of the light that Kajiya-Kay's diffuse term collects: that of cos^3.
 const DIFFUSE_VARIANCE: f32 = 0.24;
 
@@ -220,7 +225,7 @@ const DIFFUSE_VARIANCE: f32 = 0.24;
 fn visible_to_diffuse(b: Baked, direction: vec3<f32>, towards: vec3<f32>, rim: f32) -> f32 {
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let long = length(towards);
-    let concentration = 1.0 / max(broad_variance(clamp(long, LEAST_MEAN, 1.0)), 1e-2);
+    let concentration = broad_concentration(long);
     return visible_on_cone(b, lit_from(tip, towards / long, vec3(0.0), concentration, DIFFUSE_VARIANCE, 0.0), rim);
 }
 
@@ -310,7 +315,7 @@ fn scatter_around(
     // Visibility for each lobe of the fibre, in the directions from which the lobe collects light.
     var visible = vec3(direct);
     if BAKED_SHADOW && !HANGS {
-        let concentration = 1.0 / max(broad_variance(mean), 1e-2);
+        let concentration = broad_concentration(mean);
         let from_r = lit_from(tip, light, eye, concentration, optics.w, REFLECTED_ABOUT);
         let from_tt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.y * optics.w, THROUGH_ABOUT);
         let from_trt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.z * optics.w, REFLECTED_ABOUT);
