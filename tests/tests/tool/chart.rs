@@ -228,9 +228,15 @@ fn detail_chart_is_reproducible() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
-    let small = ["judge.width=208", "judge.height=106", "judge.samples=8", "hair.density=300", "slice.tile_texels=32"];
-    let small = small.iter().chain(&["shading.model=kajiya-kay"]);
-    let sets: Vec<&str> = small.flat_map(|set| ["--set", set]).collect();
+    let small = [
+        "judge.width=208",
+        "judge.height=106",
+        "judge.samples=8",
+        "hair.density=300",
+        "slice.tile_texels=32",
+        "shading.model=kajiya-kay",
+    ];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
     // Four rows each of the largest and the smallest size: the runtime's choice, full detail, the first step to fewer
     // layers, and a large tile. The last row is the smallest size with the unsimplified mesh.
     let rows = charted(&sandbox, "detail", "1,2,3,13,43,44,45,55,56", &sets);

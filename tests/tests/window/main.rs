@@ -95,11 +95,15 @@ fn window_matches_render_and_responds_to_input() {
     view.assert_alive();
     view.xdotool(&["windowsize", "--sync", &id, "420", "300"]);
     // The new size arrives after the frame that is being drawn, which takes long on a loaded machine.
-    let is_restored = (0..20).any(|_| {
+    let mut saved = (0, 0);
+    for _ in 0..20 {
         std::thread::sleep(Duration::from_millis(500));
-        pixels(&view.save("p")).dimensions() == (420, 300)
-    });
-    assert!(is_restored, "the picture did not take the window's size");
+        saved = pixels(&view.save("p")).dimensions();
+        if saved == (420, 300) {
+            break;
+        }
+    }
+    assert_eq!(saved, (420, 300));
 
     // The reference image is shown beside the real-time picture. The test waits for its first sample.
     view.skip_events();
