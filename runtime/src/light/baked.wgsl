@@ -20,10 +20,13 @@ struct Baked {
     within: f32,
 }
 
+// Factor of rho for a single direct light (formulas 4.13).
+const RIM_OF_DIRECT: f32 = 1.41;
+
 // Returns the sine of a light's elevation above the surface, s' of formulas 4.13. `open`: share of ambient light that
 // reaches the hair. Returns 0 if the body occludes the light.
 fn above_rim(height: f32, open: f32) -> f32 {
-    let rim = max(material.rim * open, 1e-3);
+    let rim = max(RIM_OF_DIRECT * material.rim * open, 1e-3);
     let risen = max(height + rim, 0.0);
     return select(0.25 * risen * risen / rim, height, height > rim);
 }

@@ -282,8 +282,7 @@ fn scatter_around(
     direction: vec3<f32>,
     around: Around,
     eye: vec3<f32>,
-    color: vec3<f32>,
-    deeper: vec3<f32>,
+    coat: Coat,
     direct: f32,
     baked: Baked,
     rim: f32,
@@ -305,7 +304,7 @@ fn scatter_around(
     let cos_i = sqrt(max(1.0 - mean_square(mean, sin_j), 0.0));
     // Mean cosine of the difference angle.
     let cos_d = sqrt(clamp(0.5 * (1.0 + cos_i * cos_o + mean * sin_j * sin_o), 0.0, 1.0));
-    let absorbed = fibre_absorption(color, optics.y);
+    let absorbed = coat.absorbed;
     let left = fibre_transmittance(cos_d, optics, absorbed);
     let texel = broad_texel(mean, sin_j, sin_o, phi);
     let first_on = fibres[number].on[0];
@@ -327,14 +326,7 @@ fn scatter_around(
         * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
     if MULTIPLE {
         let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
-        // Multiply scattered light has passed through the hair below.
-        let left_deeper = fibre_transmittance(cos_d, optics, fibre_absorption(deeper, optics.y));
-        let sides = absorbing_fibre_shares(fibres[number], cos_i, left_deeper);
-        var met = sides;
-        if HANGS {
-            met = hanging_sheet_shares(sides);
-        }
-        let d = diffused(met[0], met[1], direct);
+        let d = diffused(coat.below, direct);
         // Light from directions that the fibre's lobes do not collect is scattered by other strands, with the
         // reflectance of deep fur.
         let sent_on = d.sent_on + max(direct - reaches, 0.0) * d.from_below;
@@ -342,12 +334,12 @@ fn scatter_around(
         let to_here = halves[0];
         let to_there = halves[1];
         // Same as multiple_scattering_by_height, but divided by the sine, which the irradiance already includes.
-        let root = 2.0 * d.root_lost;
+        let root = 2.0 * coat.below.root_lost;
         let falls = (1.0 + root) / (1.0 + flux_height(around.towards) * root);
         let returned = d.from_light * to_here + d.from_below * to_there;
         var spread = sent_on * to_here + returned * falls;
         if !HANGS {
-            spread *= along_coat(dot(tip, around.towards), sin_o, tip.z, d.root_lost);
+            spread *= along_coat(dot(tip, around.towards), sin_o, tip.z, coat.below.root_lost);
         }
         sent += around.irradiance * spread;
     }
@@ -382,7 +374,7 @@ const SEEN_HANGING: f32 = 0.2;
 const DIFFUSE_PATH: f32 = 0.66;
 
 // Returns the light that hair sends to the eye from the environment (formulas 4.15).
-fn environment_on_hair(p: HairPoint) -> vec3<f32> {
+fn environment_on_hair(p: HairPoint, coat: Coat) -> vec3<f32> {
     let tile = tile_of(p.spot);
     let eye = to_tile(tile, direction_to(frame.eye_ws, p.spot.position_ws));
     let full = p.color * p.tint / max(p.opacity, 1e-6);
@@ -391,7 +383,7 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
     for (var part = 0u; part < environment_parts(); part++) {
         let around = around_at(at, tile, part, full);
         if any(around.whole > vec3(0.0)) {
-            sum += part_on_hair(p, around, full, eye, at.rim);
+            sum += part_on_hair(p, around, full, eye, at.rim, coat);
         }
     }
     return sum;
@@ -399,7 +391,9 @@ fn environment_on_hair(p: HairPoint) -> vec3<f32> {
 
 // Returns the light of a part of the environment that hair sends to the eye (formulas 4.15). `full`: tinted colour of
 // the hair, not premultiplied; `rim`: as returned by rim_at.
-fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>, rim: f32) -> vec3<f32> {
+fn part_on_hair(
+    p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>, rim: f32, coat: Coat,
+) -> vec3<f32> {
     var direct = visible_past_strands_around(p.baked, around.towards, material.rim);
     if BAKED_SHADOW && !HANGS && !SCATTERING {
         direct = visible_to_diffuse(p.baked, p.direction, around.towards, rim);
@@ -418,7 +412,7 @@ fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>, r
         }
     }
     if SCATTERING {
-        return p.opacity * scatter_around(p.direction, around, eye, full, p.deeper * p.tint, direct, p.baked, rim);
+        return p.opacity * scatter_around(p.direction, around, eye, coat, direct, p.baked, rim);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
     let lit = full * instance.diffuse_constant * sent.x + instance.specular_constant * sent.y;

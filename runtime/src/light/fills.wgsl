@@ -19,7 +19,7 @@ fn tile_of(spot: Spot) -> TileFrame {
 }
 
 // Returns the terms of eq. (1) times Attenu_Back, summed over the fill lights (formulas 4.1).
-fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
+fn fill_lights_on_hair(p: HairPoint, coat: Coat) -> vec3<f32> {
     let spot = p.spot;
     let color = p.color * p.tint;
     let tile = tile_of(spot);
@@ -29,10 +29,9 @@ fn fill_lights_on_hair(p: HairPoint) -> vec3<f32> {
         let towards = direction_to(fill_lights[i].light_ws, spot.position_ws);
         let light = to_tile(tile, towards);
         if SCATTERING {
-            let full = color / max(p.opacity, 1e-6);
             let above = above_rim(light.z, p.baked.texel.w);
             let direct = visible_past_strands(p.baked, light);
-            let sent = scatter(p.direction, light, to_tile(tile, eye), full, p.deeper * p.tint, above, direct, 1.0);
+            let sent = scatter(p.direction, light, to_tile(tile, eye), coat, above, direct, 1.0);
             sum += fill_lights[i].color.rgb * sent * p.opacity;
             continue;
         }

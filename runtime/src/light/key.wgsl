@@ -39,7 +39,7 @@ fn arriving_at(height: f32, light_ts: vec3<f32>, half_ts: vec3<f32>, visible: f3
 
 // Returns the key light and ambient light that hair sends to the eye: eq. (3), or scattering by fibres (formulas 4.1,
 // 4.12, 4.13).
-fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
+fn key_light_on_hair(p: HairPoint, coat: Coat) -> vec3<f32> {
     let a = p.arriving;
     var visible = a.visible;
     if !DEEP_SHADOW {
@@ -52,10 +52,9 @@ fn key_light_on_hair(p: HairPoint) -> vec3<f32> {
             // Near the outline, a body hides the light from its own fur; the maps do not store this.
             visible *= back_attenuation(a.light_ts.z, max(material.rim * p.baked.texel.w, 1e-3));
         }
-        let color = p.color * a.diffuse / max(p.opacity, 1e-6);
         let light = normalize_or(a.light_ts, eye);
         let above = above_rim(a.light_ts.z, p.baked.texel.w);
-        let sent = scatter(p.direction, light, eye, color, p.deeper * a.diffuse, above, visible, a.past);
+        let sent = scatter(p.direction, light, eye, coat, above, visible, a.past);
         return p.color * a.ambient + a.specular * sent * p.opacity;
     }
     visible *= a.past;

@@ -57,15 +57,19 @@ fn light_undercoat(p: HairPoint) -> vec3<f32> {
 
 // Returns the premultiplied light that a point of hair sends to the eye, summed over all lights.
 fn light_hair(p: HairPoint) -> vec3<f32> {
+    var coat: Coat;
+    if SCATTERING {
+        coat = coat_of(p.color * p.tint / max(p.opacity, 1e-6), p.deeper * p.tint);
+    }
     var lit = vec3(0.0);
     if !DARK_KEY {
-        lit = key_light_on_hair(p);
+        lit = key_light_on_hair(p, coat);
     }
     if FILL_LIGHTS {
-        lit += fill_lights_on_hair(p);
+        lit += fill_lights_on_hair(p, coat);
     }
     if ENVIRONMENT {
-        lit += environment_on_hair(p);
+        lit += environment_on_hair(p, coat);
     }
     return lit;
 }

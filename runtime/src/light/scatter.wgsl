@@ -38,14 +38,48 @@ fn reaches_mat(n_dot_l: f32, color: vec3<f32>, direct: f32) -> vec3<f32> {
     let optics = fibres[number].optics;
     let left = fibre_transmittance(1.0, optics, fibre_absorption(color, optics.y));
     let sides = absorbing_fibre_shares(fibres[number], 1.0, left);
-    let d = diffused(sides[0], sides[1], direct);
+    let d = diffused(deep_fur(sides[0], sides[1]), direct);
     return straight + (d.sent_on + d.from_light) * max(n_dot_l, 0.0);
 }
 
 // Returns the light in deep fur at a point that the share `direct` of the light reaches past all fibres. The depth of
 // hanging hair is measured, and needs no minimum.
-fn diffused(on: vec3<f32>, back: vec3<f32>, direct: f32) -> DiffusedLight {
-    return diffused_light(on, back, direct, select(LEAST_BAKED, LEAST_DIRECT, HANGS));
+fn diffused(fur: DeepFur, direct: f32) -> DiffusedLight {
+    return diffused_light(fur, direct, select(LEAST_BAKED, LEAST_DIRECT, HANGS));
+}
+
+// Mean cosines of the difference angle and of the inclination at which the hair below scatters light (formulas 4.13).
+const DEEP_COS_D: f32 = 0.87;
+const DEEP_COS_I: f32 = 0.8;
+
+// Fibre at a point and the hair below it. Both are the same for all lights.
+struct Coat {
+    // Absorption of the fibre per radius.
+    absorbed: vec3<f32>,
+    // Shares that the hair below scatters forward and backward.
+    on: vec3<f32>,
+    back: vec3<f32>,
+    below: DeepFur,
+}
+
+// Returns the fibre of hair with the colour `color`, and the hair below it with the colour `deeper`.
+fn coat_of(color: vec3<f32>, deeper: vec3<f32>) -> Coat {
+    let number = fibre_number();
+    let optics = fibres[number].optics;
+    var out: Coat;
+    out.absorbed = fibre_absorption(color, optics.y);
+    if MULTIPLE {
+        let left = fibre_transmittance(DEEP_COS_D, optics, fibre_absorption(deeper, optics.y));
+        let sides = absorbing_fibre_shares(fibres[number], DEEP_COS_I, left);
+        out.on = sides[0];
+        out.back = sides[1];
+        var met = sides;
+        if HANGS {
+            met = hanging_sheet_shares(sides);
+        }
+        out.below = deep_fur(met[0], met[1]);
+    }
+    return out;
 }
 
 // Range of azimuths phi / pi in which forward-scattered light changes from the far side to the light's side (formulas
@@ -71,18 +105,17 @@ fn along_coat(sin_i: f32, sin_o: f32, up: f32, root_lost: vec3<f32>) -> vec3<f32
     return 1.0 - tanh(directed * (sin_o - mean));
 }
 
-// Returns the light that a fibre of that colour sends to the eye (formulas 4.12, 4.13). The light has the colour 1,
+// Returns the light that a fibre of the coat sends to the eye (formulas 4.12, 4.13). The light has the colour 1,
 // which gives an irradiance of pi. All directions are in the tile frame; `direction` is that of the fibre, towards its
 // tip.
 //
-// `deeper`: colour of the hair below; `direct`: share of the light that other fibres let through; `past`: share that
-// all other objects let through; `above`: sine of the light's height above the surface, as returned by above_rim.
+// `direct`: share of the light that other fibres let through; `past`: share that all other objects let through;
+// `above`: sine of the light's height above the surface, as returned by above_rim.
 fn scatter(
     direction: vec3<f32>,
     light: vec3<f32>,
     eye: vec3<f32>,
-    color: vec3<f32>,
-    deeper: vec3<f32>,
+    coat: Coat,
     above: f32,
     direct: f32,
     past: f32,
@@ -91,37 +124,31 @@ fn scatter(
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let angles = fibre_angles(tip, light, eye);
-    let absorbed = fibre_absorption(color, optics.y);
+    let absorbed = coat.absorbed;
     let left = fibre_transmittance(angles.cos_d, optics, absorbed);
     var sent = direct * fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
     if MULTIPLE {
-        // Multiply scattered light has passed through the hair below. The difference angle is already available and
-        // replaces the light's own angle.
-        let left_deeper = fibre_transmittance(angles.cos_d, optics, fibre_absorption(deeper, optics.y));
-        let sides = absorbing_fibre_shares(fibres[number], angles.cos_i, left_deeper);
-        var met = sides;
         var cones = vec2(1.0);
         if HANGS {
-            met = hanging_sheet_shares(sides);
             let grey = dot(left, vec3(1.0 / 3.0));
             cones = hanging_cones(fibres[number], angles.cos_i, grey, direct, dot(tip, light), dot(tip, eye));
         }
-        let d = diffused(met[0], met[1], direct);
+        let d = diffused(coat.below, direct);
         // Diffuse light arrives from two halves of all azimuths: the light's side and the opposite side.
         let turned = angles.around.x;
-        let to_here = mix(sides[1], sides[0], turned);
-        let to_there = mix(sides[0], sides[1], turned);
+        let to_here = mix(coat.back, coat.on, turned);
+        let to_there = mix(coat.on, coat.back, turned);
         let spread = d.from_light * to_here + d.from_below * to_there;
         // Forward-scattered light stays within about a quarter turn of its direction.
-        let straight = mix(sides[1], sides[0], smoothstep(SENT_ON_TURN.x, SENT_ON_TURN.y, turned));
+        let straight = mix(coat.back, coat.on, smoothstep(SENT_ON_TURN.x, SENT_ON_TURN.y, turned));
         // Fur receives no more grazing light than its surface does. Forward-scattered light decreases less with the
         // elevation, because it is at the tips, which grazing light meets from the side. The farther it travels, the
         // less it decreases.
-        let falls = multiple_scattering_by_height(d.root_lost, above);
-        let reached = pow(falls, min(SENT_ON_FALLS.x + d.root_lost, vec3(SENT_ON_FALLS.y)));
+        let falls = multiple_scattering_by_height(coat.below.root_lost, above);
+        let reached = pow(falls, min(SENT_ON_FALLS.x + coat.below.root_lost, vec3(SENT_ON_FALLS.y)));
         var sent_to_eye = cones.x * d.sent_on * straight * reached + cones.y * spread * falls;
         if !HANGS {
-            sent_to_eye *= along_coat(dot(tip, light), dot(tip, eye), tip.z, d.root_lost);
+            sent_to_eye *= along_coat(dot(tip, light), dot(tip, eye), tip.z, coat.below.root_lost);
         }
         sent += sent_to_eye / PI;
     }

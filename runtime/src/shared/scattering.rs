@@ -137,8 +137,6 @@ pub struct DiffusedLight {
     pub from_light: Vec3,
     /// Light that returns from below.
     pub from_below: Vec3,
-    /// Square root of the share of light that a fibre absorbs.
-    pub root_lost: Vec3,
 }
 
 /// Minimum share of light whose depth is computed; the depth of 0 is infinite.
@@ -153,17 +151,15 @@ pub const LEAST_BAKED: f32 = 0.01;
 /// even without absorption.
 pub fn diffused_light(on: Vec3, back: Vec3, direct: f32, least: f32) -> DiffusedLight {
     let lost = (Vec3::ONE - on - back).max(Vec3::splat(1e-4));
-    let root_lost = lost.map(f32::sqrt);
-    let less = root_lost * (lost + 2.0 * back).map(f32::sqrt);
-    let given_back = back / (lost + back + less);
+    let decrease = (lost * (lost + 2.0 * back)).map(f32::sqrt);
+    let given_back = back / (lost + back + decrease);
     let depth = direct.clamp(least, 1.0).log2();
-    let arrives = (less * depth).map(f32::exp2);
+    let arrives = (decrease * depth).map(f32::exp2);
     let sent_on = ((Vec3::ONE - on) * depth).map(f32::exp2);
     DiffusedLight {
         sent_on: (sent_on - direct).max(Vec3::ZERO),
         from_light: (arrives - sent_on).max(Vec3::ZERO),
         from_below: given_back * arrives,
-        root_lost,
     }
 }
 

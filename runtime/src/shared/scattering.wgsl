@@ -100,8 +100,7 @@ fn absorbing_fibre_shares(fibre: Fibre, cos_theta: f32, left: vec3<f32>) -> arra
     );
 }
 
-// Light in deep fur, relative to the incident light. Each fibre scatters the shares `on` and `back` forward and
-// backward (Kubelka and Munk 1931).
+// Light in deep fur, relative to the incident light.
 struct DiffusedLight {
     // Light that other fibres have scattered only forward; its direction is close to that of the incident light.
     sent_on: vec3<f32>,
@@ -109,8 +108,6 @@ struct DiffusedLight {
     from_light: vec3<f32>,
     // Light that returns from below.
     from_below: vec3<f32>,
-    // Square root of the share of light that a fibre absorbs.
-    root_lost: vec3<f32>,
 }
 
 // Minimum share of light whose depth is computed; the depth of 0 is infinite.
@@ -119,18 +116,33 @@ const LEAST_DIRECT: f32 = 1e-30;
 // to 24 rays. If none of them reaches the light, the expected share is not 0, and at the roots of most coats near this.
 const LEAST_BAKED: f32 = 0.01;
 
-// Returns the light in deep fur at a point (formulas 4.13). `direct`: share of the light that reaches the point past
-// all fibres. `least`: minimum of that share from which the point's depth is computed.
-fn diffused_light(on: vec3<f32>, back: vec3<f32>, direct: f32, least: f32) -> DiffusedLight {
+// Deep fur of fibres that scatter the shares `on` and `back` forward and backward (Kubelka and Munk 1931).
+struct DeepFur {
+    // Share that a fibre does not scatter forward.
+    turned: vec3<f32>,
+    // Exponent by which all light decreases per fibre.
+    decrease: vec3<f32>,
+    // Share of light that returns from below.
+    given_back: vec3<f32>,
+    // Square root of the share of light that a fibre absorbs.
+    root_lost: vec3<f32>,
+}
+
+fn deep_fur(on: vec3<f32>, back: vec3<f32>) -> DeepFur {
     let lost = max(vec3(1.0) - on - back, vec3(1e-4));
     let root_lost = sqrt(lost);
-    let less = root_lost * sqrt(lost + 2.0 * back);
-    let given_back = back / (lost + back + less);
+    let decrease = root_lost * sqrt(lost + 2.0 * back);
+    return DeepFur(vec3(1.0) - on, decrease, back / (lost + back + decrease), root_lost);
+}
+
+// Returns the light in deep fur at a point (formulas 4.13). `direct`: share of the light that reaches the point past
+// all fibres. `least`: minimum of that share from which the point's depth is computed.
+fn diffused_light(fur: DeepFur, direct: f32, least: f32) -> DiffusedLight {
     let depth = log2(clamp(direct, least, 1.0));
-    let arrives = exp2(less * depth);
-    let sent_on = exp2((vec3(1.0) - on) * depth);
+    let arrives = exp2(fur.decrease * depth);
+    let sent_on = exp2(fur.turned * depth);
     let from_light = max(arrives - sent_on, vec3(0.0));
-    return DiffusedLight(max(sent_on - direct, vec3(0.0)), from_light, given_back * arrives, root_lost);
+    return DiffusedLight(max(sent_on - direct, vec3(0.0)), from_light, fur.given_back * arrives);
 }
 
 // Returns the multiply scattered light under a light at an elevation with that sine, relative to a light at the zenith:

@@ -947,9 +947,9 @@ fn multiple_scattering_in_fur_matches_the_shader() {
     assert_truth_twin_and_shader_agree(
         "diffused_light",
         scattering::WGSL,
-        "vec4(diffused_light(in_0.xyz, in_1.xyz, in_0.w, in_1.w).sent_on.x, \
-         diffused_light(in_0.xyz, in_1.xyz, in_0.w, in_1.w).from_light.y, \
-         diffused_light(in_0.xyz, in_1.xyz, in_0.w, in_1.w).from_below.yz)",
+        "vec4(diffused_light(deep_fur(in_0.xyz, in_1.xyz), in_0.w, in_1.w).sent_on.x, \
+         diffused_light(deep_fur(in_0.xyz, in_1.xyz), in_0.w, in_1.w).from_light.y, \
+         diffused_light(deep_fur(in_0.xyz, in_1.xyz), in_0.w, in_1.w).from_below.yz)",
         &cases,
         |case| {
             let [x, y, z] = parts(case);

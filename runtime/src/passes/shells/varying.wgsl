@@ -134,7 +134,7 @@ struct ShellFragment {
     map_layer: f32,
     // Offset of hair from its root in addition to `aside`, per unit of the hair's sideways direction.
     along: f32,
-    // Tint for lights that are evaluated per fragment.
+    // Tint for scattering by fibres and for lights that are evaluated per fragment.
     tint: vec3<f32>,
     spot: Spot,
     // Arriving light, without the visibility of the key light.
@@ -161,6 +161,8 @@ fn plain_fragment(in: PlainVarying) -> ShellFragment {
     out.arriving.facing = back_attenuation(in.light_red.z, instance.back_light_range);
     out.arriving.visible = 1.0;
     out.arriving.past = 1.0;
+    // In this variant, only scattering by fibres uses the tint, and its diffuse constant is 1.
+    out.tint = out.arriving.diffuse;
     return out;
 }
 
