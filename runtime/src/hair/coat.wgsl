@@ -1,5 +1,5 @@
-//! uses hair/hair, light/baked, light/key, light/point, shared/detail, shared/layer_shadow, shared/opacity,
-//! surface/place
+//! uses hair/hair, light/baked, light/environment, light/key, light/point, shared/detail, shared/layer_shadow,
+//! shared/opacity, surface/place
 // Far fur layer: all fur layers as seen from above, flattened into one layer on the mesh surface. Replaces layers where
 // fur is too small on screen for them.
 
@@ -19,6 +19,8 @@ struct FarFur {
     undercoat: vec3<f32>,
     base_color: vec3<f32>,
     spot: Spot,
+    // Light of the environment, if there is one.
+    sky: Sky,
     // Direction towards the key light in the tile frame.
     light_ts: vec3<f32>,
     // Half vector H in the tile frame.
@@ -61,5 +63,6 @@ fn with_coat(far: FarFur) -> vec3<f32> {
     point.wetness = far.wetness;
     point.arriving = arriving_at(height, far.light_ts, far.half_ts, arrives, far.past);
     point.baked = far.baked;
+    point.sky = far.sky;
     return light_hair(point) + (1.0 - alpha) * far.undercoat;
 }

@@ -190,15 +190,12 @@ fn dry_hair_at(uv: vec2<f32>, layer: u32) -> Hair {
     return Hair(color, direction);
 }
 
-// Mip level beyond the last one of any layer texture; sampling clamps it to the smallest mip level.
-const SMALLEST_LEVEL: f32 = 16.0;
-
 // Returns the mean colour of the dry hair of a layer, or `known` if multiple scattering is off.
 fn mean_of_layer(layer: u32, known: vec3<f32>) -> vec3<f32> {
     if !MULTIPLE {
         return known;
     }
-    let mean = textureSampleLevel(shell_colors, shell_sampler, vec2(0.5), layer, SMALLEST_LEVEL);
+    let mean = textureLoad(shell_colors, vec2(0), layer, textureNumLevels(shell_colors) - 1u);
     return mean.rgb / max(mean.a, 1e-3);
 }
 

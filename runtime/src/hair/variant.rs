@@ -83,7 +83,7 @@ pub(crate) struct Variant {
     /// Whether the key light is black.
     dark_key: bool,
     /// Scattering mode, if hair is lit with the tables of its fibres.
-    scattering: Option<Scattering>,
+    pub(crate) scattering: Option<Scattering>,
     /// Constants of the lighting model.
     shading: Shading,
 }

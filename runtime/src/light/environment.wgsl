@@ -70,12 +70,24 @@ fn openness_at(spot: Spot, tile: TileFrame) -> Openness {
     return Openness(environment_place(facing), middle, share, rim_at(spot.open));
 }
 
-// Returns the light of a part of the environment at a point on a body of that colour (formulas 4.15).
-fn around_at(at: Openness, tile: TileFrame, part: u32, color: vec3<f32>) -> Around {
+// Light of a part of the environment at a point, before the body hides it.
+struct PartLight {
+    // Mean direction in the tile frame. The shorter the vector, the wider the light is spread.
+    towards: vec3<f32>,
+    // Total light from above the horizon of the surface.
+    whole: vec3<f32>,
+    // Irradiance divided by pi.
+    irradiance: vec3<f32>,
+    // Share that the body leaves open, relative to most bodies.
+    share: f32,
+}
+
+// Returns the light of a part of the environment at a point (formulas 4.15).
+fn part_light(at: Openness, tile: TileFrame, part: u32) -> PartLight {
     let first = LAYERS_OF_PART * part;
     var towards = to_tile(tile, environment_texel(at.place, first + 1u));
-    // The body hides directions far from the middle of the open ones first. Share of the light that it leaves, relative
-    // to most bodies: heights are spread evenly over a range of 1 + BELOW about the mean.
+    // The body hides directions far from the middle of the open ones first: heights are spread evenly over a range of
+    // 1 + BELOW about the mean.
     let raised = (dot(towards, at.middle) - LEAST_MEAN) / (1.0 + BELOW);
     let share = clamp((at.share + raised) / (1.0 + min(raised, 0.0)), 0.0, max(at.share, 1.0));
     // The smaller the open share, the narrower the spread of the light.
@@ -83,12 +95,47 @@ fn around_at(at: Openness, tile: TileFrame, part: u32, color: vec3<f32>) -> Arou
     towards *= max(1.0 - at.share * (1.0 - long), LEAST_LONG) / long;
     // Bodies that are more open than most receive more spread light from below the horizon.
     let more = mix(max(share, 1.0), 1.0, min(long, 1.0));
-    let whole = environment_texel(at.place, first) * environment_share(color, max(1.0 - share, 0.0)) * more;
+    let irradiance = environment_texel(at.place, first + 2u);
+    return PartLight(towards, environment_texel(at.place, first) * more, irradiance, share);
+}
+
+// Returns that light at a point on a body of that colour (formulas 4.15).
+fn around_at(light: PartLight, color: vec3<f32>) -> Around {
     // The surface receives no light from below its horizon. A body occludes low directions first, which contribute
     // least: the contribution of an open cone is the square of its sine.
-    let below = max(1.0 - 2.0 * USUALLY_OPEN * share, 0.0);
-    let irradiance = environment_texel(at.place, first + 2u) * environment_share(color, below * below);
-    return Around(whole, irradiance, towards);
+    let below = max(1.0 - 2.0 * USUALLY_OPEN * light.share, 0.0);
+    return Around(
+        light.whole * environment_share(color, max(1.0 - light.share, 0.0)),
+        light.irradiance * environment_share(color, below * below),
+        light.towards,
+    );
+}
+
+// Maximum number of parts of an environment.
+const MOST_PARTS: u32 = 2u;
+
+// Light of an environment at a point, which changes slowly over a surface.
+struct Sky {
+    parts: array<PartLight, 2>,
+    // Sine of the angle below the horizon up to which light reaches the tips of the hair.
+    rim: f32,
+    // Direction towards the eye in the tile frame.
+    eye: vec3<f32>,
+}
+
+// Returns the light of the environment at a point.
+fn sky_at(spot: Spot, tile: TileFrame) -> Sky {
+    var sky: Sky;
+    if !ENVIRONMENT {
+        return sky;
+    }
+    let at = openness_at(spot, tile);
+    for (var part = 0u; part < min(environment_parts(), MOST_PARTS); part++) {
+        sky.parts[part] = part_light(at, tile, part);
+    }
+    sky.rim = at.rim;
+    sky.eye = to_tile(tile, direction_to(frame.eye_ws, spot.position_ws));
+    return sky;
 }
 
 // Returns the irradiance of all parts of the environment, divided by pi. `place`: coordinates in the environment map.
@@ -180,34 +227,48 @@ fn visible_on_cone(b: Baked, cone: Cone, rim: f32) -> f32 {
     return mix(rear, front, 0.5 + 0.5 * cone.mean);
 }
 
+// Directions towards a light and towards the eye at a fibre.
+struct AtFibre {
+    // Sines of the angles from the perpendicular plane of the fibre to light and eye.
+    sin_j: f32,
+    sin_o: f32,
+    // Cosine of that angle to the light.
+    cos_j: f32,
+    // Unit vectors across the fibre, towards light and eye.
+    to_light: vec3<f32>,
+    to_eye: vec3<f32>,
+}
+
+// Returns the directions at a fibre. All vectors are in the tile frame, with a length of 1.
+fn at_fibre(tip: vec3<f32>, light: vec3<f32>, eye: vec3<f32>) -> AtFibre {
+    let sin_j = clamp(dot(tip, light), -1.0, 1.0);
+    let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
+    let cos_j = sqrt(1.0 - sin_j * sin_j);
+    let to_eye = (eye - sin_o * tip) * inverseSqrt(max(1.0 - sin_o * sin_o, 1e-8));
+    return AtFibre(sin_j, sin_o, cos_j, (light - sin_j * tip) / max(cos_j, 1e-4), to_eye);
+}
+
+// Fit of sin(x) / x relative to cos(x / 2), by powers of cos(x), with an error below 0.007 (formulas 4.15).
+const SINC_FIT: vec3<f32> = vec3(0.8994, 0.1339, -0.0371);
+
 // Returns the directions of the light that one lobe of a fibre sends to the eye, whose mean is d_p of formulas 4.15.
 //
 // `variance`: variance of the lobe along the fibre. `about_eye`: concentration of the lobe around the fibre, a von
 // Mises distribution. The distribution is centred on the eye if the value is positive, and on the opposite side if it
 // is negative.
-fn lit_from(
-    tip: vec3<f32>,
-    light: vec3<f32>,
-    eye: vec3<f32>,
-    concentration: f32,
-    variance: f32,
-    about_eye: f32,
-) -> Cone {
-    let sin_j = clamp(dot(tip, light), -1.0, 1.0);
-    let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
+fn lit_from(tip: vec3<f32>, at: AtFibre, concentration: f32, variance: f32, about_eye: f32) -> Cone {
     // Along the fibre, the lobe and the light are nearly Gaussian, and so is their product.
-    let theta = (asin(sin_j) * concentration * variance - asin(sin_o)) / (1.0 + concentration * variance);
-    let sine = sin(theta);
-    let cosine = cos(theta);
-    let cos_j = sqrt(1.0 - sin_j * sin_j);
-    let across = max(cosine * cos_j, 1e-4);
+    let wide = concentration * variance;
+    let sine = (at.sin_j * wide - at.sin_o) / (1.0 + wide);
+    let cosine = sqrt(max(1.0 - sine * sine, 0.0));
+    let across = max(cosine * at.cos_j, 1e-4);
     // Light arrives only from the hemisphere about its mean direction, and from slightly below that hemisphere's
     // horizon.
-    let end = max(acos(clamp(-(sine * sin_j + BELOW) / across, -1.0, 1.0)), 1e-2);
-    let ahead = max(sin(end) / end, mean_cosine_around(concentration * across));
+    let end = clamp(-(sine * at.sin_j + BELOW) / across, -1.0, 1.0);
+    let mean = sqrt(0.5 + 0.5 * end) * (SINC_FIT.x + end * (SINC_FIT.y + end * SINC_FIT.z));
+    let ahead = max(mean, mean_cosine_around(concentration * across));
     let narrow = ahead * (2.0 - ahead * ahead) / max(1.0 - ahead * ahead, 1e-3);
-    let aside = narrow * (light - sin_j * tip) / max(cos_j, 1e-4)
-        + about_eye * (eye - sin_o * tip) * inverseSqrt(max(1.0 - sin_o * sin_o, 1e-8));
+    let aside = narrow * at.to_light + about_eye * at.to_eye;
     let both = max(length(aside), 1e-4);
     return Cone(sine * tip, cosine * aside / both, mean_cosine_around(both));
 }
@@ -225,8 +286,8 @@ const DIFFUSE_VARIANCE: f32 = 0.24;
 fn visible_to_diffuse(b: Baked, direction: vec3<f32>, towards: vec3<f32>, rim: f32) -> f32 {
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let long = length(towards);
-    let concentration = broad_concentration(long);
-    return visible_on_cone(b, lit_from(tip, towards / long, vec3(0.0), concentration, DIFFUSE_VARIANCE, 0.0), rim);
+    let at = at_fibre(tip, towards / long, vec3(0.0));
+    return visible_on_cone(b, lit_from(tip, at, broad_concentration(long), DIFFUSE_VARIANCE, 0.0), rim);
 }
 
 // Samples the broad-light tables with interpolation (formulas 4.14, 4.15): R, TT, all internal reflections, and the
@@ -251,6 +312,8 @@ fn broad_texel(mean: f32, sin_i: f32, sin_o: f32, phi: f32) -> vec4<f32> {
 
 // Concentration kappa_p around the fibre for the paths R and TRT, which are centred on the eye (formulas 4.15).
 const REFLECTED_ABOUT: f32 = 0.7;
+// Variance along the fibre of the paths R and TRT together, relative to that of R; theirs are 1 and 4 (formulas 4.15).
+const REFLECTED_VARIANCE: f32 = 2.0;
 // Concentration kappa_p around the fibre for the path TT, which is centred on the opposite side (formulas 4.15).
 const THROUGH_ABOUT: f32 = -3.0;
 
@@ -294,12 +357,11 @@ fn scatter_around(
     let light = around.towards / long;
     // Uniform light is the widest distribution; light from two opposite sides is treated as uniform.
     let mean = clamp(long, LEAST_MEAN, 1.0);
-    let sin_j = clamp(dot(tip, light), -1.0, 1.0);
-    let sin_o = clamp(dot(tip, eye), -1.0, 1.0);
+    let at = at_fibre(tip, light, eye);
+    let sin_j = at.sin_j;
+    let sin_o = at.sin_o;
     let cos_o = sqrt(1.0 - sin_o * sin_o);
-    let across = sqrt(1.0 - sin_j * sin_j) * cos_o;
-    let cos_phi = clamp((dot(light, eye) - sin_j * sin_o) / max(across, 1e-6), -1.0, 1.0);
-    let phi = acos(cos_phi) / PI;
+    let phi = acos(clamp(dot(at.to_light, at.to_eye), -1.0, 1.0)) / PI;
     // Mean cosine of the light's inclination.
     let cos_i = sqrt(max(1.0 - mean_square(mean, sin_j), 0.0));
     // Mean cosine of the difference angle.
@@ -315,12 +377,10 @@ fn scatter_around(
     var visible = vec3(direct);
     if BAKED_SHADOW && !HANGS {
         let concentration = broad_concentration(mean);
-        let from_r = lit_from(tip, light, eye, concentration, optics.w, REFLECTED_ABOUT);
-        let from_tt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.y * optics.w, THROUGH_ABOUT);
-        let from_trt = lit_from(tip, light, eye, concentration, LOBE_VARIANCE.z * optics.w, REFLECTED_ABOUT);
-        visible.x = visible_on_cone(baked, from_r, rim);
-        visible.y = visible_on_cone(baked, from_tt, rim);
-        visible.z = visible_on_cone(baked, from_trt, rim);
+        let reflected = lit_from(tip, at, concentration, REFLECTED_VARIANCE * optics.w, REFLECTED_ABOUT);
+        let through = lit_from(tip, at, concentration, LOBE_VARIANCE.y * optics.w, THROUGH_ABOUT);
+        visible = vec3(visible_on_cone(baked, reflected, rim));
+        visible.y = visible_on_cone(baked, through, rim);
     }
     var sent = around.whole
         * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
@@ -375,25 +435,23 @@ const DIFFUSE_PATH: f32 = 0.66;
 
 // Returns the light that hair sends to the eye from the environment (formulas 4.15).
 fn environment_on_hair(p: HairPoint, coat: Coat) -> vec3<f32> {
-    let tile = tile_of(p.spot);
-    let eye = to_tile(tile, direction_to(frame.eye_ws, p.spot.position_ws));
     let full = p.color * p.tint / max(p.opacity, 1e-6);
-    let at = openness_at(p.spot, tile);
+    var sky = p.sky;
     var sum = vec3(0.0);
-    for (var part = 0u; part < environment_parts(); part++) {
-        let around = around_at(at, tile, part, full);
+    for (var part = 0u; part < MOST_PARTS; part++) {
+        let around = around_at(sky.parts[part], full);
         if any(around.whole > vec3(0.0)) {
-            sum += part_on_hair(p, around, full, eye, at.rim, coat);
+            sum += part_on_hair(p, around, full, coat);
         }
     }
     return sum;
 }
 
 // Returns the light of a part of the environment that hair sends to the eye (formulas 4.15). `full`: tinted colour of
-// the hair, not premultiplied; `rim`: as returned by rim_at.
-fn part_on_hair(
-    p: HairPoint, around: Around, full: vec3<f32>, eye: vec3<f32>, rim: f32, coat: Coat,
-) -> vec3<f32> {
+// the hair, not premultiplied.
+fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, coat: Coat) -> vec3<f32> {
+    let eye = p.sky.eye;
+    let rim = p.sky.rim;
     var direct = visible_past_strands_around(p.baked, around.towards, material.rim);
     if BAKED_SHADOW && !HANGS && !SCATTERING {
         direct = visible_to_diffuse(p.baked, p.direction, around.towards, rim);
@@ -421,11 +479,10 @@ fn part_on_hair(
 
 // Returns the environment light that the mat of an undercoat with that colour reflects.
 fn environment_on_mat(p: HairPoint, color: vec3<f32>) -> vec3<f32> {
-    let tile = tile_of(p.spot);
-    let at = openness_at(p.spot, tile);
+    var sky = p.sky;
     var sum = vec3(0.0);
-    for (var part = 0u; part < environment_parts(); part++) {
-        let around = around_at(at, tile, part, color);
+    for (var part = 0u; part < MOST_PARTS; part++) {
+        let around = around_at(sky.parts[part], color);
         // A surface receives most of its light from above, where hair hides least.
         let from_above = vec3(around.towards.xy, flux_height(around.towards));
         let direct = visible_past_strands_around(p.baked, from_above, material.rim);
@@ -445,11 +502,10 @@ fn environment_on_bare(color: vec3<f32>, spot: Spot, side: f32, gloss: GlossPoin
         let normal = normalize_or(-spot.normal_ws, vec3(0.0, 1.0, 0.0));
         return color * enters * irradiance_of_parts(environment_place(normal));
     }
-    let tile = tile_of(spot);
-    let at = openness_at(spot, tile);
+    var sky = sky_at(spot, tile_of(spot));
     var sum = vec3(0.0);
-    for (var part = 0u; part < environment_parts(); part++) {
-        sum += around_at(at, tile, part, color).irradiance;
+    for (var part = 0u; part < MOST_PARTS; part++) {
+        sum += around_at(sky.parts[part], color).irradiance;
     }
     return color * enters * sum;
 }

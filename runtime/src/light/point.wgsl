@@ -35,6 +35,8 @@ struct HairPoint {
     // Ambient light and key light that reach the point.
     arriving: Arriving,
     baked: Baked,
+    // Light of the environment, if there is one.
+    sky: Sky,
 }
 
 // Lights the undercoat: a mat of hair too short to resolve, which reflects all light.

@@ -1,5 +1,5 @@
-//! uses debug/false_color, hair/fin_corner, hair/hair, hair/vertex, light/baked, light/forms, light/key, light/point,
-//! light/visibility, shared/tile_frame, surface/place
+//! uses debug/false_color, hair/fin_corner, hair/hair, hair/vertex, light/baked, light/environment, light/fills,
+//! light/forms, light/key, light/point, light/visibility, shared/tile_frame, surface/place
 // Fins: a quad on every mesh edge, visible when it faces the eye, which is along the outline (Lengyel 2001). Faded fins
 // collapse into a point and produce no fragments.
 
@@ -107,5 +107,6 @@ fn fs_fins(in: FinVarying) -> @location(0) vec4<f32> {
     point.wetness = 0.0;
     point.arriving = arriving_at(in.slab_uv.y, in.light_ts, in.half_ts, visible, past);
     point.baked = baked_at_height(height, groom.x, length, slope);
+    point.sky = sky_at(point.spot, tile_of(point.spot));
     return false_color(vec4(light_hair(point), texel.a), 3u, 0.0);
 }

@@ -42,7 +42,9 @@ fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part) -> RenderSpe
     let of_material = part.has_texture || part.cutout || part.has_groom_texture;
     let of_coat = varies.lean || varies.groom || model.manifest().fur.wet.is_some();
     // Use the variant with the fewest interpolants.
-    let entries = if look.fill_lights || look.environment.is_some() {
+    let entries = if look.environment.is_some() && look.scattering.is_some() && !look.fill_lights {
+        ["vs_shells_sky", "fs_shells_sky"]
+    } else if look.fill_lights || look.environment.is_some() {
         ["vs_shells_filled", "fs_shells_filled"]
     } else if of_material || of_coat || look.resampled || look.maps_between {
         ["vs_shells_mapped", "fs_shells_mapped"]

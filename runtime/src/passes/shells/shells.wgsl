@@ -119,7 +119,13 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     point.wetness = groom.y;
     point.arriving = arriving;
     point.baked = baked;
+    point.sky = in.sky;
     return false_color(vec4(light_hair(point), texel.a), 2u, 0.0);
+}
+
+@vertex
+fn vs_shells_sky(v: Vertex, @builtin(instance_index) index: u32) -> SkyVarying {
+    return sky_varying(shell_of(v, index));
 }
 
 @fragment
@@ -135,4 +141,9 @@ fn fs_shells_mapped(in: MappedVarying) -> @location(0) vec4<f32> {
 @fragment
 fn fs_shells_filled(in: FilledVarying) -> @location(0) vec4<f32> {
     return shell_color(filled_fragment(in));
+}
+
+@fragment
+fn fs_shells_sky(in: SkyVarying) -> @location(0) vec4<f32> {
+    return shell_color(sky_fragment(in));
 }

@@ -1,5 +1,6 @@
-//! uses hair/vertex, light/key, light/point, shared/kajiya_kay, surface/place
-// Packed interpolants between the vertex and fragment shaders of shells. There are three variants, each with no more
+//! uses hair/vertex, light/environment, light/fills, light/key, light/point, shared/frame, shared/kajiya_kay,
+//! surface/place
+// Packed interpolants between the vertex and fragment shaders of shells. There are four variants, each with no more
 // slots than its fur needs. Software rasterisers pay for a slot at every vertex, triangle and block of pixels, and for
 // each uniform value at every block. Therefore, light times base colour is computed per vertex, and uniforms are passed
 // as flat values.
@@ -71,6 +72,28 @@ struct FilledVarying {
     @location(11) blue_open: vec4<f32>,
 }
 
+// Variant for scattering by fibres, with the light of an environment that is evaluated per vertex.
+struct SkyVarying {
+    @invariant @builtin(position) position: vec4<f32>,
+    @location(0) uv_cosine_length: vec4<f32>,
+    @location(1) light_red: vec4<f32>,
+    // Direction to the eye in place of the half vector.
+    @location(2) eye_green: vec4<f32>,
+    @location(3) ambient_blue: vec4<f32>,
+    @location(4) place: vec4<f32>,
+    @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
+    @location(6) base_uv_groom: vec4<f32>,
+    @location(7) slope_alpha_map: vec4<f32>,
+    // Light of the two parts: mean direction, total light, irradiance, open share. The w components of `irradiance`
+    // hold the rim.
+    @location(8) towards: vec4<f32>,
+    @location(9) whole: vec4<f32>,
+    @location(10) irradiance: vec4<f32>,
+    @location(11) towards_other: vec4<f32>,
+    @location(12) whole_other: vec4<f32>,
+    @location(13) irradiance_other: vec4<f32>,
+}
+
 // Packs the interpolants for fur whose colour comes from vertices only.
 fn plain_varying(s: Shell) -> PlainVarying {
     var out: PlainVarying;
@@ -120,6 +143,31 @@ fn filled_varying(s: Shell) -> FilledVarying {
     return out;
 }
 
+// Packs the interpolants for scattering by fibres under an environment.
+fn sky_varying(s: Shell) -> SkyVarying {
+    let m = mapped_varying(s);
+    let sky = sky_at(s.at.spot, tile_of(s.at.spot));
+    var out: SkyVarying;
+    out.position = m.position;
+    out.uv_cosine_length = m.uv_cosine_length;
+    out.light_red = m.light_red;
+    out.eye_green = vec4(sky.eye, m.half_green.w);
+    out.ambient_blue = m.ambient_blue;
+    out.place = m.place;
+    out.specular_layer = m.specular_layer;
+    out.base_uv_groom = m.base_uv_groom;
+    out.slope_alpha_map = m.slope_alpha_map;
+    let a = sky.parts[0];
+    let b = sky.parts[1];
+    out.towards = vec4(a.towards, a.share);
+    out.whole = vec4(a.whole, b.share);
+    out.irradiance = vec4(a.irradiance, sky.rim);
+    out.towards_other = vec4(b.towards, 0.0);
+    out.whole_other = vec4(b.whole, 0.0);
+    out.irradiance_other = vec4(b.irradiance, 0.0);
+    return out;
+}
+
 // Inputs of a fragment.
 struct ShellFragment {
     tile_uv: vec2<f32>,
@@ -137,6 +185,8 @@ struct ShellFragment {
     // Tint for scattering by fibres and for lights that are evaluated per fragment.
     tint: vec3<f32>,
     spot: Spot,
+    // Light of the environment.
+    sky: Sky,
     // Arriving light, without the visibility of the key light.
     arriving: Arriving,
 }
@@ -201,5 +251,28 @@ fn filled_fragment(in: FilledVarying) -> ShellFragment {
     var out = mapped_fragment(mapped);
     out.tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue_open.x);
     out.spot = Spot(in.position_ws_red.xyz, in.normal_ws_green.xyz, in.tangent, in.blue_open.yzw);
+    if ENVIRONMENT {
+        out.sky = sky_at(out.spot, tile_of(out.spot));
+    }
+    return out;
+}
+
+// Unpacks the interpolants for scattering by fibres under an environment.
+fn sky_fragment(in: SkyVarying) -> ShellFragment {
+    var mapped: MappedVarying;
+    mapped.position = in.position;
+    mapped.uv_cosine_length = in.uv_cosine_length;
+    mapped.light_red = in.light_red;
+    let eye = in.eye_green.xyz * inverseSqrt(max(dot(in.eye_green.xyz, in.eye_green.xyz), 1e-12));
+    mapped.half_green = vec4(half_vector(in.light_red.xyz, eye), in.eye_green.w);
+    mapped.ambient_blue = in.ambient_blue;
+    mapped.place = in.place;
+    mapped.specular_layer = in.specular_layer;
+    mapped.base_uv_groom = in.base_uv_groom;
+    mapped.slope_alpha_map = in.slope_alpha_map;
+    var out = mapped_fragment(mapped);
+    let a = PartLight(in.towards.xyz, in.whole.xyz, in.irradiance.xyz, in.towards.w);
+    let b = PartLight(in.towards_other.xyz, in.whole_other.xyz, in.irradiance_other.xyz, in.whole.w);
+    out.sky = Sky(array(a, b), in.irradiance.w, eye);
     return out;
 }

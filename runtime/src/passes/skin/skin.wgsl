@@ -190,6 +190,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
     point.wetness = groom.y;
     point.arriving = arriving_at(0.0, light, in.half_ts, through, past);
     point.baked = baked;
+    point.sky = sky_at(spot, tile_of(spot));
     let here = KeptAt(groom.x, in.groom, in.base_uv, in.tile_uv);
     point.baked.kept = in.grows_length_slope.x * kept_towards(here, light, 0.0, in.grows_length_slope.y);
     var bare_spot = spot;
@@ -220,6 +221,7 @@ fn fs_furred(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0
             far_fur.base_color = hair_base(base_color_at_root(in.tint, in.base_uv, root)).rgb;
         }
         far_fur.spot = spot;
+        far_fur.sky = point.sky;
         far_fur.light_ts = light;
         far_fur.half_ts = in.half_ts;
         far_fur.length = length;

@@ -1,6 +1,6 @@
 //! uses hair/constants, hair/hair, hair/packed_light, hair/posed, hair/strand, light/baked, light/deep_forms,
-//! light/key, light/point, light/scatter, light/visibility, shared/deep_opacity, shared/environment, shared/frame,
-//! shared/skinning, shared/tile_frame, surface/place
+//! light/environment, light/key, light/point, light/scatter, light/visibility, shared/deep_opacity, shared/environment,
+//! shared/frame, shared/skinning, shared/tile_frame, surface/place
 // Construction of ribbons (formulas 4.10): selects visible strands, assigns vertex positions to them, and writes their
 // lit corners. Strands keep their order, so that pictures are reproducible.
 
@@ -183,6 +183,8 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let root = first + POSED_BEFORE;
     let last = pieces();
     var open = unpack_openness(unpack4x8unorm(strand.groom).zw);
+    let at_skin = Spot(world_place(root), skin.normal_ws, vec4(skin.tangent_ws, handedness), open);
+    var sky = sky_at(at_skin, skin);
 
     for (var i = 0u; i <= last; i++) {
         let k = root + i * constants.step;
@@ -220,9 +222,11 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let past = visible_past_things(receiver);
         if HANGS {
             open = to_tile(skin, outwards(position - world_place(root), normal, tangent));
+            sky = sky_at(Spot(position, skin.normal_ws, at_skin.tangent, open), skin);
         }
+        sky.eye = to_tile(skin, eye);
         var hair: HairPoint;
-        hair.spot = Spot(position, skin.normal_ws, vec4(skin.tangent_ws, handedness), open);
+        hair.spot = Spot(position, skin.normal_ws, at_skin.tangent, open);
         hair.direction = to_tile(skin, tangent);
         hair.color = color * tint.rgb;
         hair.opacity = 1.0;
@@ -235,6 +239,7 @@ fn light_strands(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         hair.baked.length = length;
         hair.baked.slope = lean_slope(strand.lean, height);
         hair.baked.within = 1.0;
+        hair.sky = sky;
         let lit = packed_light(light_hair(hair));
         let left = vec4(bitcast<vec3<u32>>(position - aside), lit);
         let right = vec4(bitcast<vec3<u32>>(position + aside), lit);
