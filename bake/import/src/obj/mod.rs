@@ -132,7 +132,7 @@ impl PartMesh {
         if !cut.clean {
             let n = outline.len();
             notes.warn(format!(
-                "line {line}: the polygon of {n} corners crosses itself or is too large; triangulated as a fan"
+                "line {line}: the polygon of {n} corners crosses itself or is too large; its triangles may overlap"
             ));
         }
         self.triangles.extend(cut.triangles.iter().map(|t| t.map(|corner| vertices[corner])));
