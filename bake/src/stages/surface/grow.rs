@@ -111,20 +111,23 @@ impl<'a> Flood<'a> {
     /// Assigns to `seed` all faces connected to it that are nearer to it than to their owner. `slot` returns the index
     /// of a face in the lists, or `None` for faces to ignore.
     fn grow_from(&mut self, seed: u32, id: u32, slot: impl Fn(usize) -> Option<usize>) {
-        let mut heap = BinaryHeap::from([Reverse((Key(0.0), Key(0.0), seed))]);
-        while let Some(Reverse((cost, way, f))) = heap.pop() {
-            let f = f as usize;
-            let Some(i) = slot(f).filter(|i| cost.0 < self.cost[*i]) else { continue };
-            self.cost[i] = cost.0;
+        // Ordered by distance, which never decreases along a path, so each face is expanded at most once. The rotation
+        // may decrease: in the order of the costs, faces would be reached by detours first and expanded repeatedly.
+        let mut heap = BinaryHeap::from([Reverse((Key(0.0), seed))]);
+        while let Some(Reverse((Key(way), f))) = heap.pop() {
+            let Some(i) = slot(f as usize).filter(|i| way < self.cost[*i]) else { continue };
+            let turn = if f == seed { 0.0 } else { self.turn(seed as usize, f as usize) };
+            let cost = way + turn / self.reach.turn_rad;
+            if cost >= self.cost[i] {
+                continue;
+            }
+            self.cost[i] = cost;
             self.seed_of[i] = id;
-            let center = self.topology.centroid(f);
-            for (_, g) in self.topology.neighbors(f) {
-                let Some(j) = slot(g) else { continue };
-                let way =
-                    way.0 + center.distance(self.topology.centroid(g)) / (self.frames[g].tile_m * self.reach.tiles);
-                let cost = way + self.turn(seed as usize, g) / self.reach.turn_rad;
-                if cost < self.cost[j] {
-                    heap.push(Reverse((Key(cost), Key(way), g as u32)));
+            let center = self.topology.centroid(f as usize);
+            for (_, g) in self.topology.neighbors(f as usize) {
+                let way = way + center.distance(self.topology.centroid(g)) / (self.frames[g].tile_m * self.reach.tiles);
+                if slot(g).is_some_and(|j| way < self.cost[j]) {
+                    heap.push(Reverse((Key(way), g as u32)));
                 }
             }
         }
