@@ -12,6 +12,7 @@ use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_
 use obvhs::triangle::Triangle;
 use pelage_formats::{Animation, MeshData, Part, SimplifiedLevel};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Number of values per vertex, besides its position, that a collapse should preserve.
 const ATTRIBUTES: usize = 17;
@@ -24,6 +25,9 @@ const COLOR_SHARE: f32 = 0.03;
 const NORMAL_SHARE: f32 = 0.01;
 /// Minimum number of triangles in the smallest list. Rendering fewer saves next to nothing.
 const FEWEST: usize = 64;
+/// Number of triangles above which only the first two lists are made from the whole mesh, and each further pair from the
+/// list before it. The lists of such a mesh then take as long as three of them, instead of a dozen.
+const LARGE: usize = 80_000;
 /// Maximum number of triangles in a list, as a share of the previous list's.
 const SHARE: f32 = 0.7;
 
@@ -43,9 +47,9 @@ pub fn levels(
     }
     let attributes = attributes(mesh, animation, tile_size_m, size_m);
     let unlocked = vec![false; mesh.geometry.len()];
-    let simpler = |triangles: usize| {
+    let simpler = |from: &[u32], triangles: usize| {
         simplify_with_attributes_and_locks(
-            &mesh.indices,
+            from,
             &vertices,
             &attributes,
             &[1.0; ATTRIBUTES],
@@ -53,7 +57,7 @@ pub fn levels(
             &unlocked,
             3 * triangles,
             f32::MAX,
-            SimplifyOptions::None,
+            if from.len() < mesh.indices.len() { SimplifyOptions::Sparse } else { SimplifyOptions::None },
             // The error output covers positions only, not the attributes.
             None,
         )
@@ -61,12 +65,14 @@ pub fn levels(
     let halves: Vec<usize> =
         std::iter::successors(Some(mesh.indices.len() / 6), |n| Some(n / 2)).take_while(|n| *n >= FEWEST).collect();
     let (mut found, mut before, mut deviation_m) = (Vec::new(), mesh.indices.len(), 0.0f32);
-    // Each list is made from the whole mesh, so several lists can be made in parallel. Some may then turn out not to be
-    // needed.
-    for some in halves.chunks(rayon::current_num_threads()) {
+    // Lists of ordinary meshes are made from the whole mesh, so several lists can be made in parallel. Some may then
+    // turn out not to be needed.
+    let large = mesh.indices.len() > 3 * LARGE;
+    let mut from = Cow::from(&mesh.indices);
+    for some in halves.chunks(if large { 2 } else { rayon::current_num_threads() }) {
         let some: Vec<(Vec<u32>, f32)> = some
             .par_iter()
-            .map(|triangles| simpler(*triangles))
+            .map(|triangles| simpler(&from, *triangles))
             .map(|list| {
                 let measured = if list.is_empty() { 0.0 } else { deviation(mesh, &attributes, &list, size_m) };
                 (list, measured)
@@ -85,6 +91,9 @@ pub fn levels(
             }
             let part_counts = lists.iter().map(|list| list.len() as u32).collect();
             found.push(SimplifiedLevel { deviation_m, part_counts, indices: lists.concat() });
+            if large {
+                from = list.into();
+            }
         }
     }
     found
