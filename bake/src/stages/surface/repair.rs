@@ -8,6 +8,7 @@ use super::topology::{NONE, Topology};
 use glam::DVec3;
 use pelage_import::mesh::Mesh;
 use pelage_import::union_find::root;
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Largest distance at which positions are joined, as a share of the mesh's extent: a few rounding steps of an f32.
@@ -64,8 +65,10 @@ pub(super) fn repair(positions: &[DVec3], triangles: &[[u32; 3]]) -> Repaired {
         }
     }
     let component_of: Vec<u32> = out.triangles.iter().map(|t| component_of[*t as usize]).collect();
-    out.flipped = make_windings_agree(&points, &mut sound, &component_of, &mut faults);
-    let twins = pair(&points, &sound, |e| faults[component_of[e] as usize].non_manifold_edges += 1);
+    let edges = sorted_edges(&sound);
+    out.flipped = make_windings_agree(&points, &mut sound, &edges, &component_of, &mut faults);
+    let edges = if out.flipped.contains(&true) { sorted_edges(&sound) } else { edges };
+    let twins = pair(&points, &sound, &edges, |e| faults[component_of[e] as usize].non_manifold_edges += 1);
     out.topology = Topology::new(points, sound, twins);
     out.faults = faults;
     out
@@ -202,7 +205,7 @@ fn sorted_edges(faces: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
             edges.push(([a.min(b), a.max(b)], (3 * f + k) as u32));
         }
     }
-    edges.sort_unstable();
+    edges.par_sort_unstable();
     edges
 }
 
@@ -220,22 +223,21 @@ fn face_normal(points: &[DVec3], face: [u32; 3]) -> DVec3 {
 fn make_windings_agree(
     points: &[DVec3],
     faces: &mut [[u32; 3]],
+    edges: &[([u32; 2], u32)],
     component_of: &[u32],
     faults: &mut [Faults],
 ) -> Vec<bool> {
     // Only edges of exactly two triangles determine the winding; at other edges, any winding finds a partner.
-    let mut links: Vec<Vec<(u32, bool)>> = vec![Vec::new(); faces.len()];
-    let mut any = false;
-    for pair in sorted_edges(faces).chunk_by(|a, b| a.0 == b.0).filter(|g| g.len() == 2) {
-        let [h, g] = [pair[0].1, pair[1].1];
-        let against = start_of(faces, h) == start_of(faces, g);
-        any |= against;
-        links[h as usize / 3].push((g / 3, against));
-        links[g as usize / 3].push((h / 3, against));
-    }
+    let pairs = edges.chunk_by(|a, b| a.0 == b.0).filter(|g| g.len() == 2).map(|pair| [pair[0].1, pair[1].1]);
+    let is_against = |[h, g]: [u32; 2]| start_of(faces, h) == start_of(faces, g);
     let mut flipped = vec![false; faces.len()];
-    if !any {
+    if !pairs.clone().any(is_against) {
         return flipped;
+    }
+    let mut links: Vec<Vec<(u32, bool)>> = vec![Vec::new(); faces.len()];
+    for [h, g] in pairs {
+        links[h as usize / 3].push((g / 3, is_against([h, g])));
+        links[g as usize / 3].push((h / 3, is_against([h, g])));
     }
     let area = |face: [u32; 3]| {
         let [a, b, c] = face.map(|p| points[p as usize]);
@@ -277,9 +279,9 @@ fn make_windings_agree(
 
 /// Returns the twins of all half-edges. If an edge has more than two half-edges, the pairs that bend least are joined
 /// first, and `on_fault` is called with a face of the edge.
-fn pair(points: &[DVec3], faces: &[[u32; 3]], mut on_fault: impl FnMut(usize)) -> Vec<u32> {
+fn pair(points: &[DVec3], faces: &[[u32; 3]], edges: &[([u32; 2], u32)], mut on_fault: impl FnMut(usize)) -> Vec<u32> {
     let mut twins = vec![NONE; 3 * faces.len()];
-    for group in sorted_edges(faces).chunk_by(|a, b| a.0 == b.0) {
+    for group in edges.chunk_by(|a, b| a.0 == b.0) {
         if let [(_, h), (_, g)] = group {
             if start_of(faces, *h) != start_of(faces, *g) {
                 (twins[*h as usize], twins[*g as usize]) = (*g, *h);
