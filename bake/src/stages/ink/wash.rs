@@ -6,6 +6,7 @@ use super::plane::Plane;
 use crate::noise::{hash, smooth_step, uniform};
 use crate::recipe::InkParams;
 use glam::{UVec2, Vec2};
+use rayon::prelude::*;
 
 /// Side of the ink simulation, texels. The blotches and marks are wider than one such texel.
 const WET_SIDE: usize = 256;
@@ -70,8 +71,7 @@ fn stain(seed: u64, edges: f32) -> Plane {
     let permeability = Plane::from_fn(WET_SIDE, |uv| (0.62 + 0.3 * noise(11, uv, 24, 3)).clamp(0.08, 1.0));
     let threshold = Plane::from_fn(WET_SIDE, |uv| (0.26 + 0.2 * noise(12, uv, 36, 2)).clamp(0.03, 0.9));
     let paper = Paper { permeability: &permeability, threshold: &threshold };
-    let mut sum = Plane::empty(WET_SIDE);
-    for layer in 0..LAYERS {
+    let dried = |layer: u64| {
         let seed = hash(seed, 0x100 + layer);
         let bend = |uv: Vec2| {
             let bend = |kind: u64| octaves(hash(seed, kind), uv, UVec2::splat(4), 4, 0.55);
@@ -94,8 +94,10 @@ fn stain(seed: u64, edges: f32) -> Plane {
         let water =
             Plane::from_fn(WET_SIDE, |uv| puddle(uv) * (0.8 + 0.2 * noise(13 + layer, uv, 6, 2)).clamp(0.3, 1.0));
         let strength = Plane::from_fn(WET_SIDE, |uv| (0.55 + 0.5 * noise(21 + layer, uv, 4, 4)).clamp(0.06, 1.3));
-        sum = sum.with(&simulate_drying(paper, &water, &strength, edges), |sum, ink| sum + ink);
-    }
+        simulate_drying(paper, &water, &strength, edges)
+    };
+    let layers: Vec<Plane> = (0..LAYERS).into_par_iter().map(dried).collect();
+    let sum = layers.iter().fold(Plane::empty(WET_SIDE), |sum, layer| sum.with(layer, |sum, ink| sum + ink));
     // Rims are sharp outside and soft inside. The paper softens both slightly.
     sum.blurred(0.7).map(|ink| 1.0 - libm::expf(-1.1 * ink))
 }
