@@ -25,8 +25,8 @@ const COLOR_SHARE: f32 = 0.03;
 const NORMAL_SHARE: f32 = 0.01;
 /// Minimum number of triangles in the smallest list. Rendering fewer saves next to nothing.
 const FEWEST: usize = 64;
-/// Number of triangles above which only the first two lists are made from the whole mesh, and each further pair from the
-/// list before it. The lists of such a mesh then take as long as three of them, instead of a dozen.
+/// Number of triangles above which only the first two lists are made from the whole mesh, and each further pair from
+/// the list before it. The lists of such a mesh then take as long as three of them, instead of a dozen.
 const LARGE: usize = 80_000;
 /// Maximum number of triangles in a list, as a share of the previous list's.
 const SHARE: f32 = 0.7;
