@@ -75,6 +75,8 @@ pub use bounds::Sphere;
 pub use camera::{Camera, Light, Projection};
 pub use error::RuntimeError;
 pub use frame::Frame;
+#[cfg(feature = "study")]
+pub use gpu::ShaderVariant;
 pub use hooks::Hooks;
 pub use instance::{Instance, Motion};
 pub use light::{CasterPass, Casters, LightView, ShadowMaps};

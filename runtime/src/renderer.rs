@@ -49,6 +49,12 @@ impl Renderer {
         &self.state.options
     }
 
+    /// Returns the shader stages of all pipelines compiled so far, ordered by name.
+    #[cfg(feature = "study")]
+    pub fn shader_variants(&self) -> Vec<crate::ShaderVariant> {
+        self.state.cache.pipelines.variants()
+    }
+
     /// Uploads a package directly from the slices that it borrows. The package's bytes may be dropped afterwards.
     ///
     /// Fails if a section is damaged, if a texture needs a feature that is not enabled on the device, or if a resource

@@ -20,6 +20,8 @@ pub(crate) use layouts::{
     SamplerSettings, WORKGROUP, depth_texture, in_compute, sampler, storage, storage_in, storage_out, texture, uniform,
     workgroups,
 };
+#[cfg(feature = "study")]
+pub use pipelines::ShaderVariant;
 pub(crate) use pipelines::{
     ComputeSpec, Constants, RenderSpec, Shader, VertexLayout, attribute, depth_state, flag, primitive_state,
 };

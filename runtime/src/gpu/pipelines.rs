@@ -170,6 +170,42 @@ fn to_wgpu_constants(shader: Shader, constants: &Constants) -> Vec<(&'static str
     constants.iter().map(|(name, value)| (*name, f64::from(*value))).collect()
 }
 
+/// Shader stage of a pipeline with the constants that select its variant.
+#[cfg(feature = "study")]
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShaderVariant {
+    /// Name of the shader.
+    pub shader: &'static str,
+    /// Name of the entry point.
+    pub entry: &'static str,
+    /// WGSL source.
+    pub source: String,
+    /// Override constants by name. Others keep their declared default.
+    pub constants: Vec<(&'static str, u32)>,
+}
+
+#[cfg(feature = "study")]
+impl Pipelines {
+    /// Returns the shader stages of all pipelines, ordered by name.
+    pub(crate) fn variants(&self) -> Vec<ShaderVariant> {
+        let of = |shader: Shader, entry, constants: &Constants| ShaderVariant {
+            shader: shader.name,
+            entry,
+            source: shader.wgsl(),
+            constants: constants.clone(),
+        };
+        let renders = self.renders.keys().flat_map(|spec| {
+            let entries = std::iter::once(spec.vertex).chain(spec.fragment);
+            entries.map(move |entry| of(spec.shader, entry, &spec.constants))
+        });
+        let computes = self.computes.keys().map(|spec| of(spec.shader, spec.entry, &spec.constants));
+        let mut all: Vec<_> = renders.chain(computes).collect();
+        all.sort_by(|a, b| (a.shader, a.entry, &a.constants).cmp(&(b.shader, b.entry, &b.constants)));
+        all.dedup();
+        all
+    }
+}
+
 impl Pipelines {
     pub(crate) fn render(&mut self, gpu: &Gpu, spec: RenderSpec) -> wgpu::RenderPipeline {
         if let Some(made) = self.renders.get(&spec) {

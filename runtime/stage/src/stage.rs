@@ -289,6 +289,12 @@ impl Stage {
         &self.instances[0].model
     }
 
+    /// Returns the shader stages of all pipelines compiled so far.
+    #[cfg(feature = "study")]
+    pub fn shader_variants(&self) -> Vec<pelage_runtime::ShaderVariant> {
+        self.renderer.shader_variants()
+    }
+
     /// Returns whether any hair may move over time: guide hair always, fur only if its surface or the air moves.
     pub fn may_move_hair(&self, motion: &HairMotionParams) -> bool {
         let is_windy = motion.fur > 0.0 && motion.wind.velocity != Vec3::ZERO;

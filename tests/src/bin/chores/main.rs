@@ -11,6 +11,7 @@ mod motion_pictures;
 mod mutate;
 mod performance_table;
 mod same_pictures;
+mod shader_table;
 mod shadow_table;
 mod window_pictures;
 mod write_docs;
@@ -30,12 +31,13 @@ fn main() -> anyhow::Result<ExitCode> {
         "mutate" => return mutate::run(arguments),
         "performance-table" => performance_table::run()?,
         "same-pictures" => return same_pictures::run(arguments),
+        "shader-table" => shader_table::run()?,
         "shadow-table" => shadow_table::run(arguments)?,
         "window-pictures" => window_pictures::run(arguments)?,
         "write-docs" => write_docs::run()?,
         _ => anyhow::bail!(
             "unknown chore {chore:?}; expected contact-sheet, eyes-covered, key-pictures, light-pictures, \
-             likeness-pairs, motion-pictures, mutate, performance-table, same-pictures, shadow-table, \
+             likeness-pairs, motion-pictures, mutate, performance-table, same-pictures, shader-table, shadow-table, \
              window-pictures or write-docs"
         ),
     }

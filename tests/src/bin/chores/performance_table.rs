@@ -74,14 +74,14 @@ fn format_bake(found: &Value) -> String {
 }
 
 /// Runs a program in the workspace and returns its stdout.
-fn stdout_of(program: &str, arguments: &[&str]) -> anyhow::Result<String> {
+pub fn stdout_of(program: &str, arguments: &[&str]) -> anyhow::Result<String> {
     let output = Command::new(program).args(arguments).current_dir(workspace()).output()?;
     ensure!(output.status.success(), "{program} {arguments:?} failed");
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }
 
 /// Replaces the lines between the markers of `table`.
-fn replace_table(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String> {
+pub fn replace_table(page: &str, table: &str, lines: &[String]) -> anyhow::Result<String> {
     let (begin, end) = (format!("<!-- {table}: begin -->\n"), format!("<!-- {table}: end -->\n"));
     let (before, rest) = page.split_once(&begin).with_context(|| format!("no mark {begin:?}"))?;
     let (_, after) = rest.split_once(&end).with_context(|| format!("no mark {end:?}"))?;
