@@ -247,8 +247,7 @@ impl Counter<'_> {
 /// Returns the work of a variant of a shader.
 fn count(variant: &ShaderVariant) -> anyhow::Result<Work> {
     let module = naga::front::wgsl::parse_str(&variant.source)?;
-    let validate = |module: &Module| Validator::new(ValidationFlags::all(), Capabilities::all()).validate(module);
-    let info = validate(&module)?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module)?;
     let stage = module.entry_points.iter().find(|entry| entry.name == variant.entry).context("no such entry")?.stage;
     let constants = variant.constants.iter().map(|(name, value)| ((*name).to_owned(), f64::from(*value))).collect();
     let (module, info) = process_overrides(&module, &info, Some((stage, variant.entry)), &constants)?;
