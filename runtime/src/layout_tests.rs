@@ -373,7 +373,11 @@ fn workgroup_sizes_match_wgsl() {
     assert_eq!(found, ink_fur::SHELLS);
     let of_fins = [("CORNERS", FIN_CORNERS), ("LEANING_ROWS", LEANING_ROWS)].map(|named| (&module, named));
     let of_lists = [("NEAREST", NEAREST), ("TILE", TILE)].map(|named| (&gather, named));
-    let of_lights = [("MAX_FILL_LIGHTS", crate::MAX_FILL_LIGHTS), ("MAX_LOBES", Environment::MOST_LOBES)];
+    let of_lights = [
+        ("MAX_FILL_LIGHTS", crate::MAX_FILL_LIGHTS),
+        ("MAX_LOBES", Environment::MOST_LOBES),
+        ("MOST_PARTS", crate::light::PARTS),
+    ];
     let of_lights = of_lights.map(|(name, count)| (&lights, (name, count as u32)));
     for (module, (name, expected)) in of_fins.into_iter().chain(of_lists).chain(of_lights) {
         let (_, constant) = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name)).unwrap();

@@ -21,7 +21,7 @@ const DIRECTIONS: usize = 1024;
 /// the spacing of directions.
 const RISE: f32 = 0.05;
 /// Maximum number of parts into which an environment is divided.
-const PARTS: usize = 2;
+pub(crate) const PARTS: usize = 2;
 /// Minimum distance between the centres of two parts, as 1 minus the cosine of their angle.
 const LEAST_APART: f32 = 0.15;
 /// Number of rounds in which the centres of parts move to the mean of their lights.

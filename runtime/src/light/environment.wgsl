@@ -116,7 +116,7 @@ const MOST_PARTS: u32 = 2u;
 
 // Light of an environment at a point, which changes slowly over a surface.
 struct Sky {
-    parts: array<PartLight, 2>,
+    parts: array<PartLight, MOST_PARTS>,
     // Sine of the angle below the horizon up to which light reaches the tips of the hair.
     rim: f32,
     // Direction towards the eye in the tile frame.

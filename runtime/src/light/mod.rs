@@ -10,6 +10,8 @@ mod view;
 pub use casters::{CasterPass, Casters};
 pub(crate) use deep::DeepMapHair;
 pub(crate) use environment::EnvironmentCache;
+#[cfg(test)]
+pub(crate) use environment::PARTS;
 pub use maps::ShadowMaps;
 pub(crate) use maps::{HairMapKind, InstanceKey, ShadowKey, get_or_create};
 pub use view::LightView;

@@ -84,14 +84,14 @@ struct SkyVarying {
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
     @location(6) base_uv_groom: vec4<f32>,
     @location(7) slope_alpha_map: vec4<f32>,
-    // Light of the two parts: mean direction, total light, irradiance, open share. The w components of `irradiance`
-    // hold the rim.
-    @location(8) towards: vec4<f32>,
-    @location(9) whole: vec4<f32>,
-    @location(10) irradiance: vec4<f32>,
-    @location(11) towards_other: vec4<f32>,
-    @location(12) whole_other: vec4<f32>,
-    @location(13) irradiance_other: vec4<f32>,
+    // Light of the two parts: mean direction, total light, irradiance. The w components hold the open shares of the
+    // first and the second part, and the rim.
+    @location(8) towards_share: vec4<f32>,
+    @location(9) whole_other_share: vec4<f32>,
+    @location(10) irradiance_rim: vec4<f32>,
+    @location(11) towards_other: vec3<f32>,
+    @location(12) whole_other: vec3<f32>,
+    @location(13) irradiance_other: vec3<f32>,
 }
 
 // Packs the interpolants for fur whose colour comes from vertices only.
@@ -159,12 +159,12 @@ fn sky_varying(s: Shell) -> SkyVarying {
     out.slope_alpha_map = m.slope_alpha_map;
     let a = sky.parts[0];
     let b = sky.parts[1];
-    out.towards = vec4(a.towards, a.share);
-    out.whole = vec4(a.whole, b.share);
-    out.irradiance = vec4(a.irradiance, sky.rim);
-    out.towards_other = vec4(b.towards, 0.0);
-    out.whole_other = vec4(b.whole, 0.0);
-    out.irradiance_other = vec4(b.irradiance, 0.0);
+    out.towards_share = vec4(a.towards, a.share);
+    out.whole_other_share = vec4(a.whole, b.share);
+    out.irradiance_rim = vec4(a.irradiance, sky.rim);
+    out.towards_other = b.towards;
+    out.whole_other = b.whole;
+    out.irradiance_other = b.irradiance;
     return out;
 }
 
@@ -251,9 +251,7 @@ fn filled_fragment(in: FilledVarying) -> ShellFragment {
     var out = mapped_fragment(mapped);
     out.tint = vec3(in.position_ws_red.w, in.normal_ws_green.w, in.blue_open.x);
     out.spot = Spot(in.position_ws_red.xyz, in.normal_ws_green.xyz, in.tangent, in.blue_open.yzw);
-    if ENVIRONMENT {
-        out.sky = sky_at(out.spot, tile_of(out.spot));
-    }
+    out.sky = sky_at(out.spot, tile_of(out.spot));
     return out;
 }
 
@@ -271,8 +269,8 @@ fn sky_fragment(in: SkyVarying) -> ShellFragment {
     mapped.base_uv_groom = in.base_uv_groom;
     mapped.slope_alpha_map = in.slope_alpha_map;
     var out = mapped_fragment(mapped);
-    let a = PartLight(in.towards.xyz, in.whole.xyz, in.irradiance.xyz, in.towards.w);
-    let b = PartLight(in.towards_other.xyz, in.whole_other.xyz, in.irradiance_other.xyz, in.whole.w);
-    out.sky = Sky(array(a, b), in.irradiance.w, eye);
+    let a = PartLight(in.towards_share.xyz, in.whole_other_share.xyz, in.irradiance_rim.xyz, in.towards_share.w);
+    let b = PartLight(in.towards_other, in.whole_other, in.irradiance_other, in.whole_other_share.w);
+    out.sky = Sky(array(a, b), in.irradiance_rim.w, eye);
     return out;
 }
