@@ -195,8 +195,36 @@ fn mean_of_layer(layer: u32, known: vec3<f32>) -> vec3<f32> {
     if !MULTIPLE {
         return known;
     }
-    let mean = textureLoad(shell_colors, vec2(0), layer, textureNumLevels(shell_colors) - 1u);
+    let mean = mean_texel(shell_colors, layer);
     return mean.rgb / max(mean.a, 1e-3);
+}
+
+// Loads the mean of a layer from its last mip level.
+fn mean_texel(texture: texture_2d_array<f32>, layer: u32) -> vec4<f32> {
+    return textureLoad(texture, vec2(0), layer, textureNumLevels(texture) - 1u);
+}
+
+// Returns the mean of the hair of a layer.
+fn mean_hair_of_layer(layer: u32, wetness: f32) -> Hair {
+    let direction = decode_direction(mean_texel(shell_directions, layer), PLANAR_DIRECTIONS);
+    let dry = Hair(mean_texel(shell_colors, layer), direction);
+    if !WET {
+        return dry;
+    }
+    let wet = decode_direction(mean_texel(wet_directions, layer), PLANAR_DIRECTIONS);
+    return Hair(mix(dry.color, mean_texel(wet_colors, layer), wetness), mix(dry.direction, wet, wetness));
+}
+
+// Returns the mean of the baked visibility of a layer, for full hair of the tile's length.
+fn mean_baked_of_layer(layer: u32, wetness: f32) -> Baked {
+    var texel = vec4(1.0);
+    if BAKED_SHADOW {
+        texel = mean_texel(visibility, layer);
+        if WET {
+            texel = mix(texel, mean_texel(wet_visibility, layer), wetness);
+        }
+    }
+    return Baked(texel, 1.0, 1.0, 0.0, 1.0);
 }
 
 // Returns the hair of a layer, mixed from dry and wet hair.

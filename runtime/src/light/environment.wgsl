@@ -349,7 +349,7 @@ fn scatter_around(
     direct: f32,
     baked: Baked,
     rim: f32,
-) -> vec3<f32> {
+) -> Scattered {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
@@ -382,7 +382,8 @@ fn scatter_around(
         visible = vec3(visible_on_cone(baked, reflected, rim));
         visible.y = visible_on_cone(baked, through, rim);
     }
-    var sent = around.whole
+    var out: Scattered;
+    out.once = around.whole
         * (vec3(texel.x * visible.x) + texel.y * visible.y * exp(-absorbed * texel.w) + visible.z * within);
     if MULTIPLE {
         let reaches = dot(texel.xyz, visible) / max(texel.x + texel.y + texel.z, 1e-6);
@@ -401,9 +402,9 @@ fn scatter_around(
         if !HANGS {
             spread *= along_coat(dot(tip, around.towards), sin_o, tip.z, coat.below.root_lost);
         }
-        sent += around.irradiance * spread;
+        out.often = around.irradiance * spread;
     }
-    return sent;
+    return out;
 }
 
 // Returns the terms of eq. (1) for environment light (formulas 4.1, 4.15). The sines are means over the light's
@@ -470,7 +471,8 @@ fn part_on_hair(p: HairPoint, around: Around, full: vec3<f32>, coat: Coat) -> ve
         }
     }
     if SCATTERING {
-        return p.opacity * scatter_around(p.direction, around, eye, coat, direct, p.baked, rim);
+        let sent = scatter_around(p.direction, around, eye, coat, direct, p.baked, rim);
+        return p.opacity * (sent.once + sent.often);
     }
     let sent = fibre_around(p.direction, around.towards, eye, p.wetness);
     let lit = full * instance.diffuse_constant * sent.x + instance.specular_constant * sent.y;

@@ -31,8 +31,8 @@ fn fill_lights_on_hair(p: HairPoint, coat: Coat) -> vec3<f32> {
         if SCATTERING {
             let above = above_rim(light.z, p.baked.texel.w);
             let direct = visible_past_strands(p.baked, light);
-            let sent = scatter(p.direction, light, to_tile(tile, eye), coat, above, direct, 1.0);
-            sum += fill_lights[i].color.rgb * sent * p.opacity;
+            let sent = scatter(p.direction, light, to_tile(tile, eye), coat, above, direct);
+            sum += fill_lights[i].color.rgb * (sent.once + sent.often) * p.opacity;
             continue;
         }
         let sent = fibre(p.direction, light, to_tile(tile, half_vector(towards, eye)), p.wetness)

@@ -54,8 +54,8 @@ fn key_light_on_hair(p: HairPoint, coat: Coat) -> vec3<f32> {
         }
         let light = normalize_or(a.light_ts, eye);
         let above = above_rim(a.light_ts.z, p.baked.texel.w);
-        let sent = scatter(p.direction, light, eye, coat, above, visible, a.past);
-        return p.color * a.ambient + a.specular * sent * p.opacity;
+        let sent = scatter(p.direction, light, eye, coat, above, visible);
+        return p.color * a.ambient + a.specular * (sent.once + sent.often) * (a.past * p.opacity);
     }
     visible *= a.past;
     let sent = key_fibre(p.direction, a.light_ts, a.half_ts, p.wetness) * (a.facing * visible);

@@ -105,12 +105,20 @@ fn along_coat(sin_i: f32, sin_o: f32, up: f32, root_lost: vec3<f32>) -> vec3<f32
     return 1.0 - tanh(directed * (sin_o - mean));
 }
 
+// Light that a fibre sends to the eye.
+struct Scattered {
+    // Light that no other fibre has scattered.
+    once: vec3<f32>,
+    // Light that other fibres have scattered before.
+    often: vec3<f32>,
+}
+
 // Returns the light that a fibre of the coat sends to the eye (formulas 4.12, 4.13). The light has the colour 1,
 // which gives an irradiance of pi. All directions are in the tile frame; `direction` is that of the fibre, towards its
 // tip.
 //
-// `direct`: share of the light that other fibres let through; `past`: share that all other objects let through;
-// `above`: sine of the light's height above the surface, as returned by above_rim.
+// `direct`: share of the light that other fibres let through; `above`: sine of the light's height above the surface, as
+// returned by above_rim.
 fn scatter(
     direction: vec3<f32>,
     light: vec3<f32>,
@@ -118,15 +126,16 @@ fn scatter(
     coat: Coat,
     above: f32,
     direct: f32,
-    past: f32,
-) -> vec3<f32> {
+) -> Scattered {
     let number = fibre_number();
     let optics = fibres[number].optics;
     let tip = direction * inverseSqrt(max(dot(direction, direction), 1e-12));
     let angles = fibre_angles(tip, light, eye);
     let absorbed = coat.absorbed;
     let left = fibre_transmittance(angles.cos_d, optics, absorbed);
-    var sent = direct * fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
+    var out: Scattered;
+    out.once = fibre_scatters(fibre_texel(angles.along, 0u), fibre_texel(angles.around, 1u), absorbed, left);
+    out.once *= PI * direct;
     if MULTIPLE {
         var cones = vec2(1.0);
         if HANGS {
@@ -146,11 +155,10 @@ fn scatter(
         // less it decreases.
         let falls = multiple_scattering_by_height(coat.below.root_lost, above);
         let reached = pow(falls, min(SENT_ON_FALLS.x + coat.below.root_lost, vec3(SENT_ON_FALLS.y)));
-        var sent_to_eye = cones.x * d.sent_on * straight * reached + cones.y * spread * falls;
+        out.often = cones.x * d.sent_on * straight * reached + cones.y * spread * falls;
         if !HANGS {
-            sent_to_eye *= along_coat(dot(tip, light), dot(tip, eye), tip.z, coat.below.root_lost);
+            out.often *= along_coat(dot(tip, light), dot(tip, eye), tip.z, coat.below.root_lost);
         }
-        sent += sent_to_eye / PI;
     }
-    return sent * (PI * past);
+    return out;
 }

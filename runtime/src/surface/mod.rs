@@ -95,8 +95,8 @@ fn layout(device: &wgpu::Device, label: &str, entries: &[wgpu::BindGroupLayoutEn
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
 }
 
-/// Returns the layout entry of a hair direction texture, which vertex shaders may also read.
-fn directions(binding: u32) -> wgpu::BindGroupLayoutEntry {
+/// Returns the layout entry of a texture of the hair volume, which vertex shaders may also read.
+fn hair(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
     wgpu::BindGroupLayoutEntry { visibility, ..texture(binding, wgpu::TextureViewDimension::D2Array) }
 }
@@ -149,8 +149,7 @@ impl Surfaces {
             uniform::<FibreBlock>(5, false),
         ]
         .map(for_all);
-        let hair = |binding| texture(binding, D2Array);
-        let fur = [hair(0), directions(1), sampler(2), hair(3), directions(4), hair(5), hair(6)];
+        let fur = [hair(0), hair(1), sampler(2), hair(3), hair(4), hair(5), hair(6)];
         let vertices = wgpu::ShaderStages::VERTEX;
         let fins = [
             storage::<GeometryVertex>(0, vertices),

@@ -222,7 +222,8 @@ impl Section {
     /// Returns the contributions of path `p` towards azimuth `phi` in a fibre with azimuthal roughness. Each bundle is
     /// spread by a logistic distribution of scale `scale`, radians (Chiang 2016).
     pub fn rough(&self, p: u32, phi: f64, scale: f64) -> impl Iterator<Item = PathContribution> + '_ {
-        let spread = move |at: f64| logistic(scale, wrapped(phi - at));
+        let logistic = Logistic::new(scale);
+        let spread = move |at: f64| logistic.density(wrapped(phi - at));
         self.bundles(p).map(move |(at, way)| PathContribution { light: way.light * spread(at), ..way })
     }
 
@@ -256,11 +257,25 @@ impl Glints {
     }
 }
 
-/// Returns the logistic distribution of scale `scale`, radians, truncated to ±π and renormalised.
-pub fn logistic(scale: f64, x: f64) -> f64 {
-    let e = libm::exp(-x.abs() / scale);
-    let whole = libm::tanh(0.5 * PI / scale);
-    e / (scale * (1.0 + e) * (1.0 + e)) / whole
+/// Logistic distribution, truncated to ±π and renormalised.
+#[derive(Clone, Copy, Debug)]
+pub struct Logistic {
+    scale: f64,
+    /// Share of the distribution within ±π.
+    whole: f64,
+}
+
+impl Logistic {
+    /// `scale`: radians.
+    pub fn new(scale: f64) -> Self {
+        Self { scale, whole: libm::tanh(0.5 * PI / scale) }
+    }
+
+    /// Returns the density at `x`, −π to π.
+    pub fn density(&self, x: f64) -> f64 {
+        let e = libm::exp(-x.abs() / self.scale);
+        e / (self.scale * (1.0 + e) * (1.0 + e)) / self.whole
+    }
 }
 
 /// Returns the integral of f cos γ over γ in −π/2..=π/2, by Gauss quadrature on each half. This equals the integral

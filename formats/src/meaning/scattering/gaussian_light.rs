@@ -5,7 +5,7 @@
 //! which fails where glints meet (η′ near 2). Along the fibre, a 24-point quadrature covers the overlap of lobe and
 //! light.
 
-use super::azimuthal::{legendre, logistic};
+use super::azimuthal::{Logistic, legendre};
 use super::longitudinal::{Spread, i0e};
 use super::{Angles, AzimuthalScattering, Fibre, FibreSection, SCATTERED};
 use core::array::from_fn;
@@ -144,10 +144,11 @@ fn cosine_of_logistic(scale: f64, n: usize) -> f64 {
     // Integrate one half, in parts about as wide as the scale but narrow enough for the cosine.
     let parts = libm::ceil(PI / scale.min(1.0)).clamp(4.0, 400.0) as usize;
     let half = 0.5 * PI / parts as f64;
+    let logistic = Logistic::new(scale);
     let of_part = |k: usize| {
         let at = |(x, weight): &(f64, f64)| {
             let x = half * (2.0 * k as f64 + 1.0 + x);
-            weight * half * logistic(scale, x) * libm::cos(n as f64 * x)
+            weight * half * logistic.density(x) * libm::cos(n as f64 * x)
         };
         legendre().iter().map(at).sum::<f64>()
     };

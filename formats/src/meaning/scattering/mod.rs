@@ -276,10 +276,11 @@ impl FibreSection {
         };
         // Terms that do not depend on the azimuth are computed once.
         let bundles: Vec<_> = self.section.bundles(p).map(|(at, way)| (at, way.light, way.attenuated(sigma))).collect();
+        let logistic = azimuthal::Logistic::new(scale);
         let mean = |phi: &f64| {
             let (mut light, mut left) = (0.0, 0.0);
             for (at, of, of_left) in &bundles {
-                let spread = azimuthal::logistic(scale, azimuthal::wrapped(phi - at));
+                let spread = logistic.density(azimuthal::wrapped(phi - at));
                 (light, left) = (light + of * spread, left + of_left * spread);
             }
             mean_of(light, left, sigma)

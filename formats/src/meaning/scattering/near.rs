@@ -5,7 +5,7 @@
 //! the eye's angle θo instead of θd. On the cone of a smooth fibre, both angles agree. With θo, no light is lost or
 //! gained at any angle.
 
-use super::azimuthal::{logistic, wrapped};
+use super::azimuthal::{Logistic, wrapped};
 use super::optics::Section;
 use super::{Angles, Fibre, PATHS, SCATTERED};
 use core::array::from_fn;
@@ -16,6 +16,7 @@ use core::f64::consts::{PI, TAU};
 pub struct FibreHit<'a> {
     fibre: &'a Fibre,
     scale: f64,
+    logistic: Logistic,
     to: (f64, f64),
     /// Exit azimuths of the paths, relative to the eye.
     ends: [f64; 3],
@@ -61,14 +62,14 @@ impl<'a> FibreHit<'a> {
         let sums = shares.map(|of| of.iter().sum::<f64>());
         let whole: f64 = sums.iter().sum();
         let ends = from_fn(|p| wrapped(section.deviation(p as u32, gamma) + p as f64 * PI));
-        Self { fibre, scale, to, ends, shares, chances: sums.map(|sum| sum / whole) }
+        Self { fibre, scale, logistic: Logistic::new(scale), to, ends, shares, chances: sums.map(|sum| sum / whole) }
     }
 
     /// Returns the probability density with which path `p` scatters into directions of light. It is the path's lobe
     /// about the cone times its distribution about the exit azimuth.
     fn spread(&self, p: usize, from: (f64, f64), phi: f64) -> f64 {
         let along = self.fibre.path_along(p as u32, &Angles { from, to: self.to, phi });
-        along * self.ends.get(p).map_or(1.0 / TAU, |end| logistic(self.scale, wrapped(phi - end)))
+        along * self.ends.get(p).map_or(1.0 / TAU, |end| self.logistic.density(wrapped(phi - end)))
     }
 
     /// Returns the light scattered towards the eye from a direction, times cos θi, for each colour. Also returns the

@@ -13,6 +13,7 @@ use std::ops::Range;
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage shells",
     parts: hair_wgsl!(
+        include_str!("../../light/tones.wgsl"),
         include_str!("varying.wgsl"),
         include_str!("shells.wgsl"),
         include_str!("../../debug/yardstick.wgsl")
@@ -42,7 +43,7 @@ fn spec(frame: &Recording<'_>, seen: &VisibleInstance, part: &Part) -> RenderSpe
     let of_material = part.has_texture || part.cutout || part.has_groom_texture;
     let of_coat = varies.lean || varies.groom || model.manifest().fur.wet.is_some();
     // Use the variant with the fewest interpolants.
-    let entries = if look.environment.is_some() && look.scattering.is_some() && !look.fill_lights {
+    let entries = if look.lit_at_vertices() {
         ["vs_shells_sky", "fs_shells_sky"]
     } else if look.fill_lights || look.environment.is_some() {
         ["vs_shells_filled", "fs_shells_filled"]

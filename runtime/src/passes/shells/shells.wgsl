@@ -1,6 +1,6 @@
-//! uses debug/false_color, hair/hair, hair/vertex, light/baked, light/forms, light/point, light/visibility,
-//! passes/shells/varying, shared/detail, shared/kajiya_kay, shared/layer_shadow, shared/opacity, shared/tile_frame,
-//! surface/place
+//! uses debug/false_color, hair/hair, hair/vertex, light/baked, light/forms, light/point, light/tones,
+//! light/visibility, passes/shells/varying, shared/detail, shared/kajiya_kay, shared/layer_shadow, shared/opacity,
+//! shared/tile_frame, surface/place
 // Shells: layers 1 and up of the hair volume, from the inside out, one per instance index.
 
 // Whether the maps of layer-wise shadows have other layers than are drawn, so that values between two layers are read.
@@ -58,8 +58,19 @@ fn vs_shells_filled(v: Vertex, @builtin(instance_index) index: u32) -> FilledVar
     return filled_varying(shell_of(v, index));
 }
 
-// Returns premultiplied colour and opacity.
-fn shell_color(in: ShellFragment) -> vec4<f32> {
+// Hair of a shell at a fragment.
+struct ShellHair {
+    // Sample of the hair volume.
+    hair: Hair,
+    // Colour as drawn, with the opacity of all layers that the shell represents.
+    texel: vec4<f32>,
+    base: vec3<f32>,
+    // Share of the hair that grows, and wetness.
+    groom: vec2<f32>,
+}
+
+// Returns the hair of a shell at a fragment, or discards the fragment. `eye`: direction to the eye in the tile frame.
+fn shell_hair(in: ShellFragment, eye: vec3<f32>) -> ShellHair {
     var groom = groom_at(in.groom, in.base_uv);
     let hair = hair_at(in.tile_uv, in.layer, groom.y);
     var texel = hair.color;
@@ -78,7 +89,6 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     if texel.a * groom.x < LEAST_ALPHA || is_cut(base.a) {
         discard;
     }
-    var arriving = in.arriving;
     if RESAMPLED || DETAIL || LOOK_SLANTED {
         var times = 1.0;
         if RESAMPLED || DETAIL {
@@ -86,13 +96,20 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         }
         if LOOK_SLANTED {
             let tangent = grown_tangent(hair.direction, select(1.0, in.length, SHORT), select(0.0, in.slope, LEAN));
-            let eye = eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e);
             times *= view_depth_factor(tangent, length(hair.direction), eye, in.n_dot_e);
         }
         // The premultiplied colour scales with the opacity.
         texel *= resampled_opacity(texel.a, times) / texel.a;
     }
     texel *= groom.x * select(1.0, instance.layer_share, DETAIL);
+    return ShellHair(hair, texel, base.rgb, groom);
+}
+
+// Returns premultiplied colour and opacity.
+fn shell_color(in: ShellFragment) -> vec4<f32> {
+    var arriving = in.arriving;
+    let h = shell_hair(in, eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e));
+    let texel = h.texel;
     let n_dot_l = arriving.light_ts.z;
     let receiver = Receiver(in.place, in.map_layer, MAPS_BETWEEN, n_dot_l);
     arriving.visible = visible_through_hair(receiver);
@@ -101,31 +118,58 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
         // Shadow within the layer (formulas 4.2): the layer represents the hair up to the next one, half of which is
         // above its hair on average.
         let path = path_through(slanted_path(n_dot_l), in.length);
-        arriving.visible *= layer_transmittance(hair.color.a * groom.x, 0.5 * frame.hair_density * path);
+        arriving.visible *= layer_transmittance(h.hair.color.a * h.groom.x, 0.5 * frame.hair_density * path);
     }
     let height = f32(in.layer) / f32(instance.baked_layers - 1u);
-    let kept = kept_towards(KeptAt(groom.x, in.groom, in.base_uv, in.tile_uv), arriving.light_ts, height, in.length);
-    var baked = baked_at(in.tile_uv, in.layer, groom.y, kept, in.length, in.slope);
+    let at = KeptAt(h.groom.x, in.groom, in.base_uv, in.tile_uv);
+    let kept = kept_towards(at, arriving.light_ts, height, in.length);
+    var baked = baked_at(in.tile_uv, in.layer, h.groom.y, kept, in.length, in.slope);
     if DETAIL && BAKED_SHADOW {
-        baked.within = light_within(hair.color.a, stands_for(in.layer));
+        baked.within = light_within(h.hair.color.a, stands_for(in.layer));
     }
     var point: HairPoint;
     point.spot = in.spot;
-    point.direction = grown(hair.direction, in.length, in.slope);
-    point.color = texel.rgb * base.rgb;
+    point.direction = grown(h.hair.direction, in.length, in.slope);
+    point.color = texel.rgb * h.base;
     point.opacity = texel.a;
     point.tint = in.tint;
-    point.deeper = mean_of_layer(in.layer / LAYERS_TO_DEEPER, texel.rgb / texel.a) * base.rgb;
-    point.wetness = groom.y;
+    point.deeper = mean_of_layer(in.layer / LAYERS_TO_DEEPER, texel.rgb / texel.a) * h.base;
+    point.wetness = h.groom.y;
     point.arriving = arriving;
     point.baked = baked;
     point.sky = in.sky;
     return false_color(vec4(light_hair(point), texel.a), 2u, 0.0);
 }
 
+// Returns the same, if the vertices have evaluated the light.
+fn toned_color(in: ShellFragment, light: Toned) -> vec4<f32> {
+    var arriving = in.arriving;
+    let h = shell_hair(in, eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e));
+    arriving.past = visible_past_things(Receiver(in.place, in.map_layer, MAPS_BETWEEN, arriving.light_ts.z));
+    let color = h.texel.rgb * h.base;
+    let full = color * in.tint / max(h.texel.a, 1e-6);
+    let deeper = mean_of_layer(in.layer / LAYERS_TO_DEEPER, h.texel.rgb / h.texel.a) * h.base * in.tint;
+    let open = open_share(baked_at(in.tile_uv, in.layer, h.groom.y, h.groom.x, in.length, in.slope));
+    let lit = color * arriving.ambient + h.texel.a * toned_light(light, full, deeper, open, arriving);
+    return false_color(vec4(lit, h.texel.a), 2u, 0.0);
+}
+
 @vertex
 fn vs_shells_sky(v: Vertex, @builtin(instance_index) index: u32) -> SkyVarying {
-    return sky_varying(shell_of(v, index));
+    let s = shell_of(v, index);
+    let groom = groom_of_vertex(v.groom.xy);
+    let mean = mean_hair_of_layer(s.layer, groom.y);
+    let below = mean_hair_of_layer(s.layer / LAYERS_TO_DEEPER, groom.y);
+    let white = vec3(1.0);
+    let deeper = dot(below.color.rgb, white) * mean.color.a / max(dot(mean.color.rgb, white) * below.color.a, 1e-6);
+    var baked = mean_baked_of_layer(s.layer, groom.y);
+    baked.kept = groom.x;
+    baked.length = s.length;
+    baked.slope = s.slope;
+    if DETAIL {
+        baked.within = light_within(SHOWN_ALPHA, stands_for(s.layer));
+    }
+    return sky_varying(s, grown(mean.direction, s.length, s.slope), baked, deeper);
 }
 
 @fragment
@@ -145,5 +189,5 @@ fn fs_shells_filled(in: FilledVarying) -> @location(0) vec4<f32> {
 
 @fragment
 fn fs_shells_sky(in: SkyVarying) -> @location(0) vec4<f32> {
-    return shell_color(sky_fragment(in));
+    return toned_color(sky_fragment(in), toned_of(in));
 }

@@ -1,5 +1,5 @@
-//! uses hair/vertex, light/environment, light/fills, light/key, light/point, shared/frame, shared/kajiya_kay,
-//! surface/place
+//! uses hair/vertex, light/baked, light/environment, light/fills, light/key, light/point, light/tones, shared/frame,
+//! shared/kajiya_kay, surface/place
 // Packed interpolants between the vertex and fragment shaders of shells. There are four variants, each with no more
 // slots than its fur needs. Software rasterisers pay for a slot at every vertex, triangle and block of pixels, and for
 // each uniform value at every block. Therefore, light times base colour is computed per vertex, and uniforms are passed
@@ -72,7 +72,7 @@ struct FilledVarying {
     @location(11) blue_open: vec4<f32>,
 }
 
-// Variant for scattering by fibres, with the light of an environment that is evaluated per vertex.
+// Variant for scattering by fibres under an environment: vertices evaluate the light.
 struct SkyVarying {
     @invariant @builtin(position) position: vec4<f32>,
     @location(0) uv_cosine_length: vec4<f32>,
@@ -84,14 +84,15 @@ struct SkyVarying {
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
     @location(6) base_uv_groom: vec4<f32>,
     @location(7) slope_alpha_map: vec4<f32>,
-    // Light of the two parts: mean direction, total light, irradiance. The w components hold the open shares of the
-    // first and the second part, and the rim.
-    @location(8) towards_share: vec4<f32>,
-    @location(9) whole_other_share: vec4<f32>,
-    @location(10) irradiance_rim: vec4<f32>,
-    @location(11) towards_other: vec3<f32>,
-    @location(12) whole_other: vec3<f32>,
-    @location(13) irradiance_other: vec3<f32>,
+    // Members of Toned: sky_once for each tone; in the w components open and the first two of key_often.
+    @location(8) dark_open: vec4<f32>,
+    @location(9) middle_key: vec4<f32>,
+    @location(10) bright_key: vec4<f32>,
+    // sky_often for each tone; in the w components the last of key_often, and deeper.
+    @location(11) often_dark_key: vec4<f32>,
+    @location(12) often_middle_deeper: vec4<f32>,
+    @location(13) often_bright: vec3<f32>,
+    @location(14) key_once: vec3<f32>,
 }
 
 // Packs the interpolants for fur whose colour comes from vertices only.
@@ -143,10 +144,12 @@ fn filled_varying(s: Shell) -> FilledVarying {
     return out;
 }
 
-// Packs the interpolants for scattering by fibres under an environment.
-fn sky_varying(s: Shell) -> SkyVarying {
+// Packs the interpolants for scattering by fibres under an environment. `direction`, `b`: mean direction and visibility
+// of the layer; `deeper`: as in Toned.
+fn sky_varying(s: Shell, direction: vec3<f32>, b: Baked, deeper: f32) -> SkyVarying {
     let m = mapped_varying(s);
     let sky = sky_at(s.at.spot, tile_of(s.at.spot));
+    let light = toned(sky, direction, b, s.at.light_ts, deeper);
     var out: SkyVarying;
     out.position = m.position;
     out.uv_cosine_length = m.uv_cosine_length;
@@ -157,14 +160,13 @@ fn sky_varying(s: Shell) -> SkyVarying {
     out.specular_layer = m.specular_layer;
     out.base_uv_groom = m.base_uv_groom;
     out.slope_alpha_map = m.slope_alpha_map;
-    let a = sky.parts[0];
-    let b = sky.parts[1];
-    out.towards_share = vec4(a.towards, a.share);
-    out.whole_other_share = vec4(a.whole, b.share);
-    out.irradiance_rim = vec4(a.irradiance, sky.rim);
-    out.towards_other = b.towards;
-    out.whole_other = b.whole;
-    out.irradiance_other = b.irradiance;
+    out.dark_open = vec4(light.sky_once[0], light.open);
+    out.middle_key = vec4(light.sky_once[1], light.key_often.x);
+    out.bright_key = vec4(light.sky_once[2], light.key_often.y);
+    out.often_dark_key = vec4(light.sky_often[0], light.key_often.z);
+    out.often_middle_deeper = vec4(light.sky_often[1], light.deeper);
+    out.often_bright = light.sky_often[2];
+    out.key_once = light.key_once;
     return out;
 }
 
@@ -255,22 +257,30 @@ fn filled_fragment(in: FilledVarying) -> ShellFragment {
     return out;
 }
 
-// Unpacks the interpolants for scattering by fibres under an environment.
+// Unpacks the interpolants for scattering by fibres under an environment, except the light.
 fn sky_fragment(in: SkyVarying) -> ShellFragment {
     var mapped: MappedVarying;
     mapped.position = in.position;
     mapped.uv_cosine_length = in.uv_cosine_length;
-    mapped.light_red = in.light_red;
     let eye = in.eye_green.xyz * inverseSqrt(max(dot(in.eye_green.xyz, in.eye_green.xyz), 1e-12));
+    mapped.light_red = in.light_red;
     mapped.half_green = vec4(half_vector(in.light_red.xyz, eye), in.eye_green.w);
     mapped.ambient_blue = in.ambient_blue;
     mapped.place = in.place;
     mapped.specular_layer = in.specular_layer;
     mapped.base_uv_groom = in.base_uv_groom;
     mapped.slope_alpha_map = in.slope_alpha_map;
-    var out = mapped_fragment(mapped);
-    let a = PartLight(in.towards_share.xyz, in.whole_other_share.xyz, in.irradiance_rim.xyz, in.towards_share.w);
-    let b = PartLight(in.towards_other, in.whole_other, in.irradiance_other, in.whole_other_share.w);
-    out.sky = Sky(array(a, b), in.irradiance_rim.w, eye);
-    return out;
+    return mapped_fragment(mapped);
+}
+
+// Unpacks the light.
+fn toned_of(in: SkyVarying) -> Toned {
+    return Toned(
+        array(in.dark_open.xyz, in.middle_key.xyz, in.bright_key.xyz),
+        array(in.often_dark_key.xyz, in.often_middle_deeper.xyz, in.often_bright),
+        in.key_once,
+        vec3(in.middle_key.w, in.bright_key.w, in.often_dark_key.w),
+        in.dark_open.w,
+        in.often_middle_deeper.w,
+    );
 }
