@@ -40,8 +40,11 @@ fn toned(sky_at_point: Sky, direction: vec3<f32>, b: Baked, light_ts: vec3<f32>,
     let coat = coat_of(TONES, TONES * deeper);
     var out: Toned;
     for (var part = 0u; part < MOST_PARTS; part++) {
-        var white = sky.parts[part];
-        let light = white;
+        let light = sky.parts[part];
+        if all(light.whole <= vec3(0.0)) {
+            continue;
+        }
+        var white = light;
         white.whole = vec3(1.0);
         white.irradiance = vec3(1.0);
         let around = around_at(white, TONES);

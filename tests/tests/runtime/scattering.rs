@@ -142,6 +142,20 @@ fn assert_scatters_broad_light(gpu: &Gpu, renderer: &mut Renderer, coat: &FibreP
     }
 }
 
+/// Side of the squares of a picture that are compared, pixels.
+const BLOCK: usize = 16;
+
+/// Returns the mean green of each square of a picture with the given side, row by row.
+fn green_of_squares(picture: &[[f32; 4]], side: usize) -> Vec<f64> {
+    let squares = side / BLOCK;
+    let mut means = vec![0.0; squares * squares];
+    for (at, pixel) in picture.iter().enumerate() {
+        let (x, y) = (at % side / BLOCK, at / side / BLOCK);
+        means[y * squares + x] += f64::from(pixel[1]) / (BLOCK * BLOCK) as f64;
+    }
+    means
+}
+
 /// Returns the hare with fur whose fibres have the given eumelanin.
 fn hare(renderer: &Renderer, eumelanin: &str) -> Instance {
     let pigment = format!("fibre.eumelanin={eumelanin}");
@@ -195,7 +209,6 @@ fn light_at_vertices_equals_that_at_fragments() {
     let hare = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
     let lobe = LightLobe { towards: [1.0, 0.3, 0.2], width_deg: 15.0, radiance: [6.0, 3.0, 2.0] };
     const SIDE: usize = 128;
-    const BLOCK: usize = 16;
     let mut blocks = |fills: Vec<Light>, key: Vec3| {
         let view = params(Vec3::new(0.4, 0.2, 0.9), Vec3::new(-0.5, 0.7, 0.6), 0.6, SIDE as u32).with(|p| {
             p.light = Light::Directional { towards_light: Vec3::new(-0.5, 0.7, 0.6), color: key };
@@ -203,11 +216,7 @@ fn light_at_vertices_equals_that_at_fragments() {
             p.environment = Some(Environment { even: [0.3, 0.4, 0.5], lobes: vec![lobe], sun: None });
         });
         let found = pixels(gpu, &mut renderer, &hare, &view.with_fur(|fur| fur.hair = HairGeometry::Shells), &passes);
-        let mut blocks = vec![0.0; (SIDE / BLOCK) * (SIDE / BLOCK)];
-        for (at, pixel) in found.iter().enumerate() {
-            blocks[at / SIDE / BLOCK * (SIDE / BLOCK) + at % SIDE / BLOCK] += f64::from(pixel[1]);
-        }
-        blocks
+        green_of_squares(&found, SIDE)
     };
     for key in [Vec3::ZERO, Vec3::splat(1.5)] {
         let black = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
@@ -236,11 +245,10 @@ fn a_turning_sky_does_not_flicker() {
         lobe([0.0, -0.3, -1.0], 20.0, 2.0),
     ];
     let sky = Environment { even: [0.1; 3], lobes, sun: None };
-    // The frames are a quarter of a turn, in steps of 1.9 degrees.
-    const FRAMES: usize = 49;
+    // The frames are half a turn, in steps of 1.9 degrees.
+    const FRAMES: usize = 97;
     const STEP_DEG: f32 = 360.0 / 192.0;
     const SIDE: usize = 96;
-    const BLOCK: usize = 16;
     const SQUARES: usize = (SIDE / BLOCK) * (SIDE / BLOCK);
     for hair in [HairGeometry::Shells, HairGeometry::Strands] {
         let frames: Vec<Vec<f64>> = (0..FRAMES)
@@ -250,12 +258,7 @@ fn a_turning_sky_does_not_flicker() {
                     p.environment = Some(sky.turned(STEP_DEG * i as f32));
                 });
                 let found = pixels(gpu, &mut renderer, &hare, &view.with_fur(|fur| fur.hair = hair), &passes);
-                let mut blocks = vec![0.0; SQUARES];
-                for (at, pixel) in found.iter().enumerate() {
-                    let (x, y) = (at % SIDE / BLOCK, at / SIDE / BLOCK);
-                    blocks[y * (SIDE / BLOCK) + x] += f64::from(pixel[1]) / (BLOCK * BLOCK) as f64;
-                }
-                blocks
+                green_of_squares(&found, SIDE)
             })
             .collect();
         // For each block of pixels, `figures` has the range of its brightness over all frames, and the largest second

@@ -262,8 +262,8 @@ fn sky_fragment(in: SkyVarying) -> ShellFragment {
     var mapped: MappedVarying;
     mapped.position = in.position;
     mapped.uv_cosine_length = in.uv_cosine_length;
-    let eye = in.eye_green.xyz * inverseSqrt(max(dot(in.eye_green.xyz, in.eye_green.xyz), 1e-12));
     mapped.light_red = in.light_red;
+    let eye = in.eye_green.xyz * inverseSqrt(max(dot(in.eye_green.xyz, in.eye_green.xyz), 1e-12));
     mapped.half_green = vec4(half_vector(in.light_red.xyz, eye), in.eye_green.w);
     mapped.ambient_blue = in.ambient_blue;
     mapped.place = in.place;
