@@ -1,15 +1,18 @@
 //! Steps of a bake in order, with their inputs and outputs. No mathematics is done here.
 //!
 //! The output of a step is stored under its name. A step runs if its output is missing and the package depends on it.
+//! It begins as soon as its inputs are made, so that independent steps run on several threads at once.
 //! So a bake starts with the model alone, and slicing a package again starts with the package's contents
 //! ([`crate::reslice`]). After [`Outputs::invalidate`], the named output and everything derived from it is made again.
 
 mod layout;
 mod outputs;
 mod run_step;
+mod schedule;
 
 pub use layout::{Layout, lay_out_model};
 pub use outputs::{BakeInput, CachedStages, Groomed, Output, Outputs, PackageBytes, Shells, StrandVisibility};
+pub use schedule::{OnStep, Step, StepEvent};
 
 use crate::decision::Decision;
 use crate::recipe::Recipe;
@@ -19,24 +22,9 @@ use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use pelage_params::{Knob, Tables as _};
 
-/// Stages after `import`, in order, for progress displays.
+/// Stages after `import`, in the order of their first steps. They overlap.
 pub const STAGES: [&str; 10] =
     ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "textures", "scatter", "pack"];
-
-/// Step of a stage. Each step makes one output.
-#[derive(Clone, Copy, Debug)]
-pub struct Step {
-    /// Stage that contains the step, one of [`STAGES`].
-    pub stage: &'static str,
-    /// Output that the step makes.
-    pub makes: Output,
-    /// Required inputs.
-    pub reads: &'static [Output],
-    /// Recipe tables or single keys that affect the output directly. Those that affect only the inputs are not
-    /// repeated.
-    pub tables: &'static [&'static str],
-    run: for<'a> fn(&BakeInput<'a>, &mut Outputs<'a>) -> Result<(), BakeError>,
-}
 
 use Output::*;
 
@@ -155,13 +143,13 @@ pub struct Baked {
 
 /// Bakes an imported model.
 ///
-/// * `on_stage`: called with the name of each of [`STAGES`] when it begins
+/// * `on_step`: called when a step begins or ends
 ///
 /// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] if model and recipe do not fit
 /// together, [`BakeError::Internal`] for a bug in this crate.
-pub fn bake(input: &BakeInput<'_>, model: &Model, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
-    let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
-    run(input, &mut outputs, on_stage)?;
+pub fn bake(input: &BakeInput<'_>, model: &Model, on_step: &mut OnStep<'_>) -> Result<Baked, BakeError> {
+    let mut outputs = Outputs::of_model(model);
+    run(input, &mut outputs, on_step)?;
     baked(&outputs)
 }
 
@@ -172,15 +160,12 @@ pub(crate) fn baked(outputs: &Outputs<'_>) -> Result<Baked, BakeError> {
     Ok(Baked { package: bytes, measures: groomed.surface.measures, decisions, warnings })
 }
 
-/// Runs every step that the package depends on and whose output is missing. `on_stage` is called when a stage begins.
+/// Runs every step that the package depends on and whose output is missing. `on_step` is called when a step begins or
+/// ends.
 ///
 /// Fails with the errors of [`bake`]; [`BakeError::Internal`] if a required input is missing and no step makes it.
-pub fn run<'a>(
-    input: &BakeInput<'a>,
-    outputs: &mut Outputs<'a>,
-    on_stage: &mut dyn FnMut(&'static str),
-) -> Result<(), BakeError> {
-    make(input, outputs, Package, on_stage)
+pub fn run<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>, on_step: &mut OnStep<'_>) -> Result<(), BakeError> {
+    make(input, outputs, Package, on_step)
 }
 
 /// Runs the steps that the output `wanted` depends on, like [`run`] for the package.
@@ -190,7 +175,7 @@ pub fn make<'a>(
     input: &BakeInput<'a>,
     outputs: &mut Outputs<'a>,
     wanted: Output,
-    on_stage: &mut dyn FnMut(&'static str),
+    on_step: &mut OnStep<'_>,
 ) -> Result<(), BakeError> {
     input.recipe.validate()?;
     let mut needed = vec![wanted];
@@ -201,25 +186,8 @@ pub fn make<'a>(
             steps.push(step);
         }
     }
-    let mut stage = "";
-    for step in steps.into_iter().rev() {
-        if step.stage != stage {
-            stage = step.stage;
-            input.steps.begin(0);
-            on_stage(stage);
-        }
-        step.run(input, outputs)?;
-    }
-    Ok(())
-}
-
-impl Step {
-    /// Runs the step and stores its output.
-    ///
-    /// Fails with the errors of [`run`].
-    pub fn run<'a>(&self, input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
-        (self.run)(input, outputs)
-    }
+    steps.reverse();
+    schedule::run(input, outputs, &steps, on_step)
 }
 
 impl Outputs<'_> {

@@ -1,19 +1,19 @@
 //! Progress of a long stage. The code that does the work counts its steps, and any other thread may read the counter.
 //! No clock is used.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Step counter of the running work.
+/// Step counter of the running work. Stages that run at the same time share it.
 #[derive(Debug, Default)]
 pub struct StageProgress {
-    done: AtomicU64,
-    total: AtomicU64,
+    /// Completed steps, and all steps announced so far.
+    count: Mutex<(u64, u64)>,
 }
 
 impl StageProgress {
     /// Creates a counter without any work.
     pub const fn new() -> Self {
-        Self { done: AtomicU64::new(0), total: AtomicU64::new(0) }
+        Self { count: Mutex::new((0, 0)) }
     }
 
     /// Returns a counter for callers that do not report progress.
@@ -22,21 +22,34 @@ impl StageProgress {
         &UNSEEN
     }
 
-    /// Begins work of `total` steps of about equal duration; 0 if their number is unknown.
-    pub fn begin(&self, total: u64) {
-        self.done.store(0, Ordering::Relaxed);
-        self.total.store(total, Ordering::Relaxed);
+    fn lock(&self) -> MutexGuard<'_, (u64, u64)> {
+        self.count.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Forgets all steps.
+    pub fn reset(&self) {
+        *self.lock() = (0, 0);
+    }
+
+    /// Announces `steps` steps of about equal duration. If all earlier steps are completed, they are forgotten.
+    pub fn add(&self, steps: u64) {
+        let mut count = self.lock();
+        if count.0 >= count.1 {
+            *count = (0, 0);
+        }
+        count.1 += steps;
     }
 
     /// Counts one completed step.
     pub fn step(&self) {
-        self.done.fetch_add(1, Ordering::Relaxed);
+        let mut count = self.lock();
+        count.0 = (count.0 + 1).min(count.1);
     }
 
-    /// Returns the number of completed steps and the total; `None` if the total is unknown.
+    /// Returns the number of completed steps and the total; `None` if no step is left.
     pub fn get(&self) -> Option<(u64, u64)> {
-        let total = self.total.load(Ordering::Relaxed);
-        (total > 0).then(|| (self.done.load(Ordering::Relaxed).min(total), total))
+        let count = *self.lock();
+        (count.0 < count.1).then_some(count)
     }
 }
 
@@ -45,14 +58,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn progress_restarts_with_each_stage() {
+    fn stages_that_overlap_are_counted_together() {
         let steps = StageProgress::new();
         assert_eq!(steps.get(), None);
-        steps.begin(2);
+        steps.add(2);
         assert_eq!(steps.get(), Some((0, 2)));
-        (0..3).for_each(|_| steps.step());
-        assert_eq!(steps.get(), Some((2, 2)), "never more than all");
-        steps.begin(0);
+        steps.step();
+        steps.add(3);
+        assert_eq!(steps.get(), Some((1, 5)));
+        (0..5).for_each(|_| steps.step());
+        assert_eq!(steps.get(), None, "never more than all");
+        steps.add(1);
+        assert_eq!(steps.get(), Some((0, 1)));
+        steps.reset();
         assert_eq!(steps.get(), None);
     }
 }

@@ -1,6 +1,6 @@
 //! Repeated bakes of one model while its recipe changes.
 
-use crate::pipeline::{BakeInput, Baked, CachedStages, Output, Outputs, baked, run};
+use crate::pipeline::{BakeInput, Baked, CachedStages, OnStep, Output, Outputs, baked, run};
 use crate::recipe::Recipe;
 use crate::stages::groom::MapImages;
 use pelage_import::BakeError;
@@ -18,14 +18,14 @@ pub struct Rebake<'a> {
 impl<'a> Rebake<'a> {
     /// Creates an empty state.
     pub fn new(model: &'a Model) -> Self {
-        Self { outputs: Outputs { model: Some(model), ..Outputs::default() }, before: None }
+        Self { outputs: Outputs::of_model(model), before: None }
     }
 
     /// Bakes the model with the recipe in `input`. If it fails, the outputs made so far are kept. Images are compared
     /// by address, so images that were read again count as changed.
     ///
     /// Fails with the errors of [`crate::pipeline::bake`].
-    pub fn bake(&mut self, input: &BakeInput<'a>, on_stage: &mut dyn FnMut(&'static str)) -> Result<Baked, BakeError> {
+    pub fn bake(&mut self, input: &BakeInput<'a>, on_step: &mut OnStep<'_>) -> Result<Baked, BakeError> {
         match self.before {
             Some((recipe, images)) if std::ptr::eq(images, input.images) => {
                 self.outputs.invalidate_changes(recipe, input.recipe);
@@ -37,7 +37,7 @@ impl<'a> Rebake<'a> {
             None => {}
         }
         self.before = Some((input.recipe, input.images));
-        run(input, &mut self.outputs, on_stage)?;
+        run(input, &mut self.outputs, on_step)?;
         baked(&self.outputs)
     }
 }

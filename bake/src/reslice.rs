@@ -108,12 +108,12 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
     // The motion of guided hair is not needed here, because its section is copied.
     let guided = GuidedHair { groups: package.hair_groups().map_err(fault)?.to_vec(), ..GuidedHair::default() };
     let mut outputs = Outputs {
-        hair: Some(hair),
-        guided: Some(guided),
-        fins: Some(ModelFins { section: fins, depth: None }),
-        ink: Some(ink),
-        ink_textures: Some(ink_textures),
-        skin: Some(skin(package, recipe).map_err(fault)?),
+        hair: hair.into(),
+        guided: guided.into(),
+        fins: ModelFins { section: fins, depth: None }.into(),
+        ink: ink.into(),
+        ink_textures: ink_textures.into(),
+        skin: skin(package, recipe).map_err(fault)?.into(),
         ..Outputs::default()
     };
     let images = MapImages::default();
@@ -122,8 +122,8 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
     finished(outputs)
 }
 
-fn finished(outputs: Outputs<'_>) -> Result<Vec<u8>, BakeError> {
-    let packed = outputs.package.map(|packed| packed.bytes);
+fn finished(mut outputs: Outputs<'_>) -> Result<Vec<u8>, BakeError> {
+    let packed = outputs.package.take().map(|packed| packed.bytes);
     packed.ok_or_else(|| BakeError::Internal("the pipeline ended without a package".into()))
 }
 
@@ -141,7 +141,7 @@ impl<'a> Slicer<'a> {
     ///
     /// Fails with the errors of [`crate::pipeline::bake`].
     pub fn new(input: BakeInput<'a>, model: &'a Model) -> Result<Self, BakeError> {
-        let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
+        let mut outputs = Outputs::of_model(model);
         run(&input, &mut outputs, &mut |_| ())?;
         outputs.invalidate(Output::Shells);
         outputs.invalidate(Output::FinTextures);
@@ -157,9 +157,9 @@ impl<'a> Slicer<'a> {
         let own = self.input.recipe;
         let sliced = Recipe { slice: recipe.slice.clone(), fins: recipe.fins.clone(), ..own.clone() };
         let mut outputs = if sliced == *recipe {
-            self.outputs.clone()
+            self.outputs.clone().shortened()
         } else {
-            Outputs { model: self.outputs.model, ..Outputs::default() }
+            Outputs { model: self.outputs.model.clone(), ..Outputs::default() }.shortened()
         };
         run(&BakeInput { recipe, ..self.input }, &mut outputs, &mut |_| ())?;
         finished(outputs)

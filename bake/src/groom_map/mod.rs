@@ -105,10 +105,10 @@ pub fn groom_map(
     let mut recipe = input.recipe.clone();
     recipe.color.at_root = false;
     let input = &BakeInput { recipe: &recipe, ..*input };
-    let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
+    let mut outputs = Outputs::of_model(model);
     pipeline::make(input, &mut outputs, Output::Groomed, &mut |_| ())?;
     let missing = || BakeError::Internal("the model has no surface or no groom, expected both".into());
-    let (laid, groomed) = (outputs.laid.as_ref().ok_or_else(missing)?, outputs.groomed.as_ref().ok_or_else(missing)?);
+    let (laid, groomed) = (outputs.laid.get().ok_or_else(missing)?, outputs.groomed.get().ok_or_else(missing)?);
     let model = laid.model(model);
     let over = coordinates.unwrap_or_else(|| usual_coordinates(input, laid));
     let ground = match over {

@@ -41,9 +41,9 @@ fn written(
 fn groomed(model: &Model, text: &str, images: &MapImages) -> [Vec<f32>; 3] {
     let recipe = recipe(text);
     let input = BakeInput::new("torus", "torus", &recipe, images);
-    let mut outputs = Outputs { model: Some(model), ..Outputs::default() };
+    let mut outputs = Outputs::of_model(model);
     pipeline::make(&input, &mut outputs, Output::Groomed, &mut |_| ()).unwrap();
-    let (laid, groomed) = (outputs.laid.unwrap(), outputs.groomed.unwrap());
+    let (laid, groomed) = (outputs.laid.take().unwrap(), outputs.groomed.take().unwrap());
     let of_inputs = |values: &[f32]| {
         let mut of_input = vec![f32::NAN; model.mesh.positions.len()];
         groomed.surface.input_vertex.iter().zip(values).for_each(|(v, value)| of_input[*v as usize] = *value);

@@ -17,7 +17,7 @@ use crate::stages::visibility::Visibility;
 use pelage_formats::{RootsInfo, StrandsData};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Input of a bake, the same for all steps.
 #[derive(Clone, Copy, Debug)]
@@ -50,10 +50,10 @@ macro_rules! outputs {
             $($(#[doc = $doc])+ $name,)+
         }
 
-        /// Outputs made so far; `None` if not made yet.
+        /// Outputs made so far; empty if not made yet.
         #[derive(Clone, Debug, Default)]
         pub struct Outputs<'a> {
-            $($(#[doc = $doc])+ pub $field: Option<$type>,)+
+            $($(#[doc = $doc])+ pub $field: OnceLock<$type>,)+
             /// Results cached between runs, for steps whose inputs may stay the same.
             pub kept: CachedStages,
         }
@@ -63,18 +63,33 @@ macro_rules! outputs {
             pub const ALL: &'static [Self] = &[$(Self::$name),+];
         }
 
-        impl Outputs<'_> {
+        impl<'a> Outputs<'a> {
+            /// Returns the outputs before a bake of `model`.
+            pub fn of_model(model: &'a Model) -> Self {
+                Self { model: model.into(), ..Self::default() }
+            }
+
+            /// Returns the same outputs, for use with data that live shorter, such as another recipe. For cells, the
+            /// compiler cannot do this by itself.
+            pub fn shortened<'b>(self) -> Outputs<'b>
+            where
+                'a: 'b,
+            {
+                let Self { $($field,)+ kept } = self;
+                Outputs { $($field: $field.into_inner().map(OnceLock::from).unwrap_or_default(),)+ kept }
+            }
+
             /// Whether the output exists.
             pub fn has(&self, output: Output) -> bool {
                 match output {
-                    $(Output::$name => self.$field.is_some(),)+
+                    $(Output::$name => self.$field.get().is_some(),)+
                 }
             }
 
             /// Drops the output, but nothing derived from it.
             pub fn clear(&mut self, output: Output) {
                 match output {
-                    $(Output::$name => self.$field = None,)+
+                    $(Output::$name => drop(self.$field.take()),)+
                 }
             }
         }
@@ -212,6 +227,12 @@ fn missing(what: Output) -> BakeError {
 }
 
 /// Returns an output of an earlier step.
-pub(super) fn required<T>(output: &Option<T>, what: Output) -> Result<&T, BakeError> {
-    output.as_ref().ok_or_else(|| missing(what))
+pub(super) fn required<T>(output: &OnceLock<T>, what: Output) -> Result<&T, BakeError> {
+    output.get().ok_or_else(|| missing(what))
+}
+
+/// Stores an output.
+pub(super) fn store<T>(output: &OnceLock<T>, what: Output, value: T) -> Result<(), BakeError> {
+    let twice = |_| BakeError::Internal(format!("{what:?} is made twice, expected one step to make it"));
+    output.set(value).map_err(twice)
 }

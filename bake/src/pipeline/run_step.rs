@@ -2,7 +2,7 @@
 
 use super::layout::{Layout, lay_out_model};
 use super::outputs::{
-    BakeInput, Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required,
+    BakeInput, Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required, store,
 };
 use crate::recipe::{ColorParams, HairColors, Recipe};
 use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
@@ -17,22 +17,20 @@ use pelage_import::BakeError;
 use pelage_import::mesh::{Mesh, RestPose};
 use std::sync::Arc;
 
-pub(super) fn surface<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(), BakeError> {
+pub(super) fn surface<'a>(input: &BakeInput<'a>, outputs: &Outputs<'a>) -> Result<(), BakeError> {
     let model = required(&outputs.model, Model)?;
-    outputs.laid = Some(lay_out_model(input.file, model, input.recipe, input.images)?);
-    Ok(())
+    store(&outputs.laid, Layout, lay_out_model(input.file, model, input.recipe, input.images)?)
 }
 
-pub(super) fn simulate(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn simulate(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let laid = required(&outputs.laid, Layout)?;
     let HairColors { root, tip, .. } = laid.hair_colors;
     let color = ColorParams { root: Some(root), tip: Some(tip), ..input.recipe.color.clone() };
     let recipe = Recipe { color, ..laid.filled.clone() };
-    outputs.hair = Some(TileHair::grow(&recipe, laid.lengths, laid.maps.fur_wetness())?);
-    Ok(())
+    store(&outputs.hair, Hair, TileHair::grow(&recipe, laid.lengths, laid.maps.fur_wetness())?)
 }
 
-pub(super) fn visible(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn visible(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (hair, params) = (required(&outputs.hair, Hair)?, &input.recipe.visibility);
     let find = || {
         let dry = visibility::visibility(&hair.strands, params, None)?;
@@ -41,15 +39,14 @@ pub(super) fn visible(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Resul
         let wet = hair.wet.as_ref().map(wet).transpose()?;
         Ok::<_, BakeError>(self::StrandVisibility { dry, wet })
     };
-    outputs.visible = Some(params.enabled.then(find).transpose()?);
-    Ok(())
+    store(&outputs.visible, StrandVisibility, params.enabled.then(find).transpose()?)
 }
 
-pub(super) fn slice(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn slice(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (hair, recipe) = (required(&outputs.hair, Hair)?, input.recipe);
     let with_coat = detail::has_far_layer(recipe);
     let volumes = 1 + u64::from(hair.wet.is_some());
-    input.steps.begin(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
+    input.steps.add(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let slice = |strands, visible| {
         let on_layer = &mut || input.steps.step();
@@ -58,19 +55,17 @@ pub(super) fn slice(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<
     let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;
     let wet = hair.wet.as_ref().map(|strands| slice(strands, visible.and_then(|v| v.wet.as_ref()))).transpose()?;
     let shells = self::Shells { dry, wet };
-    outputs.shells = Some(shells);
-    Ok(())
+    store(&outputs.shells, Shells, shells)
 }
 
-pub(super) fn single(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn single(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (hair, params) = (required(&outputs.hair, Hair)?, &input.recipe.strands);
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let visible = [visible.map(|v| &v.dry), visible.and_then(|v| v.wet.as_ref())];
-    outputs.single = Some(params.enabled.then(|| strand_data::strands(hair, visible, params.points)));
-    Ok(())
+    store(&outputs.single, Single, params.enabled.then(|| strand_data::strands(hair, visible, params.points)))
 }
 
-pub(super) fn groom(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn groom(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (laid, recipe) = (required(&outputs.laid, Layout)?, input.recipe);
     let model = laid.model(required(&outputs.model, Model)?);
     let self::Layout { bounds, furred, maps, .. } = laid;
@@ -115,18 +110,9 @@ pub(super) fn groom(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<
     let warnings = atlas.as_ref().and_then(Atlas::warning).into_iter().collect();
     let pattern_size_m = pattern.as_ref().map(Pattern::width_m);
     let roots = roots.map(|roots| roots.info(asides.at));
-    outputs.groomed = Some(Arc::new(self::Groomed {
-        surface,
-        coat,
-        colors,
-        grooms,
-        pattern_size_m,
-        roots,
-        bare_margin_m,
-        decisions,
-        warnings,
-    }));
-    Ok(())
+    let made =
+        self::Groomed { surface, coat, colors, grooms, pattern_size_m, roots, bare_margin_m, decisions, warnings };
+    store(&outputs.groomed, Groomed, Arc::new(made))
 }
 
 /// Returns the height of the fur, metres.
@@ -134,7 +120,7 @@ fn height_m(hair: &TileHair, lengths: Lengths) -> f32 {
     hair.strands.height * lengths.tile_size_m
 }
 
-pub(super) fn guided(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn guided(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (laid, groomed) = (required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
     let model = laid.model(required(&outputs.model, Model)?);
     let ground = hair_groups::GroomTarget {
@@ -146,37 +132,37 @@ pub(super) fn guided(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result
         nodes: &model.nodes,
         files: input.images,
     };
-    outputs.guided = Some(hair_groups::groups(&input.recipe.strands, &ground)?);
-    Ok(())
+    store(&outputs.guided, Guided, hair_groups::groups(&input.recipe.strands, &ground)?)
 }
 
-pub(super) fn fins(_: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn fins(_: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (laid, hair) = (required(&outputs.laid, Layout)?, required(&outputs.hair, Hair)?);
     let groomed = required(&outputs.groomed, Groomed)?;
     let (height_m, tile_size_m) = (height_m(hair, laid.lengths), laid.lengths.tile_size_m);
     let fins = fins::fins(&groomed.surface, &laid.furred, &groomed.coat, height_m, tile_size_m);
-    outputs.fins = Some(pack::model_fins(&groomed.surface, &fins));
-    Ok(())
+    store(&outputs.fins, Fins, pack::model_fins(&groomed.surface, &fins))
 }
 
-pub(super) fn fin_textures(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn fin_textures(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (hair, fins, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.fins, Fins)?, input.recipe);
     let depth = recipe.fins.depth.or(fins.depth).filter(|_| recipe.fins.enabled && fins.section.is_some());
     let make = |depth| slice::fin_textures(&hair.strands, depth, &recipe.slice, &recipe.pack);
-    outputs.fin_textures = Some(depth.map(make).transpose()?);
-    Ok(())
+    store(&outputs.fin_textures, FinTextures, depth.map(make).transpose()?)
 }
 
-pub(super) fn scatter(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn scatter(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (skin, guided) = (required(&outputs.skin, Skin)?, required(&outputs.guided, Guided)?);
     let materials = skin.manifest.materials.iter().map(|material| material.name.as_str());
     let groups = guided.groups.iter().map(|group| group.name.as_str());
     let scatters = input.recipe.shading.scatters();
-    outputs.fibres = Some(scatters.then(|| scatter::tables(&input.recipe.fibre, materials, groups)).transpose()?);
-    Ok(())
+    store(
+        &outputs.fibres,
+        Fibres,
+        scatters.then(|| scatter::tables(&input.recipe.fibre, materials, groups)).transpose()?,
+    )
 }
 
-pub(super) fn ink(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn ink(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let laid = required(&outputs.laid, Layout)?;
     let model = laid.model(required(&outputs.model, Model)?);
     let self::Groomed { surface, .. } = &**required(&outputs.groomed, Groomed)?;
@@ -190,23 +176,21 @@ pub(super) fn ink(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<()
     let canvas = InkTarget { mesh, rest, radius, materials: &model.materials, images: input.images };
     let params = &input.recipe.ink;
     let fur = ink::fur_strength(input.recipe, model, &laid.furred);
-    outputs.ink = Some(params.enabled.then(|| ink::vertex_ink(params, fur, &canvas)).transpose()?);
-    Ok(())
+    store(&outputs.ink, Ink, params.enabled.then(|| ink::vertex_ink(params, fur, &canvas)).transpose()?)
 }
 
-pub(super) fn ink_textures(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn ink_textures(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (laid, hair, recipe) = (required(&outputs.laid, Layout)?, required(&outputs.hair, Hair)?, input.recipe);
-    let painting = &mut outputs.kept.painting;
+    let painting = &outputs.kept.painting;
     let paint = |skin: &VertexInk| {
         let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
         let strands = strokes.then_some(&hair.strands);
         ink::textures_with_memo(&recipe.ink, &recipe.pack, input.images, strands, input.steps, painting)
     };
-    outputs.ink_textures = Some(required(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?);
-    Ok(())
+    store(&outputs.ink_textures, InkTextures, required(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?)
 }
 
-pub(super) fn skin(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn skin(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let laid = required(&outputs.laid, Layout)?;
     let model = laid.model(required(&outputs.model, Model)?);
     let (hair, groomed, recipe) = (required(&outputs.hair, Hair)?, required(&outputs.groomed, Groomed)?, input.recipe);
@@ -239,11 +223,10 @@ pub(super) fn skin(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
         simplified: recipe.detail.has_lists(),
         warnings: &warnings,
     };
-    outputs.skin = Some(pack::model_part(&pieces, &mut outputs.kept.of_skin));
-    Ok(())
+    store(&outputs.skin, Skin, pack::model_part(&pieces, &outputs.kept.of_skin))
 }
 
-pub(super) fn pack(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(), BakeError> {
+pub(super) fn pack(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let shells = required(&outputs.shells, Shells)?;
     let ink = required(&outputs.ink, Ink)?.as_ref().zip(required(&outputs.ink_textures, InkTextures)?.as_ref());
     let (skin, hair) = (required(&outputs.skin, Skin)?, required(&outputs.hair, Hair)?);
@@ -274,6 +257,5 @@ pub(super) fn pack(input: &BakeInput<'_>, outputs: &mut Outputs<'_>) -> Result<(
         },
         other => other,
     })?;
-    outputs.package = Some(PackageBytes { bytes, warnings });
-    Ok(())
+    store(&outputs.package, Package, PackageBytes { bytes, warnings })
 }

@@ -139,7 +139,7 @@ pub struct ModelMemo {
 }
 
 /// Converts the model part to the data of a package. `kept`: reusable results from an earlier call with the same model.
-pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<'static> {
+pub fn model_part(pieces: &ModelResults<'_>, kept: &ModelMemo) -> ModelPart<'static> {
     let ModelResults { model, surface, .. } = *pieces;
     let mut textures = Vec::new();
     let mut add_all = |prefix: &str, files: &[Vec<u8>]| {
@@ -169,19 +169,23 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &mut ModelMemo) -> ModelPart<
         ..Manifest::default()
     };
     let mut mesh = Arc::new(mesh_data(pieces));
-    let lists = pieces.simplified.then(|| {
-        let tile_size_m = manifest.fur.tile_size_m;
-        kept.lists.of(SimplifyInput { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m }, |of| {
-            simplify::levels(&of.mesh, &of.parts, model.animation.as_ref(), of.tile_size_m).into()
-        })
-    });
-    let simplified = lists.and_then(in_section);
     // Materials with holes cut by a texture do not occlude: rays ignore textures.
     let solid = |part: &Part| manifest.materials.get(part.material as usize).is_none_or(|of| of.alpha_cutoff.is_none());
-    let hides = manifest.parts.iter().flat_map(|part| std::iter::repeat_n(solid(part), part.index_count as usize / 3));
-    let opened = kept.opened.of(OpennessInput { mesh: mesh.clone(), hides: hides.collect() }, |of| {
-        openness(&of.mesh, model.animation.as_ref(), |triangle| of.hides.get(triangle).copied().unwrap_or(true)).into()
-    });
+    let hides = |part: &Part| std::iter::repeat_n(solid(part), part.index_count as usize / 3);
+    let hides = manifest.parts.iter().flat_map(hides).collect();
+    let tile_size_m = manifest.fur.tile_size_m;
+    let simplified = || {
+        let input = SimplifyInput { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m };
+        let levels =
+            |of: &SimplifyInput| simplify::levels(&of.mesh, &of.parts, model.animation.as_ref(), of.tile_size_m);
+        in_section(kept.lists.of(input, |of| levels(of).into()))
+    };
+    let opened = || {
+        let is_solid = |of: &OpennessInput, triangle: usize| of.hides.get(triangle).copied().unwrap_or(true);
+        let openness = |of: &OpennessInput| openness(&of.mesh, model.animation.as_ref(), |i| is_solid(of, i));
+        kept.opened.of(OpennessInput { mesh: mesh.clone(), hides }, |of| openness(of).into())
+    };
+    let (simplified, opened) = rayon::join(|| pieces.simplified.then(simplified).flatten(), opened);
     let morphs =
         morphs::mesh_morphs(&mesh, &surface.mesh.morph_rows, model).map(|morphs| Content::Morphs(Arc::new(morphs)));
     morphs::hidden(&mut mesh, &surface.mesh.morph_rows, model);

@@ -9,12 +9,13 @@ use super::output::{Output, human_bytes, require_parent};
 use super::picture_args::{PictureArgs, positive};
 use super::progress::span;
 use super::shell_judge::Baker;
+use super::stage_times::{StageTime, StageTimes};
 use super::threads;
 use super::write_recipe::{self, RecipeChoices};
 use pelage_bake::decision::Decision;
 use pelage_bake::io::{self, Reach};
 use pelage_bake::io_trace;
-use pelage_bake::pipeline::{self, BakeInput, Baked};
+use pelage_bake::pipeline::{self, BakeInput, Baked, StepEvent};
 use pelage_bake::progress::StageProgress;
 use pelage_bake::recipe::{Recipe, SliceParams};
 use pelage_bake::reslice::Slicer;
@@ -250,14 +251,6 @@ pub struct BakeResult<'a> {
     judged: Option<&'a [TrialFigures]>,
 }
 
-/// Duration of a stage.
-#[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct StageTime {
-    name: &'static str,
-    seconds: f64,
-}
-
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs, output: &mut Output) -> Result<Exit, Failure> {
     let start = Instant::now();
@@ -341,7 +334,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
     let told = BakeInput { steps: &steps, ..BakeInput::new(&file, &name, &recipe, &images) };
     let large = large_layers(&recipe);
     large.iter().for_each(|note| watch.output.note(note));
-    let mut baked = pipeline::bake(&told, &model, &mut |stage| watch.begin(stage)).map_err(placed)?;
+    let mut baked = pipeline::bake(&told, &model, &mut |event| watch.on_event(event)).map_err(placed)?;
     baked.decisions.extend(tile.decisions);
     baked.warnings.extend(tile.warnings);
     let written = args.write_recipe.as_ref().map(|path| {
@@ -423,18 +416,17 @@ fn large_package(package: &Package<'_>) -> Result<Option<String>, FormatError> {
     )))
 }
 
-/// Measures the duration of each stage, and shows the current stage.
+/// Measures the durations of stages, and shows those that are running.
 #[derive(Debug)]
 pub struct StageWatch<'a> {
     output: &'a mut Output,
-    stages: Vec<StageTime>,
-    begun: Instant,
+    times: StageTimes,
 }
 
 impl<'a> StageWatch<'a> {
     /// Creates the timer before the first stage.
     pub fn new(output: &'a mut Output) -> Self {
-        Self { output, stages: Vec::new(), begun: Instant::now() }
+        Self { output, times: StageTimes::default() }
     }
 
     /// Returns the step counter that stages increment for the progress display.
@@ -447,24 +439,25 @@ impl<'a> StageWatch<'a> {
         self.output
     }
 
-    /// Ends the current stage, if any, and begins the stage named `stage`.
+    /// Begins a stage before the bake itself.
     pub fn begin(&mut self, stage: &'static str) {
-        self.end();
+        self.times.begin(stage);
         self.output.progress(stage);
-        self.stages.push(StageTime { name: stage, seconds: 0.0 });
-        self.begun = Instant::now();
     }
 
-    fn end(&mut self) {
-        if let Some(StageTime { seconds, .. }) = self.stages.last_mut() {
-            *seconds = self.begun.elapsed().as_secs_f64();
+    /// Records an event of a bake.
+    pub fn on_event(&mut self, event: StepEvent) {
+        let before = self.times.running();
+        self.times.on_event(event);
+        let running = self.times.running();
+        if running != before && !running.is_empty() {
+            self.output.progress(&running.join(", "));
         }
     }
 
-    /// Ends the last stage and returns the times of all stages.
-    pub fn finish(mut self) -> Vec<StageTime> {
-        self.end();
-        self.stages
+    /// Returns the times of all stages.
+    pub fn finish(self) -> Vec<StageTime> {
+        self.times.finish()
     }
 }
 

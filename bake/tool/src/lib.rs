@@ -59,6 +59,7 @@ pub mod share;
 #[doc(hidden)]
 pub mod shell_judge;
 mod sky;
+mod stage_times;
 #[doc(hidden)]
 pub mod stages;
 mod threads;

@@ -24,21 +24,23 @@ pub struct Work {
     begun: Instant,
     /// Steps already finished at the start (by an earlier run), finished steps, and total number of steps.
     counted: Option<(u64, u64, u64)>,
-    /// Step counter of the stage itself; used if `counted` is `None`.
+    /// Step counter of the stages themselves; used if `counted` is `None`.
     steps: Arc<StageProgress>,
+    /// Steps of the counter that were finished at the start of the current work.
+    earlier: u64,
 }
 
 impl Work {
     /// Creates the state before any work; `steps` is the step counter that stages increment.
     pub fn new(steps: Arc<StageProgress>) -> Self {
         let now = Instant::now();
-        Self { since: now, doing: String::new(), begun: now, counted: None, steps }
+        Self { since: now, doing: String::new(), begun: now, counted: None, steps, earlier: 0 }
     }
 
     /// Begins work described by `doing`. Its length is unknown until steps are counted.
     pub fn begin(&mut self, doing: &str) {
-        self.steps.begin(0);
         (self.doing, self.begun, self.counted) = (doing.to_owned(), Instant::now(), None);
+        self.earlier = self.steps.get().map_or(0, |(done, _)| done);
     }
 
     /// Records that `done` of `total` steps are finished.
@@ -54,7 +56,8 @@ impl Work {
     /// omitted until a step is finished, and when less than [`LEAST_LEFT_S`] is left: work that goes on then takes
     /// longer than estimated.
     pub fn left(&self, now: Instant) -> String {
-        let counted = self.counted.or_else(|| self.steps.get().map(|(done, total)| (0, done, total)));
+        let counted =
+            self.counted.or_else(|| self.steps.get().map(|(done, total)| (self.earlier.min(done), done, total)));
         let Some((first, done, total)) = counted else { return String::new() };
         let own = done.saturating_sub(first);
         if own == 0 {
@@ -128,7 +131,7 @@ mod tests {
         work.since = work.begun - Duration::from_secs(3);
         let after = |work: &Work, seconds: u64| work.line(work.begun + Duration::from_secs(seconds));
         assert_eq!(after(&work, 7), "10 s: slice");
-        steps.begin(64);
+        steps.add(64);
         assert_eq!(after(&work, 7), "10 s: slice, 0 of 64");
         (0..16).for_each(|_| steps.step());
         assert_eq!(after(&work, 20), "23 s: slice, 16 of 64, about 60 s left");
@@ -136,10 +139,10 @@ mod tests {
         (0..47).for_each(|_| steps.step());
         assert_eq!(after(&work, 30), "33 s: slice, 63 of 64", "less than a second of the estimate is left");
         assert_eq!(after(&work, 300), "5 min: slice, 63 of 64, about 5 s left");
+        work.begin("slice, groom");
+        assert_eq!(after(&work, 1), "4 s: slice, groom, 63 of 64", "the pace of the step that is left is unknown");
         steps.step();
-        assert_eq!(after(&work, 500), "8 min: slice, 64 of 64", "the stage goes on after its last step");
-        work.begin("pack");
-        assert_eq!(work.left(Instant::now()), "", "the count was the stage's before");
+        assert_eq!(after(&work, 500), "8 min: slice, groom", "the stage goes on after its last step");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Gloss of bare surface, found from the model and set by the recipe.
 
-use super::pipeline::import_built_in;
+use super::pipeline::{StageLog, import_built_in};
 use glam::Vec3;
 use pelage_bake::pipeline::{self, BakeInput, Outputs};
 use pelage_bake::recipe::Recipe;
@@ -112,12 +112,12 @@ fn packages_contain_gloss() {
     let mut duller = recipe.clone();
     duller.set("shading.material=[{ name = \"Nose\", roughness = 0.8 }]").unwrap();
     let (model, images) = (import_built_in("hare", &recipe), MapImages::default());
-    let mut outputs = Outputs { model: Some(&model), ..Outputs::default() };
+    let mut outputs = Outputs::of_model(&model);
     for (recipe, nose) in [(&recipe, 0.4), (&duller, 0.8)] {
-        let mut stages = Vec::new();
+        let mut log = StageLog::default();
         let input = BakeInput::new("hare", "hare", recipe, &images);
-        pipeline::run(&input, &mut outputs, &mut |stage| stages.push(stage)).unwrap();
-        let bytes = &outputs.package.as_ref().unwrap().bytes;
+        pipeline::run(&input, &mut outputs, &mut |event| log.on_event(event)).unwrap();
+        let bytes = &outputs.package.get().unwrap().bytes.clone();
         assert_eq!(Package::validate(bytes, &Limits::default()), []);
         let package = Package::open(bytes, &Limits::default()).unwrap();
         let roughness = |name: &str| {
@@ -125,7 +125,7 @@ fn packages_contain_gloss() {
             package.gloss().unwrap()[index].map(|of| of.roughness)
         };
         assert_eq!(["Coat", "Eye", "Nose"].map(roughness), [None, Some(0.06), Some(nose)]);
-        assert_eq!(stages.contains(&"slice"), nose == 0.4, "{stages:?}");
+        assert_eq!(log.stages().contains(&"slice"), nose == 0.4, "{:?}", log.stages());
         outputs.invalidate_changes(recipe, &duller);
     }
 }

@@ -1,7 +1,7 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Tests of a complete bake, from the built-in models to packages.
 
-use pelage_bake::pipeline::{self, BakeInput, Baked, Output, Outputs, STAGES, STEPS};
+use pelage_bake::pipeline::{self, BakeInput, Baked, Output, Outputs, STAGES, STEPS, StepEvent};
 use pelage_bake::recipe::{HairGroupParams, Recipe, StrandParams};
 use pelage_bake::reslice::{Slicer, reslice};
 use pelage_bake::stages::groom::MapImages;
@@ -44,12 +44,7 @@ pub fn import_built_in(name: &str, recipe: &Recipe) -> Model {
 
 fn bake(name: &str, recipe: &Recipe) -> Result<Baked, BakeError> {
     let model = import_built_in(name, recipe);
-    let mut stages = Vec::new();
-    let baked = pipeline::bake(&BakeInput::new(name, name, recipe, &MapImages::default()), &model, &mut |stage| {
-        stages.push(stage);
-    });
-    assert!(STAGES.starts_with(&stages), "{stages:?}");
-    baked
+    pipeline::bake(&BakeInput::new(name, name, recipe, &MapImages::default()), &model, &mut |_| ())
 }
 
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -446,11 +441,41 @@ fn package_has_ink_unless_disabled() {
     assert!(without.len() + 500_000 < bare.len());
 }
 
+/// Steps of a bake that have begun and ended. Each must do so once.
+#[derive(Default)]
+pub struct StageLog {
+    begun: Vec<Output>,
+    ended: Vec<Output>,
+}
+
+impl StageLog {
+    pub fn on_event(&mut self, event: StepEvent) {
+        match event {
+            StepEvent::Begins(step) => {
+                assert!(!self.begun.contains(&step.makes), "{:?} is made twice", step.makes);
+                self.begun.push(step.makes);
+            }
+            StepEvent::Ends(step) => {
+                let waits = self.begun.contains(&step.makes) && !self.ended.contains(&step.makes);
+                assert!(waits, "{:?} ends twice or before it begins", step.makes);
+                self.ended.push(step.makes);
+            }
+        }
+    }
+
+    /// Returns the stages that ran, in the order of [`STAGES`].
+    pub fn stages(&self) -> Vec<&'static str> {
+        assert_eq!(self.begun.len(), self.ended.len());
+        let ran = |stage: &&str| STEPS.iter().any(|step| step.stage == *stage && self.ended.contains(&step.makes));
+        STAGES.into_iter().filter(ran).collect()
+    }
+}
+
 /// Runs the pipeline to its end. Returns the package, and the stages that ran.
 fn run<'a>(input: &BakeInput<'a>, outputs: &mut Outputs<'a>) -> Result<(Vec<u8>, Vec<&'static str>), BakeError> {
-    let mut stages = Vec::new();
-    pipeline::run(input, outputs, &mut |stage| stages.push(stage))?;
-    Ok((outputs.package.clone().unwrap().bytes, stages))
+    let mut log = StageLog::default();
+    pipeline::run(input, outputs, &mut |event| log.on_event(event))?;
+    Ok((outputs.package.get().unwrap().bytes.clone(), log.stages()))
 }
 
 /// Checks that every step runs with exactly the inputs that it declares, and fails if one of them is missing. A
@@ -473,11 +498,11 @@ fn bake_steps_need_exactly_their_declared_inputs() {
     let model = import("ox", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
     let input = BakeInput::new("ox", "ox", &recipe, &images);
-    let mut whole = Outputs { model: Some(&model), ..Outputs::default() };
+    let mut whole = Outputs::of_model(&model);
     let (package, stages) = run(&input, &mut whole).unwrap();
     assert_eq!(stages, STAGES);
     assert!(
-        whole.fin_textures.clone().unwrap().is_some() && whole.ink.clone().unwrap().is_some(),
+        whole.fin_textures.get().unwrap().is_some() && whole.ink.get().unwrap().is_some(),
         "fin textures and ink must be made"
     );
     assert_eq!(run(&input, &mut whole).unwrap(), (package.clone(), vec![]), "no stage may run if all outputs exist");
@@ -492,12 +517,12 @@ fn bake_steps_need_exactly_their_declared_inputs() {
             Output::ALL.iter().filter(|output| !kept.contains(output)).for_each(|output| outputs.clear(*output));
             outputs
         };
-        let mut made = only(step.reads);
-        step.run(&input, &mut made).unwrap_or_else(|error| panic!("{:?}: {error}", step.makes));
+        let made = only(step.reads);
+        step.run(&input, &made).unwrap_or_else(|error| panic!("{:?}: {error}", step.makes));
         assert!(made.has(step.makes));
         for missing in step.reads {
             let rest: Vec<_> = step.reads.iter().copied().filter(|read| read != missing).collect();
-            let error = step.run(&input, &mut only(&rest)).unwrap_err().to_string();
+            let error = step.run(&input, &only(&rest)).unwrap_err().to_string();
             assert!(error.contains(&format!("{missing:?} is missing")), "{:?}: {error}", step.makes);
         }
         // A bake that repeats this step must give the same package.
@@ -522,7 +547,7 @@ fn continued_bake_equals_a_whole_bake() {
     let model = import("torus", &bytes, &mut |_, _| panic!("no files"), &ImportOptions::default()).unwrap();
     let images = MapImages::default();
     let input = |recipe| BakeInput::new("torus", "torus", recipe, &images);
-    let mut outputs = Outputs { model: Some(&model), ..Outputs::default() };
+    let mut outputs = Outputs::of_model(&model);
     run(&input(&first), &mut outputs).unwrap();
     outputs.invalidate(Output::Shells);
     outputs.invalidate(Output::FinTextures);

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 //! Checks that repeated bakes of a model with a changing recipe equal whole bakes, for every key.
 
-use crate::stages::pipeline::{asset, import_built_in};
+use crate::stages::pipeline::{StageLog, asset, import_built_in};
 use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::{self, Recipe};
@@ -90,9 +90,9 @@ fn changes_rerun_only_the_affected_stages() {
     let others = MapImages::default();
     let mut rebake = Rebake::new(&model);
     let mut stages_of = |recipe, images| {
-        let mut stages = Vec::new();
-        rebake.bake(&BakeInput::new("torus", "torus", recipe, images), &mut |stage| stages.push(stage)).unwrap();
-        stages
+        let mut log = StageLog::default();
+        rebake.bake(&BakeInput::new("torus", "torus", recipe, images), &mut |event| log.on_event(event)).unwrap();
+        log.stages()
     };
     assert_eq!(stages_of(&base, &images), pipeline::STAGES);
     assert_eq!(stages_of(&base, &images), [""; 0]);

@@ -14,7 +14,7 @@ use super::{Cell, Panel};
 use crate::truth::{SampledVolume, StrandField};
 use glam::{DVec3, Vec2, Vec3, Vec4, vec2, vec3};
 use pelage_bake::pipeline;
-use pelage_bake::pipeline::BakeInput;
+use pelage_bake::pipeline::{BakeInput, OnStep};
 use pelage_bake::recipe::{
     BcQuality, DirectionFormat, FinParams, PackParams, Recipe, ShellFormat, SurfaceParams, SurfaceSource,
 };
@@ -217,7 +217,7 @@ impl Sheet {
     /// Bakes the sheet with visibility, and reads the visibility from the package as a runtime does.
     ///
     /// * `blocks`, `directions`: as in [`SelfShadowForm::Baked`]
-    /// * `on_stage`: called with the name of each of [`pipeline::STAGES`] as it begins
+    /// * `on_step`: called when a step begins or ends
     ///
     /// # Errors
     ///
@@ -226,14 +226,14 @@ impl Sheet {
         &self,
         blocks: Option<BcQuality>,
         directions: u32,
-        on_stage: &mut dyn FnMut(&'static str),
+        on_step: &mut OnStep<'_>,
     ) -> Result<TileVisibility, BakeError> {
         let mut recipe = self.recipe.clone();
         (recipe.visibility.enabled, recipe.visibility.directions) = (true, directions);
         if let Some(quality) = blocks {
             (recipe.pack.shell_format, recipe.pack.bc_quality) = (ShellFormat::Bc7, quality);
         }
-        TileVisibility::read(&bake_sheet(&recipe, self.lengths, on_stage)?)
+        TileVisibility::read(&bake_sheet(&recipe, self.lengths, on_step)?)
     }
 
     /// Transforms a direction towards the light to world space.
@@ -516,15 +516,15 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     sheet
 }
 
-/// Bakes a sheet with the hair of `recipe`; `on_stage` is as in [`pipeline::bake`].
-fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_stage: &mut dyn FnMut(&'static str)) -> Result<Vec<u8>, BakeError> {
+/// Bakes a sheet with the hair of `recipe`; `on_step` is as in [`pipeline::bake`].
+fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_step: &mut OnStep<'_>) -> Result<Vec<u8>, BakeError> {
     let height = f64::from(lengths.length_m / lengths.tile_size_m);
     let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
     // The sheet consists of the middle tile and a margin on each side. The margin is as wide as the reach of the rays
     // that end on the tile. A larger sheet would only make the maps coarser.
     let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
     let model = sheet_model(tiles * lengths.tile_size_m, tiles);
-    Ok(pipeline::bake(&BakeInput::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_stage)?.package)
+    Ok(pipeline::bake(&BakeInput::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_step)?.package)
 }
 
 /// Returns an upward-facing square in the plane y = 0. Its texture coordinates are in units of tiles, and one tile is

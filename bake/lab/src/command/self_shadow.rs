@@ -9,6 +9,7 @@ use crate::chart::self_shadow::{
     COLUMNS, Cost, MapCost, PANELS, SelfShadowErrors, Sheet, Slant, TransmittanceTruth, cells, slants,
 };
 use crate::chart::self_shadow_forms::{SelfShadowConfiguration, SelfShadowForm, configurations};
+use pelage_bake::pipeline::{Output, StepEvent};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_formats::Bounds;
 use pelage_import::mesh::RestPose;
@@ -86,14 +87,15 @@ impl Topic for SelfShadowTopic<'_> {
                 doing("baking");
                 let mut seconds = f64::INFINITY;
                 let mut bake = |blocks| {
-                    let (mut stage, mut began) = ("", Instant::now());
-                    sheet.visibility(blocks, directions, &mut |next| {
-                        if stage == "visibility" {
-                            // Blocks are encoded later, so every bake does the same work here. The fastest counts,
-                            // because other load only adds time.
+                    let mut began = Instant::now();
+                    sheet.visibility(blocks, directions, &mut |event| match event {
+                        StepEvent::Begins(step) if step.makes == Output::StrandVisibility => began = Instant::now(),
+                        // Blocks are encoded later, so every bake does the same work here. The fastest counts, because
+                        // other load only adds time.
+                        StepEvent::Ends(step) if step.makes == Output::StrandVisibility => {
                             seconds = seconds.min(began.elapsed().as_secs_f64());
                         }
-                        (stage, began) = (next, Instant::now());
+                        _ => {}
                     })
                 };
                 let (visibility, plain) = (bake(blocks)?, bake(None)?);

@@ -6,6 +6,7 @@
 //! ink of this water stays as a dark rim, a tide mark.
 
 use super::plane::Plane;
+use std::ops::Range;
 
 /// Number of steps until a layer is dry. Fronts advance by about the square root of this number, texels.
 const STEPS: usize = 72;
@@ -28,69 +29,115 @@ pub(super) struct Paper<'a> {
     pub threshold: &'a Plane,
 }
 
+/// Water and ink of the texels, or what flows from each texel to a neighbour.
+#[derive(Clone)]
+struct Wet {
+    water: Vec<f32>,
+    ink: Vec<f32>,
+}
+
+/// Consecutive texels of a row.
+#[derive(Clone, Copy)]
+struct Texels<'a> {
+    water: &'a [f32],
+    ink: &'a [f32],
+    permeability: &'a [f32],
+    threshold: &'a [f32],
+}
+
+impl Wet {
+    fn texels<'a>(&'a self, paper: Paper<'a>, range: Range<usize>) -> Texels<'a> {
+        Texels {
+            water: &self.water[range.clone()],
+            ink: &self.ink[range.clone()],
+            permeability: &paper.permeability.values[range.clone()],
+            threshold: &paper.threshold.values[range],
+        }
+    }
+
+    /// Stores what flows from the texels `a` to the texels `b`, beginning at the index `at`. Without branches, so that
+    /// the compiler vectorises it.
+    fn exchange<'b>(&mut self, at: usize, a: Texels<'b>, b: Texels<'b>) {
+        let n = a.water.len();
+        let (water, ink) = (&mut self.water[at..at + n], &mut self.ink[at..at + n]);
+        let cut = |t: &Texels<'b>| [&t.water[..n], &t.ink[..n], &t.permeability[..n], &t.threshold[..n]];
+        let ([a_water, a_ink, a_pass, a_least], [b_water, b_ink, b_pass, b_least]) = (cut(&a), cut(&b));
+        for i in 0..n {
+            let forward = a_water[i] > b_water[i];
+            let select = |a: f32, b: f32| if forward { (a, b) } else { (b, a) };
+            let (from_water, to_water) = select(a_water[i], b_water[i]);
+            let (from_ink, to_ink) = select(a_ink[i], b_ink[i]);
+            let least = if forward { b_least[i] } else { a_least[i] };
+            // Between two dry texels, nothing flows.
+            let flows = (from_water >= DRY) & ((to_water >= DRY) | (from_water >= least));
+            let pass = 0.12 * (a_pass[i] + b_pass[i]);
+            let flow = pass * (from_water - to_water);
+            let wandering = if to_water >= DRY { WANDERING * (from_ink - to_ink) } else { 0.0 };
+            let carried = flow * from_ink / from_water.max(1e-6) + wandering;
+            let sign = if forward { 1.0 } else { -1.0 };
+            let sign = if flows { sign } else { 0.0 };
+            water[i] = sign * flow;
+            ink[i] = sign * carried;
+        }
+    }
+}
+
 /// Simulates one layer of wash and returns the dried ink.
 ///
 /// * `water`: initial water, 0..=1 per texel; equals the initial ink where `strength` is 1
 /// * `edges`: how much faster the border dries, 0..=1; 0 leaves no rim
 pub(super) fn simulate_drying(paper: Paper<'_>, water: &Plane, strength: &Plane, edges: f32) -> Plane {
     let n = water.side;
-    let mut water = water.values.clone();
-    let mut ink: Vec<f32> = water.iter().zip(&strength.values).map(|(w, s)| w * s).collect();
+    let ink = water.values.iter().zip(&strength.values).map(|(w, s)| w * s).collect();
+    let mut wet = Wet { water: water.values.clone(), ink };
+    // Flows to the right and down.
+    let (mut right, mut down) = (wet.clone(), wet.clone());
     let mut stain = vec![0.0f32; n * n];
-    let mut next = (water.clone(), ink.clone());
+    let mut dry = vec![0.0f32; n * n];
     for _ in 0..STEPS {
-        next.0.copy_from_slice(&water);
-        next.1.copy_from_slice(&ink);
         for y in 0..n {
-            let below = if y + 1 == n { 0 } else { y + 1 } * n;
-            for x in 0..n {
-                let i = y * n + x;
-                let right = y * n + if x + 1 == n { 0 } else { x + 1 };
-                for j in [right, below + x] {
-                    // Between two dry texels, nothing flows.
-                    if water[i].max(water[j]) < DRY {
-                        continue;
-                    }
-                    let (from, to) = if water[i] > water[j] { (i, j) } else { (j, i) };
-                    if water[to] < DRY && water[from] < paper.threshold.values[to] {
-                        continue;
-                    }
-                    let pass = 0.12 * (paper.permeability.values[i] + paper.permeability.values[j]);
-                    let flow = pass * (water[from] - water[to]);
-                    let mut carried = flow * ink[from] / water[from].max(1e-6);
-                    if water[to] >= DRY {
-                        carried += WANDERING * (ink[from] - ink[to]);
-                    }
-                    next.0[from] -= flow;
-                    next.0[to] += flow;
-                    next.1[from] -= carried;
-                    next.1[to] += carried;
-                }
-            }
+            let (row, below) = (y * n, (y + 1) % n * n);
+            let texels = |range| wet.texels(paper, range);
+            right.exchange(row, texels(row..row + n - 1), texels(row + 1..row + n));
+            right.exchange(row + n - 1, texels(row + n - 1..row + n), texels(row..row + 1));
+            down.exchange(row, texels(row..row + n), texels(below..below + n));
         }
-        std::mem::swap(&mut water, &mut next.0);
-        std::mem::swap(&mut ink, &mut next.1);
         for y in 0..n {
-            let (above, below) = (if y == 0 { n - 1 } else { y - 1 } * n, if y + 1 == n { 0 } else { y + 1 } * n);
-            for x in 0..n {
-                let i = y * n + x;
-                if next.0[i].max(water[i]) <= 0.0 {
-                    continue;
+            let (row, above) = (y * n, (y + n - 1) % n * n);
+            let move_along = |moved: &mut [f32], right: &[f32], down: &[f32]| {
+                let (here, out) = (&mut moved[row..row + n], &right[row..row + n]);
+                let (falls, arrives) = (&down[row..row + n], &down[above..above + n]);
+                for x in 0..n {
+                    here[x] += arrives[x] - out[x] - falls[x];
                 }
-                let (left, right) = (if x == 0 { n - 1 } else { x - 1 }, if x + 1 == n { 0 } else { x + 1 });
-                let wet = |j: usize| f32::from(u8::from(water[j] >= DRY));
-                let dry_sides = 4.0 - wet(y * n + left) - wet(y * n + right) - wet(above + x) - wet(below + x);
+                here[0] += out[n - 1];
+                for x in 1..n {
+                    here[x] += out[x - 1];
+                }
+            };
+            move_along(&mut wet.water, &right.water, &down.water);
+            move_along(&mut wet.ink, &right.ink, &down.ink);
+        }
+        dry.iter_mut().zip(&wet.water).for_each(|(dry, water)| *dry = if *water < DRY { 1.0 } else { 0.0 });
+        for y in 0..n {
+            let (row, above, below) = (y * n, (y + n - 1) % n * n, (y + 1) % n * n);
+            let rows = [row, above, below].map(|from| &dry[from..from + n]);
+            let (water, ink) = (&mut wet.water[row..row + n], &mut wet.ink[row..row + n]);
+            let stain = &mut stain[row..row + n];
+            for x in 0..n {
+                let beside = rows[0][if x == 0 { n - 1 } else { x - 1 }] + rows[0][if x + 1 == n { 0 } else { x + 1 }];
+                let dry_sides = beside + rows[1][x] + rows[2][x];
                 let loss = EVAPORATION + EDGE_EVAPORATION * edges * dry_sides;
-                water[i] = (water[i] - loss).max(0.0);
+                water[x] = (water[x] - loss).max(0.0);
                 // All ink settles when the last of the water is gone.
-                let share = if water[i] < DRY { 1.0 } else { SETTLING };
-                let settled = share * ink[i];
-                stain[i] += settled;
-                ink[i] -= settled;
+                let share = if water[x] < DRY { 1.0 } else { SETTLING };
+                let settled = share * ink[x];
+                stain[x] += settled;
+                ink[x] -= settled;
             }
         }
     }
-    stain.iter_mut().zip(&ink).for_each(|(s, rest)| *s += rest);
+    stain.iter_mut().zip(&wet.ink).for_each(|(s, rest)| *s += rest);
     Plane { side: n, values: stain }
 }
 

@@ -5,7 +5,7 @@
 //! strokes are the broadest; later ones fill the gaps. Each density has a share of the tile that its strokes ink, and
 //! includes the strokes of all sparser ones.
 
-use super::noise::gradient;
+use super::noise::Gradient;
 use super::plane::Plane;
 use crate::noise::{hash, smooth_step, uniform};
 use crate::stages::simulate::Strands;
@@ -37,7 +37,9 @@ const THINNEST_TEXELS: f32 = 0.8;
 struct Stroke {
     path: Vec<Vec2>,
     half_width: f32,
-    seed: u64,
+    /// Random position of the bristles in their noise.
+    shift: f32,
+    bristles: Gradient,
 }
 
 /// Parameters of one view of the strokes.
@@ -63,7 +65,6 @@ type PathOf = fn(&[Vec3], Vec2, u64) -> Vec<Vec2>;
 /// row is at the height [`Strands::height`].
 pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
     let side = side as usize;
-    let order = drawing_order(strands, seed);
     let height = strands.height.max(1e-6);
     let scale = side as f32;
     let looks = [
@@ -77,7 +78,7 @@ pub fn fur(strands: &Strands, side: u32, seed: u64) -> [[Plane; 4]; 2] {
         },
     ];
     let lean = mean_lean(strands);
-    let drawn: Vec<_> = looks.par_iter().map(|view| draw(strands, &order, view, lean, seed)).collect();
+    let drawn: Vec<_> = looks.par_iter().map(|view| draw(strands, view, lean, seed)).collect();
     // Cannot fail: two views give two layers.
     <[_; 2]>::try_from(drawn).unwrap_or_else(|_| std::array::from_fn(|_| std::array::from_fn(|_| Plane::empty(side))))
 }
@@ -91,44 +92,55 @@ fn mean_lean(strands: &Strands) -> Vec2 {
     ends.sum::<Vec2>().normalize_or_zero()
 }
 
-/// Returns the indices of strands in drawing order. Each strand is the random candidate farthest from the strands
-/// before it.
-fn drawing_order(strands: &Strands, seed: u64) -> Vec<usize> {
-    let count = strands.len();
-    let roots: Vec<Vec2> = (0..count)
-        .map(|i| strands.points.get(strands.range(i).start).copied().unwrap_or_default().truncate())
-        .collect();
-    let mut order: Vec<usize> = Vec::new();
-    let mut taken = vec![false; count];
-    for n in 0..count.min(MOST_STROKES) as u64 {
+/// Indices of at most [`MOST_STROKES`] strands in drawing order. Each strand is the random candidate farthest from the
+/// strands before it.
+struct DrawingOrder {
+    seed: u64,
+    roots: Vec<Vec2>,
+    order: Vec<usize>,
+    taken: Vec<bool>,
+}
+
+impl DrawingOrder {
+    fn new(strands: &Strands, seed: u64) -> Self {
+        let root = |i| strands.points.get(strands.range(i).start).copied().unwrap_or_default().truncate();
+        let roots: Vec<Vec2> = (0..strands.len()).map(root).collect();
+        Self { seed: hash(seed, 1), order: Vec::new(), taken: vec![false; roots.len()], roots }
+    }
+
+    /// Returns the distance between two roots, squared; the tile repeats.
+    fn distance(&self, a: usize, b: usize) -> f32 {
+        let d = (self.roots[a] - self.roots[b]).abs();
+        d.min(1.0 - d).length_squared()
+    }
+}
+
+impl Iterator for DrawingOrder {
+    type Item = usize;
+
+    fn next(&mut self) -> Option<usize> {
+        let (n, count) = (self.order.len(), self.roots.len());
+        if n >= count.min(MOST_STROKES) {
+            return None;
+        }
+        // The last few hundred strands represent the coverage of the tile well enough.
+        let recent = &self.order[n.saturating_sub(400)..];
         let mut best: Option<(f32, usize)> = None;
         for candidate in 0..CANDIDATES {
-            let mut i = (hash(hash(seed, 1), n << 8 | candidate) % count as u64) as usize;
+            let first = (hash(self.seed, (n as u64) << 8 | candidate) % count as u64) as usize;
             // In a small tile, most strands are already taken late in the process. The next strand that is not taken is
             // used.
-            for _ in 0..count {
-                if !taken[i] {
-                    break;
-                }
-                i = (i + 1) % count;
-            }
-            // The last few hundred strands represent the coverage of the tile well enough.
-            let recent = &order[order.len().saturating_sub(400)..];
-            let away = recent.iter().map(|o| {
-                let d = roots[*o] - roots[i];
-                (d - d.round()).length_squared()
-            });
-            let away = away.fold(f32::INFINITY, f32::min);
+            let i = (first..count).chain(0..first).find(|i| !self.taken[*i])?;
+            let away = recent.iter().map(|other| self.distance(*other, i)).fold(f32::INFINITY, f32::min);
             if best.is_none_or(|(most, _)| away > most) {
                 best = Some((away, i));
             }
         }
-        if let Some((_, i)) = best {
-            taken[i] = true;
-            order.push(i);
-        }
+        let (_, strand) = best?;
+        self.taken[strand] = true;
+        self.order.push(strand);
+        Some(strand)
     }
-    order
 }
 
 /// Returns a strand's path seen from above, extended to [`REACH`] times the strand's length. The extension continues
@@ -164,23 +176,24 @@ fn path_from_side(points: &[Vec3], _: Vec2, _: u64) -> Vec<Vec2> {
 }
 
 /// Draws strokes until each density has inked its share of the tile. Denser planes include the ink of sparser ones.
-fn draw(strands: &Strands, order: &[usize], view: &TileView, lean: Vec2, seed: u64) -> [Plane; 4] {
+fn draw(strands: &Strands, view: &TileView, lean: Vec2, seed: u64) -> [Plane; 4] {
+    let mut order = DrawingOrder::new(strands, seed);
     let mut ink = Plane::empty(view.side);
     let mut touched = Stamp { ink: Plane::empty(view.side), texels: Vec::new() };
     let mut sum = 0.0f64;
     let all = (view.side * view.side) as f64;
-    let mut drawn = 0;
     std::array::from_fn(|density| {
         let share = density as f32 / 3.0;
-        while drawn < order.len() && sum < f64::from(view.densities[density]) * all {
-            let strand = order[drawn];
-            drawn += 1;
+        while sum < f64::from(view.densities[density]) * all
+            && let Some(strand) = order.next()
+        {
             let seed = hash(seed, 0x10000 + strand as u64);
             let path = (view.path)(&strands.points[strands.range(strand)], lean, seed);
             let long: f32 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
             let wide = (BROAD + (FINE - BROAD) * share) * (0.7 + 0.6 * uniform(seed, 3)) * long.max(SHORTEST);
             let thinnest = THINNEST_TEXELS / view.scale.x;
-            touched.stroke(view, &Stroke { path, half_width: wide.max(thinnest), seed });
+            let (shift, bristles) = (uniform(seed, 4), Gradient::new(hash(seed, 5), UVec2::new(16, 5)));
+            touched.stroke(view, &Stroke { path, half_width: wide.max(thinnest), shift, bristles });
             for i in touched.texels.drain(..) {
                 let new = std::mem::take(&mut touched.ink.values[i]);
                 let old = &mut ink.values[i];
@@ -244,11 +257,20 @@ impl Stamp {
     }
 }
 
+/// Returns x to the power of 3/4.
+fn three_quarters(x: f32) -> f32 {
+    let root = x.sqrt();
+    root * root.sqrt()
+}
+
 /// Returns the ink at share `t` of the stroke's length, 0..=1. `away` is the distance from the stroke's path, `side`
 /// the offset of the bristle to the left of it, and `soft` half a texel.
 fn brush(stroke: &Stroke, t: f32, (away, side): (f32, f32), soft: f32) -> f32 {
+    if away >= stroke.half_width + soft {
+        return 0.0;
+    }
     // The pressure rises quickly and falls slowly.
-    let press = smooth_step(-0.08, 0.24, t) * libm::powf((1.0 - t).max(0.0), 0.75);
+    let press = smooth_step(-0.08, 0.24, t) * three_quarters((1.0 - t).max(0.0));
     let half = stroke.half_width * press;
     let covered = ((half + soft - away) / (2.0 * soft)).clamp(0.0, 1.0) * (half / soft).min(1.0);
     if covered <= 0.0 {
@@ -256,8 +278,8 @@ fn brush(stroke: &Stroke, t: f32, (away, side): (f32, f32), soft: f32) -> f32 {
     }
     // Bristles run along the stroke and part as the ink runs out. The effect fades where the stroke has too few texels
     // to show separate bristles.
-    let at = Vec2::new(0.11 * t, 0.5 + 0.5 * side / stroke.half_width) + uniform(stroke.seed, 4);
-    let bristle = gradient(hash(stroke.seed, 5), at, UVec2::new(16, 5));
+    let at = Vec2::new(0.11 * t, 0.5 + 0.5 * side / stroke.half_width) + stroke.shift;
+    let bristle = stroke.bristles.at(at);
     let dry = smooth_step(0.05, 0.6, 0.8 * bristle + 0.9 * t - 0.35) * smooth_step(1.0, 5.0, stroke.half_width / soft);
     covered * (1.0 - 0.85 * dry) * (0.92 - 0.25 * t)
 }

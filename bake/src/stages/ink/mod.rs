@@ -134,7 +134,7 @@ pub fn textures(
     strands: Option<&Strands>,
     steps: &StageProgress,
 ) -> Result<InkFiles<'static>, BakeError> {
-    textures_with_memo(params, pack, images, strands, steps, &mut Memo::default())
+    textures_with_memo(params, pack, images, strands, steps, &Memo::default())
 }
 
 /// Does the same as [`textures`], but reuses the results in `painting` if tables and images are unchanged.
@@ -146,17 +146,17 @@ pub fn textures_with_memo(
     images: &MapImages,
     strands: Option<&Strands>,
     steps: &StageProgress,
-    painting: &mut Memo<(InkParams, PackParams), PaintedTextures>,
+    painting: &Memo<(InkParams, PackParams), PaintedTextures>,
 ) -> Result<InkFiles<'static>, BakeError> {
     params.validate()?;
     pack.validate()?;
     let strands = strands.filter(|strands| !strands.is_empty());
-    steps.begin(2 * (3 + u64::from(strands.is_some())));
     let packed = texture_format(pack);
     let (painting, fur) = rayon::join(
         || painting.make((params.clone(), pack.clone()), |(params, pack)| paint(params, pack, images, steps)),
         || {
             let paint = |strands| fur(strands, params.fur_texels, params.seed).to_vec();
+            steps.add(2 * u64::from(strands.is_some()));
             let strands = strands
                 .map(|strands| encode(paint(strands), [Channel::Value; 4], (AlphaMode::Straight, packed), pack, steps));
             strands.transpose()
@@ -204,6 +204,7 @@ fn paint(
     steps: &StageProgress,
 ) -> Result<PaintedTextures, BakeError> {
     use Channel::{Threshold, Value};
+    steps.add(2 * 3);
     let dry = [Value, Value, Value, Threshold];
     let packed = texture_format(pack);
     let encode = |planes, channels, alpha, format| encode(vec![planes], channels, (alpha, format), pack, steps);

@@ -1,6 +1,6 @@
 //! Paper texture: a tile of xuan paper, with long soft fibres in a cloudy sheet.
 
-use super::noise::octaves;
+use super::noise::Octaves;
 use super::plane::Plane;
 use crate::noise::{hash, smooth_step, uniform};
 use crate::recipe::InkParams;
@@ -74,19 +74,16 @@ fn fibres(side: usize, seed: u64, count: u32, (length, width): (f32, f32)) -> Pl
 pub fn paper(params: &InkParams) -> [Plane; 4] {
     let side = params.paper_texels as usize;
     let seed = hash(params.seed, 0x9a9e);
-    let noise =
-        |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
+    let noise = |kind: u64, cells: u32, count: u32| Octaves::new(hash(seed, kind), UVec2::splat(cells), count, 0.6);
     let count = FIBRES * params.paper_fibres;
     let bast = fibres(side, hash(seed, 1), (0.3 * count) as u32, (0.36, 0.0008));
     let straw = fibres(side, hash(seed, 2), count as u32, (0.13, 0.0004));
     let fibres_all = bast.with(&straw, |bast, straw| bast.max(0.75 * straw));
     // The sheet looks cloudy against the light, because its thickness varies.
-    let cloud = Plane::from_fn(side, |uv| noise(3, uv, 6, 5));
-    let tooth = Plane::from_fn(side, |uv| noise(4, uv, (params.paper_texels / 10).max(4), 3));
-    let ribs = Plane::from_fn(side, |uv| {
-        let waver = 0.004 * noise(5, uv, 3, 2);
-        0.5 * libm::cosf(TAU * SCREEN_RIBS * (uv.y + waver))
-    });
+    let cloud = noise(3, 6, 5).plane(side);
+    let tooth = noise(4, (params.paper_texels / 10).max(4), 3).plane(side);
+    let waver = noise(5, 3, 2);
+    let ribs = Plane::from_fn(side, |uv| 0.5 * libm::cosf(TAU * SCREEN_RIBS * (uv.y + 0.004 * waver.at(uv))));
     let felt = tooth.with(&cloud, |tooth, cloud| 0.35 * tooth + 0.3 * cloud).with(&ribs, |a, ribs| a + 0.12 * ribs);
     let relief = felt.with(&fibres_all, |felt, fibre| felt + 1.9 * fibre);
     let absorbency = cloud.with(&tooth, |cloud, tooth| cloud + 0.25 * tooth).with(&fibres_all, |a, f| a - 1.1 * f);

@@ -19,6 +19,17 @@ fn mean_of(values: impl Iterator<Item = f32>, count: usize) -> f32 {
     (values.map(f64::from).sum::<f64>() / count.max(1) as f64) as f32
 }
 
+/// Returns the values of `f` at the centres of the texels, row by row.
+fn texels<T: Copy + Default + Send>(side: usize, f: impl Fn(Vec2) -> T + Sync) -> Vec<T> {
+    let mut values = vec![T::default(); side * side];
+    values.par_chunks_mut(side).enumerate().for_each(|(y, row)| {
+        for (x, value) in row.iter_mut().enumerate() {
+            *value = f((Vec2::new(x as f32, y as f32) + 0.5) / side as f32);
+        }
+    });
+    values
+}
+
 impl Plane {
     /// Creates a plane of zeros.
     pub(super) fn empty(side: usize) -> Self {
@@ -27,13 +38,13 @@ impl Plane {
 
     /// Evaluates `f` at the centre of every texel; the tile covers 0..1 along both axes.
     pub(super) fn from_fn(side: usize, f: impl Fn(Vec2) -> f32 + Sync) -> Self {
-        let mut values = vec![0.0; side * side];
-        values.par_chunks_mut(side).enumerate().for_each(|(y, row)| {
-            for (x, value) in row.iter_mut().enumerate() {
-                *value = f((Vec2::new(x as f32, y as f32) + 0.5) / side as f32);
-            }
-        });
-        Self { side, values }
+        Self { side, values: texels(side, f) }
+    }
+
+    /// Does the same for two planes.
+    pub(super) fn pair_from_fn(side: usize, f: impl Fn(Vec2) -> [f32; 2] + Sync) -> [Self; 2] {
+        let pairs = texels(side, f);
+        [0, 1].map(|of| Self { side, values: pairs.iter().map(|pair| pair[of]).collect() })
     }
 
     /// Applies `f` to each value and returns a new plane.

@@ -1,13 +1,14 @@
 use super::*;
-use crate::stages::ink::noise::octaves;
+use crate::stages::ink::noise::Octaves;
 use glam::UVec2;
 
 /// Makes a painting on silk that is darker to the right, with brush marks of several sizes.
 fn painting(width: u32, height: u32) -> Image {
+    let noise = Octaves::new(5, UVec2::splat(9), 4, 0.7);
     let texel = |i: u32| {
         let (x, y) = (i % width, i / width);
         let uv = Vec2::new(x as f32, y as f32) / width.max(height) as f32;
-        let ink = (0.5 + 0.8 * octaves(5, uv, UVec2::splat(9), 4, 0.7)).clamp(0.0, 1.0);
+        let ink = (0.5 + 0.8 * noise.at(uv)).clamp(0.0, 1.0);
         let silk = 0.75 - 0.35 * x as f32 / width as f32;
         let grey = (255.0 * silk * (1.0 - 0.7 * ink)).round() as u8;
         [grey, grey, (0.85 * f32::from(grey)) as u8, 255]

@@ -5,7 +5,7 @@
 //! disc faces the eye; its rim, at distance one half, is the outline. The width of the line is the distance that the
 //! ink extends inwards. It varies along the rim, like a line drawn with a soft brush.
 
-use super::noise::{gradient, octaves};
+use super::noise::{Gradient, Octaves};
 use super::plane::Plane;
 use crate::noise::{hash, smooth_step};
 use crate::recipe::InkParams;
@@ -26,7 +26,11 @@ fn polar(uv: Vec2) -> Vec2 {
 
 /// Ring of ink with the varying width of a brush stroke.
 struct Ring<'a> {
-    seed: u64,
+    /// Noise along the rim and inwards: its cells are those per turn and per radius.
+    swell: Octaves,
+    fray: [Octaves; 2],
+    bristles: [Gradient; 2],
+    load: Octaves,
     width: f32,
     variation: f32,
     dryness: f32,
@@ -34,15 +38,9 @@ struct Ring<'a> {
 }
 
 impl Ring<'_> {
-    /// Returns noise along the rim and inwards. `kind` selects the noise; `cells` are the cells per turn and per
-    /// radius.
-    fn noise(&self, kind: u64, at: Vec2, cells: (u32, u32), count: u32) -> f32 {
-        octaves(hash(self.seed, kind), at, UVec2::new(cells.0, cells.1), count, 0.55)
-    }
-
     /// Returns the brush pressure, about 1.
     fn pressure(&self, turns: f32) -> f32 {
-        let swell = 0.55 * libm::cosf(TAU * (turns - BELLY)) + 0.6 * self.noise(1, Vec2::new(turns, 0.5), (4, 4), 3);
+        let swell = 0.55 * libm::cosf(TAU * (turns - BELLY)) + 0.6 * self.swell.at(Vec2::new(turns, 0.5));
         (1.0 + self.variation * swell).max(0.25)
     }
 
@@ -50,7 +48,7 @@ impl Ring<'_> {
     fn ink(&self, at: Vec2) -> [f32; 2] {
         let pressure = self.pressure(at.x);
         // Position within the stroke: 0..=1 from the rim to its frayed edge.
-        let fray = 0.24 * self.noise(2, at, (40, 24), 3) + 0.1 * self.noise(3, at, (150, 60), 2);
+        let fray = 0.24 * self.fray[0].at(at) + 0.1 * self.fray[1].at(at);
         let across = at.y / (self.width * pressure) + fray * self.variation.min(1.0);
         let body = 1.0 - smooth_step(0.72, 1.12, across);
         // Ink bleeds into the paper and fades outwards. It pools a little where it stops.
@@ -68,9 +66,8 @@ impl Ring<'_> {
         };
         // Bristles run along the rim. The drier the brush, the more bristles leave no ink, beginning on the side with
         // less pressure.
-        let bristles = gradient(hash(self.seed, 4), at, UVec2::new(9, 88))
-            + 0.6 * gradient(hash(self.seed, 5), at, UVec2::new(23, 150));
-        let load = self.noise(6, Vec2::new(at.x, 0.25), (6, 3), 2);
+        let bristles = self.bristles[0].at(at) + 0.6 * self.bristles[1].at(at);
+        let load = self.load.at(Vec2::new(at.x, 0.25));
         let lift = 1.1 * across.min(1.0) - 1.45 + 1.6 * self.dryness + 0.55 * load - 0.5 * (pressure - 1.0);
         let gap = smooth_step(-0.12, 0.28, 0.75 * bristles + lift);
         [wet, wet * (1.0 - 0.94 * gap)]
@@ -88,19 +85,26 @@ impl Ring<'_> {
 /// [`stroke_band`](super::stroke_band). The dry stroke is then the scan without the ink of some bristles.
 pub fn stroke(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     let side = params.stroke_texels as usize;
+    let seed = hash(params.seed, 0x5701);
+    let noise = |kind, cells: (u32, u32), count| Octaves::new(hash(seed, kind), cells.into(), count, 0.55);
     let ring = Ring {
-        seed: hash(params.seed, 0x5701),
+        swell: noise(1, (4, 4), 3),
+        fray: [noise(2, (40, 24), 3), noise(3, (150, 60), 2)],
+        bristles: [(4, UVec2::new(9, 88)), (5, UVec2::new(23, 150))]
+            .map(|(k, cells)| Gradient::new(hash(seed, k), cells)),
+        load: noise(6, (6, 3), 2),
         width: params.stroke_width,
         variation: params.stroke_variation,
         dryness: params.stroke_dryness,
         scanned,
     };
-    let grey = |brush: usize| Plane::from_fn(side, |uv| 1.0 - ring.ink(polar(uv))[brush]);
-    [grey(0), grey(1), width_noise(side, params), Plane::from_fn(side, |_| 1.0)]
+    let [wet, dry] = Plane::pair_from_fn(side, |uv| ring.ink(polar(uv)).map(|ink| 1.0 - ink));
+    [wet, dry, width_noise(side, params), Plane::from_fn(side, |_| 1.0)]
 }
 
 /// Makes the blue channel: noise along the rim that changes slowly inwards.
 fn width_noise(side: usize, params: &InkParams) -> Plane {
     let seed = hash(params.seed, 0x5702);
-    Plane::from_fn(side, |uv| octaves(seed, polar(uv), UVec2::new(7, 3), 4, 0.6)).balanced(0.18)
+    let noise = Octaves::new(seed, UVec2::new(7, 3), 4, 0.6);
+    Plane::from_fn(side, |uv| noise.at(polar(uv))).balanced(0.18)
 }

@@ -1,7 +1,7 @@
 //! Wash texture: a tile of dried ink wash, and noise for lines and dry brushes on the surface.
 
 use super::diffusion::{Paper, simulate_drying};
-use super::noise::octaves;
+use super::noise::Octaves;
 use super::plane::Plane;
 use crate::noise::{hash, smooth_step, uniform};
 use crate::recipe::InkParams;
@@ -34,12 +34,11 @@ const PRESSURE: f32 = 0.17;
 pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
     let side = params.wash_texels as usize;
     let seed = hash(params.seed, 0x3a51);
-    let noise =
-        |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
+    let noise = |kind: u64, cells: u32, count: u32| Octaves::new(hash(seed, kind), UVec2::splat(cells), count, 0.6);
     // Soot particles settle on fibres and sizing.
-    let tooth = Plane::from_fn(side, |uv| noise(1, uv, 40, 4));
-    let soft = |f: &(dyn Fn(Vec2) -> f32 + Sync)| Plane::from_fn(side.min(SOFT_SIDE), f).resized(side);
-    let cloud = soft(&|uv| noise(2, uv, 5, 5));
+    let tooth = noise(1, 40, 4).plane(side);
+    let soft = |noise: Octaves| noise.plane(side.min(SOFT_SIDE)).resized(side);
+    let cloud = soft(noise(2, 5, 5));
     let (grain, blotches) = match scanned {
         Some(tile) => {
             let tile = tile.resized(side);
@@ -58,27 +57,23 @@ pub fn wash(params: &InkParams, scanned: Option<&Plane>) -> [Plane; 4] {
         }
     };
     // The frequency is lower than that of line widths: a change within a line's width would turn the line into beads.
-    let pressure = soft(&|uv| noise(3, uv, 6, 2));
-    let speckle = Plane::from_fn(side, |uv| noise(4, uv, (params.wash_texels / 8).max(4), 3));
+    let pressure = soft(noise(3, 6, 2));
+    let speckle = noise(4, (params.wash_texels / 8).max(4), 3).plane(side);
     let dry_brush = speckle.with(&tooth, |speckle, tooth| speckle + 0.5 * tooth).with(&pressure, |v, p| v - 0.15 * p);
     [grain.balanced(GRAIN), blotches.balanced(BLOTCHES), pressure.balanced(PRESSURE), dry_brush.equalised()]
 }
 
 /// Simulates the ink of all layers together, about 0..1.
 fn stain(seed: u64, edges: f32) -> Plane {
-    let noise =
-        |kind: u64, uv: Vec2, cells: u32, count: u32| octaves(hash(seed, kind), uv, UVec2::splat(cells), count, 0.6);
-    let permeability = Plane::from_fn(WET_SIDE, |uv| (0.62 + 0.3 * noise(11, uv, 24, 3)).clamp(0.08, 1.0));
-    let threshold = Plane::from_fn(WET_SIDE, |uv| (0.26 + 0.2 * noise(12, uv, 36, 2)).clamp(0.03, 0.9));
+    let noise = |kind: u64, cells: u32, count: u32| Octaves::new(hash(seed, kind), UVec2::splat(cells), count, 0.6);
+    let permeability = noise(11, 24, 3).plane(WET_SIDE).map(|v| (0.62 + 0.3 * v).clamp(0.08, 1.0));
+    let threshold = noise(12, 36, 2).plane(WET_SIDE).map(|v| (0.26 + 0.2 * v).clamp(0.03, 0.9));
     let paper = Paper { permeability: &permeability, threshold: &threshold };
     let dried = |layer: u64| {
         let seed = hash(seed, 0x100 + layer);
-        let bend = |uv: Vec2| {
-            let bend = |kind: u64| octaves(hash(seed, kind), uv, UVec2::splat(4), 4, 0.55);
-            Vec2::new(bend(1), bend(2)) * 0.075
-        };
+        let bends = [1, 2].map(|kind| Octaves::new(hash(seed, kind), UVec2::splat(4), 4, 0.55));
         let puddle = |uv: Vec2| {
-            let at = uv + bend(uv);
+            let at = uv + Vec2::new(bends[0].at(uv), bends[1].at(uv)) * 0.075;
             let mut depth = 0.0f32;
             for k in 0..PUDDLES {
                 let random = |n: u64| uniform(seed, k << 8 | n);
@@ -91,9 +86,9 @@ fn stain(seed: u64, edges: f32) -> Plane {
             }
             depth
         };
-        let water =
-            Plane::from_fn(WET_SIDE, |uv| puddle(uv) * (0.8 + 0.2 * noise(13 + layer, uv, 6, 2)).clamp(0.3, 1.0));
-        let strength = Plane::from_fn(WET_SIDE, |uv| (0.55 + 0.5 * noise(21 + layer, uv, 4, 4)).clamp(0.06, 1.3));
+        let depth = noise(13 + layer, 6, 2);
+        let water = Plane::from_fn(WET_SIDE, |uv| puddle(uv) * (0.8 + 0.2 * depth.at(uv)).clamp(0.3, 1.0));
+        let strength = noise(21 + layer, 4, 4).plane(WET_SIDE).map(|v| (0.55 + 0.5 * v).clamp(0.06, 1.3));
         simulate_drying(paper, &water, &strength, edges)
     };
     let layers: Vec<Plane> = (0..LAYERS).into_par_iter().map(dried).collect();

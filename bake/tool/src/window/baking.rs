@@ -1,6 +1,7 @@
 //! Thread that holds a model and bakes it on request. Only stages whose inputs have changed are recomputed.
 
-use pelage_bake::pipeline::{BakeInput, Baked, STAGES};
+use crate::stage_times::StageTimes;
+use pelage_bake::pipeline::{BakeInput, Baked, STAGES, StepEvent};
 use pelage_bake::progress::StageProgress;
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::Recipe;
@@ -10,7 +11,7 @@ use pelage_import::mesh::Model;
 use pelage_viewer::Progress;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use typed_arena::Arena;
 
 /// Polling interval of the progress of a long stage.
@@ -27,7 +28,7 @@ struct BakeRequest {
 }
 
 enum Answer {
-    Begins(&'static str),
+    Step(StepEvent),
     Done(Box<Result<Baked, BakeError>>),
 }
 
@@ -63,26 +64,25 @@ impl BakeThread {
     ) -> Result<Timed, BakeError> {
         let gone = || BakeError::Internal("the baking thread has ended".into());
         self.orders.send(BakeRequest { recipe, images }).map_err(|_| gone())?;
-        let mut stages: Vec<(&'static str, Instant)> = Vec::new();
+        let mut times = StageTimes::default();
         loop {
             match self.answers.recv_timeout(ASKED_EVERY) {
-                Ok(Answer::Begins(stage)) => stages.push((stage, Instant::now())),
-                Ok(Answer::Done(baked)) => return Ok(((*baked)?, seconds(&stages))),
+                Ok(Answer::Step(event)) => times.on_event(event),
+                Ok(Answer::Done(baked)) => {
+                    let seconds = times.finish().into_iter().map(|stage| (stage.name.to_owned(), stage.seconds));
+                    return Ok(((*baked)?, seconds.collect()));
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Err(gone()),
             }
-            if let Some((stage, _)) = stages.last() {
-                let number = STAGES.iter().position(|name| name == stage).unwrap_or(0) as f32;
+            let running = times.running();
+            if let Some(first) = running.first() {
+                let number = STAGES.iter().position(|name| name == first).unwrap_or(0) as f32;
                 let part = self.steps.get().map_or(0.0, |(done, total)| done as f32 / total.max(1) as f32);
-                progress(Progress { doing: (*stage).into(), share: Some((number + part) / STAGES.len() as f32) });
+                progress(Progress { doing: running.join(", "), share: Some((number + part) / STAGES.len() as f32) });
             }
         }
     }
-}
-
-fn seconds(stages: &[(&'static str, Instant)]) -> Vec<(String, f64)> {
-    let ends = stages.iter().skip(1).map(|(_, begun)| *begun).chain([Instant::now()]);
-    stages.iter().zip(ends).map(|((name, begun), end)| ((*name).to_owned(), (end - *begun).as_secs_f64())).collect()
 }
 
 fn bake_all(
@@ -105,7 +105,7 @@ fn bake_all(
         order = loop {
             let told = BakeInput { steps, ..BakeInput::new(file, name, recipes.alloc(order.recipe), &images) };
             // The requester may be gone, in which case the progress report is dropped.
-            let baked = rebake.bake(&told, &mut |stage| drop(answer.send(Answer::Begins(stage))));
+            let baked = rebake.bake(&told, &mut |event| drop(answer.send(Answer::Step(event))));
             if answer.send(Answer::Done(Box::new(baked))).is_err() {
                 return;
             }
