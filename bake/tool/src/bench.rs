@@ -8,15 +8,16 @@ use super::stages::{FurDetail, detail, stage_of};
 use super::view::PictureView;
 use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS, Frames, ViewArgs};
 use pelage_runtime::{Frame, PassId};
-use pelage_stage::{Clock, FrameTimes, Gpu, Look, Meter, Spread, Stage};
+use pelage_stage::{Clock, FrameTimes, Gpu, Look, LookStrandEdges, Meter, Spread, Stage};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Time every pass of a package on this machine's adapter
 ///
-/// Draws one sample per pixel unless --samples is given. The sequence options (--fps, --auto-rotate, --turn-light)
-/// apply to `render` only: here every frame is the next one of the clip.
+/// Draws as an application does by default: one sample per pixel unless --samples is given, and single strands only
+/// where samples show them. `render` draws finer edges (--strand-edges blended), which take longer. The sequence
+/// options (--fps, --auto-rotate, --turn-light) apply to `render` only: here every frame is the next one of the clip.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = ALL_OPTIONS, after_long_help = COMMON_OPTIONS)]
 pub struct BenchArgs {
@@ -81,7 +82,9 @@ const FRAMES: u32 = 30;
 
 /// Runs the subcommand.
 pub fn run(args: &BenchArgs, output: &mut Output) -> Result<Exit, Failure> {
-    let mut view = PictureView::new(&args.view, Look::default())?;
+    let mut look = Look::default();
+    look.fur.strand_edges = LookStrandEdges::Samples;
+    let mut view = PictureView::new(&args.view, look)?;
     args.samples.apply(&mut view.look)?;
     let frames = match args.view.frames.map(Frames::count) {
         Some(None) => {

@@ -275,6 +275,33 @@ fn detail_chart_is_reproducible() {
     assert_reproduced(&sandbox, &rows[4], &["flip", "rmse", "coverage_error", "layers", "triangles", "fur_px"]);
 }
 
+/// Checks the chart of growth: pixels of layers, layers and copies. Amounts and fragments must grow as the
+/// settings do; times only have to be there.
+#[test]
+fn cost_chart_is_reproducible() {
+    if gpu("cost_chart_is_reproducible").is_none() {
+        return;
+    }
+    let sandbox = Sandbox::new().with_lab();
+    let small = ["judge.width=208", "judge.height=106", "hair.density=300", "shading.model=kajiya-kay"];
+    let sets: Vec<&str> = small.iter().flat_map(|set| ["--set", set]).collect();
+    let rows = charted(&sandbox, "cost", "2,3,9,12,21,22", &sets);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap_or_else(|| panic!("{name}: {}", rows[row]));
+    assert_eq!([0, 1].map(|row| number(row, "width")), [104.0, 208.0]);
+    let covered = number(1, "covered_pixels") / number(0, "covered_pixels");
+    assert!((3.5..4.5).contains(&covered) && number(0, "amount") == number(0, "covered_pixels"), "{covered}");
+    assert_eq!([2, 3].map(|row| number(row, "amount")), [2.0, 15.0], "layers");
+    assert_eq!([4, 5].map(|row| number(row, "amount")), [1.0, 4.0], "copies");
+    for (row, line) in rows.iter().enumerate() {
+        assert!(number(row, "frame_milliseconds") > 0.0 && number(row, "over_first") > 0.0, "{line}");
+        assert_eq!(line["exponent"].is_number(), ![2, 4].contains(&row), "the first of a series has none: {line}");
+    }
+    if let (Some(few), Some(many)) = (rows[2]["fragments"].as_f64(), rows[3]["fragments"].as_f64()) {
+        assert!(many > 3.0 * few, "{few} and {many} fragments");
+    }
+    assert_reproduced(&sandbox, &rows[5], &["amount", "covered_pixels", "fragments"]);
+}
+
 #[test]
 fn strands_chart_is_reproducible() {
     if gpu("strands_chart_is_reproducible").is_none() {

@@ -1,11 +1,12 @@
 //! Speed against accuracy: tables of configurations, their Pareto front, and plots of both.
 //!
-//! A topic is a module that lists configurations ([`environment`], [`environment_fit`], [`multiple`], [`scattering`],
-//! [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`, `soft_shadow`),
-//! and a command that measures them. All topics share the code for table, Pareto front, CSV and SVG. Each row of
-//! figures includes the command that reproduces it.
+//! A topic is a module that lists configurations ([`cost`], [`environment`], [`environment_fit`], [`multiple`],
+//! [`scattering`], [`surface`], [`textures`], [`verlet`], `detail`, `ink`, `lighting`, `opacity_shadow`, `self_shadow`,
+//! `soft_shadow`), and a command that measures them. All topics share the code for table, Pareto front, CSV and SVG.
+//! Each row of figures includes the command that reproduces it.
 
 mod axis;
+pub mod cost;
 pub mod detail;
 pub mod environment;
 pub mod environment_fit;

@@ -108,6 +108,8 @@ pub(super) enum Topic {
     /// Single strands and layers, in close-up and at five sizes, with one sample per pixel and four: error against the
     /// true strands, and cost
     Strands,
+    /// Pixels, layers, triangles, strands and copies: time of a frame, and its exponent
+    Cost,
     /// Lapped patches: trade-off between seams and distortion, and seconds
     Surface,
     /// Light per pixel and per vertex: error of the direction used against the strand's own, and cost

@@ -4,6 +4,7 @@
 //! numbers, journal, progress, Pareto front, table and picture (`driver.rs`).
 
 mod args;
+mod cost;
 mod detail;
 mod driver;
 mod environment;
@@ -70,7 +71,10 @@ pub fn run(args: &ChartArgs, output: &mut Output) -> Result<Exit, Failure> {
     }
     let subject = Subject::new(args)?;
     if subject.package.is_some()
-        && !matches!(args.topic, Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink)
+        && !matches!(
+            args.topic,
+            Topic::Cost | Topic::Shells | Topic::Detail | Topic::Strands | Topic::OpacityShadow | Topic::Ink
+        )
     {
         if args.topic == Topic::Surface {
             let why = "the mesh of a package is already cut into patches";
@@ -101,6 +105,7 @@ fn topic<'a>(args: &ChartArgs, subject: &'a Subject) -> Result<Box<dyn driver::T
     Ok(match args.topic {
         Topic::Environment => Box::new(environment::EnvironmentTopic::new(&args.sky)?),
         Topic::EnvironmentFit => Box::new(environment_fit::EnvironmentFitTopic::new(&args.sky)?),
+        Topic::Cost => Box::new(cost::CostTopic::new(subject)?),
         Topic::Surface => Box::new(surface::SurfaceTopic::new(subject)?),
         Topic::Textures => Box::new(textures::TexturesTopic::new(subject)?),
         Topic::Verlet => Box::new(verlet::VerletTopic::new()),

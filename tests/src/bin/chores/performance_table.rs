@@ -12,14 +12,16 @@ use std::process::Command;
 type Formatter = fn(&Value) -> String;
 
 /// Frame measurements: description, options of `pelage bench`, and formatter of the result.
-const FRAMES: [(&str, &[&str], Formatter); 8] = [
+const FRAMES: [(&str, &[&str], Formatter); 10] = [
     ("the hare, 834×424, 9 of its 15 layers, all shadows, light still", &[], |found| {
         format!("{}, of which shells {}, skin {}", frame(found), pass_time(found, "shells"), pass_time(found, "skin"))
     }),
     ("the same at 1668×848, all 15 layers", &["--size", "1668x848"], frame),
     ("the same with all layers, whatever the size", &["--detail", "full"], frame),
     ("the same without shadows", &["--self-shadow", "off", "--soft-shadow", "off"], frame),
-    ("the same with four samples a pixel, as `render` draws", &["--samples", "4"], frame),
+    ("the same by Kajiya–Kay", &["--scattering", "off"], frame),
+    ("the same with four samples a pixel", &["--samples", "4"], frame),
+    ("the same as single strands, as `render` draws", &["--strand-edges", "blended", "--frames", "5"], frame),
     ("a hundred hares", &["--crowd", "100"], frame),
     ("the hare in ink", &["--style", "ink"], frame),
     ("the hare's shadow maps redrawn", &[], |found| milliseconds(&found["shadow_maps_ms"])),
