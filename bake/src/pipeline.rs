@@ -1,17 +1,20 @@
 //! Steps of a bake in order, with their inputs and outputs. No mathematics is done here.
 //!
 //! The output of a step is stored under its name. A step runs if its output is missing and the package depends on it.
-//! It begins as soon as its inputs are made, so that independent steps run on several threads at once.
 //! So a bake starts with the model alone, and slicing a package again starts with the package's contents
 //! ([`crate::reslice`]). After [`Outputs::invalidate`], the named output and everything derived from it is made again.
+//!
+//! A step begins when its inputs are made, so that independent steps run on several threads at once.
 
+mod input;
 mod layout;
 mod outputs;
 mod run_step;
 mod schedule;
 
+pub use input::BakeInput;
 pub use layout::{Layout, lay_out_model};
-pub use outputs::{BakeInput, CachedStages, Groomed, Output, Outputs, PackageBytes, Shells, StrandVisibility};
+pub use outputs::{CachedStages, Groomed, Output, Outputs, PackageBytes, Shells, StrandVisibility};
 pub use schedule::{OnStep, Step, StepEvent};
 
 use crate::decision::Decision;

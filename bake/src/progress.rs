@@ -31,19 +31,20 @@ impl StageProgress {
         *self.lock() = (0, 0);
     }
 
-    /// Announces `steps` steps of about equal duration. If all earlier steps are completed, they are forgotten.
+    /// Announces `steps` steps of about equal duration, in addition to earlier ones.
     pub fn add(&self, steps: u64) {
-        let mut count = self.lock();
-        if count.0 >= count.1 {
-            *count = (0, 0);
-        }
-        count.1 += steps;
+        self.lock().1 += steps;
     }
 
     /// Counts one completed step.
     pub fn step(&self) {
         let mut count = self.lock();
         count.0 = (count.0 + 1).min(count.1);
+    }
+
+    /// Returns the number of completed steps.
+    pub fn completed(&self) -> u64 {
+        self.lock().0
     }
 
     /// Returns the number of completed steps and the total; `None` if no step is left.
@@ -67,9 +68,9 @@ mod tests {
         steps.add(3);
         assert_eq!(steps.get(), Some((1, 5)));
         (0..5).for_each(|_| steps.step());
-        assert_eq!(steps.get(), None, "never more than all");
+        assert_eq!((steps.get(), steps.completed()), (None, 5), "never more than all");
         steps.add(1);
-        assert_eq!(steps.get(), Some((0, 1)));
+        assert_eq!(steps.get(), Some((5, 6)));
         steps.reset();
         assert_eq!(steps.get(), None);
     }

@@ -1,11 +1,12 @@
 //! Stage `surface`: lays out the hair tile on a model according to the recipe, the shape of the body and the comb lines
 //! in the model. It records the values that it chooses because the recipe leaves them open.
 
+use super::input::BakeInput;
 use crate::decision::Decision;
 use crate::recipe::{self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, SrgbColor, SurfaceSource};
 use crate::stages::groom::{
-    self, Body, BodyGroom, FurredMaterials, ImageCoordinates, JointValues, LayoutMaps, Lengths, MapImages, Maps,
-    MarkValues, ModelAtlas,
+    self, Body, BodyGroom, FurredMaterials, ImageCoordinates, JointValues, LayoutMaps, Lengths, Maps, MarkValues,
+    ModelAtlas,
 };
 use crate::stages::metric::{self, TileRecipe};
 use crate::stages::rounding::rounded;
@@ -55,16 +56,11 @@ impl Layout<'_> {
     }
 }
 
-/// Runs the first stage alone: lays out the hair tile on a model. Arguments are those of
-/// [`BakeInput`](super::BakeInput).
+/// Runs the first stage alone: lays out the hair tile on a model.
 ///
 /// Fails with the errors of [`bake`](super::bake()) that this stage can raise.
-pub fn lay_out_model<'a>(
-    file: &str,
-    model: &Model,
-    recipe: &'a Recipe,
-    images: &'a MapImages,
-) -> Result<Layout<'a>, BakeError> {
+pub fn lay_out_model<'a>(input: &BakeInput<'a>, model: &Model) -> Result<Layout<'a>, BakeError> {
+    let BakeInput { file, recipe, images, progress, .. } = *input;
     let split = recipe.model.bare.as_deref().and_then(|bare| groom::split_listed(model, bare)).map(Arc::new);
     let model = split.as_deref().unwrap_or(model);
     let mut warnings = [&model.warnings[..], &images.warnings].concat();
@@ -152,7 +148,7 @@ pub fn lay_out_model<'a>(
     decisions.extend(of_head.as_ref().map(|(_, elsewhere)| head_decision(Some(*elsewhere).filter(|e| *e != back))));
     let comb = of_head.map_or(comb, |(wishes, _)| Comb::Weighted(wishes));
     let params = SurfaceParams { comb, density: lay.density.clone(), ..params };
-    let surface = surface::parameterize(file, model, &params)?;
+    let surface = surface::parameterize_with_progress(file, model, &params, progress)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
     let changed = rounded.or(split);

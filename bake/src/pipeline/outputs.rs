@@ -1,11 +1,10 @@
-//! Input and outputs of the steps, and results cached between runs.
+//! Outputs of the steps, and results cached between runs.
 
 use super::layout::Layout;
 use crate::decision::Decision;
 use crate::memo::Memo;
-use crate::progress::StageProgress;
-use crate::recipe::{InkParams, PackParams, Recipe};
-use crate::stages::groom::{Colors, GroomTextures, MapImages, VertexGroom};
+use crate::recipe::{InkParams, PackParams};
+use crate::stages::groom::{Colors, GroomTextures, VertexGroom};
 use crate::stages::hair_groups::GuidedHair;
 use crate::stages::ink::{InkFiles, PaintedTextures, VertexInk};
 use crate::stages::pack::{ModelFins, ModelMemo, ModelPart};
@@ -18,28 +17,6 @@ use pelage_formats::{RootsInfo, StrandsData};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use std::sync::{Arc, OnceLock};
-
-/// Input of a bake, the same for all steps.
-#[derive(Clone, Copy, Debug)]
-pub struct BakeInput<'a> {
-    /// Model or package as the user named it, for messages.
-    pub file: &'a str,
-    /// Name of the model in the package.
-    pub name: &'a str,
-    /// The recipe.
-    pub recipe: &'a Recipe,
-    /// Images that the recipe names.
-    pub images: &'a MapImages,
-    /// Progress counter of long stages.
-    pub steps: &'a StageProgress,
-}
-
-impl<'a> BakeInput<'a> {
-    /// Creates the input with an unobserved progress counter. Arguments are the fields.
-    pub fn new(file: &'a str, name: &'a str, recipe: &'a Recipe, images: &'a MapImages) -> Self {
-        Self { file, name, recipe, images, steps: StageProgress::ignored() }
-    }
-}
 
 /// Declares the outputs of the steps: a field of [`Outputs`] and its name in [`Output`].
 macro_rules! outputs {

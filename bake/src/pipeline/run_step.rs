@@ -1,8 +1,9 @@
 //! Implementation of the steps. Each step reads its inputs, calls its stage and stores the output.
 
+use super::input::BakeInput;
 use super::layout::{Layout, lay_out_model};
 use super::outputs::{
-    BakeInput, Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required, store,
+    Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required, store,
 };
 use crate::recipe::{ColorParams, HairColors, Recipe};
 use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
@@ -19,7 +20,7 @@ use std::sync::Arc;
 
 pub(super) fn surface<'a>(input: &BakeInput<'a>, outputs: &Outputs<'a>) -> Result<(), BakeError> {
     let model = required(&outputs.model, Model)?;
-    store(&outputs.laid, Layout, lay_out_model(input.file, model, input.recipe, input.images)?)
+    store(&outputs.laid, Layout, lay_out_model(input, model)?)
 }
 
 pub(super) fn simulate(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
@@ -46,10 +47,10 @@ pub(super) fn slice(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), 
     let (hair, recipe) = (required(&outputs.hair, Hair)?, input.recipe);
     let with_coat = detail::has_far_layer(recipe);
     let volumes = 1 + u64::from(hair.wet.is_some());
-    input.steps.add(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
+    input.progress.add(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let slice = |strands, visible| {
-        let on_layer = &mut || input.steps.step();
+        let on_layer = &mut || input.progress.step();
         slice::shell_textures(strands, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
     };
     let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;
@@ -185,7 +186,7 @@ pub(super) fn ink_textures(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Resu
     let paint = |skin: &VertexInk| {
         let strokes = laid.furred.contains(&true) && skin.shading.fur > 0.0;
         let strands = strokes.then_some(&hair.strands);
-        ink::textures_with_memo(&recipe.ink, &recipe.pack, input.images, strands, input.steps, painting)
+        ink::textures_with_memo(&recipe.ink, &recipe.pack, input.images, strands, input.progress, painting)
     };
     store(&outputs.ink_textures, InkTextures, required(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?)
 }
@@ -200,6 +201,7 @@ pub(super) fn skin(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), B
     let gloss = groom::gloss(model, &laid.furred, &recipe.shading, &mut warnings);
     let pieces = ModelResults {
         name: input.name,
+        progress: input.progress,
         model,
         inputs: &input.images.inputs,
         surface: &groomed.surface,

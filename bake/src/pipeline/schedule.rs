@@ -1,6 +1,7 @@
 //! Steps, and the order and threads in which they run.
 
-use super::outputs::{BakeInput, Output, Outputs};
+use super::input::BakeInput;
+use super::outputs::{Output, Outputs};
 use pelage_import::BakeError;
 use rayon::ScopeFifo;
 use std::fmt;
@@ -24,7 +25,8 @@ pub struct Step {
 impl Step {
     /// Runs the step and stores its output.
     ///
-    /// Fails with the errors of [`bake`](super::bake()).
+    /// Fails with the errors of [`bake`](super::bake()); [`BakeError::Internal`] if an input is missing or the output
+    /// already exists.
     pub fn run<'a>(&self, input: &BakeInput<'a>, outputs: &Outputs<'a>) -> Result<(), BakeError> {
         (self.run)(input, outputs)
     }
@@ -39,7 +41,8 @@ pub enum StepEvent {
     Ends(&'static Step),
 }
 
-/// Receiver of the events of a bake. Any thread may call it, one at a time.
+/// Receiver of the events of a bake. Any thread may call it, one at a time. It must not run work on the threads of the
+/// bake, which may wait for it.
 pub type OnStep<'a> = dyn FnMut(StepEvent) + Send + 'a;
 
 /// Runs `steps`, which are in order. Each begins when its inputs are made. If several fail, the error is that of the
@@ -50,17 +53,20 @@ pub(super) fn run<'a>(
     steps: &[&'static Step],
     on_step: &mut OnStep<'_>,
 ) -> Result<(), BakeError> {
-    input.steps.reset();
+    input.progress.reset();
     let progress = Progress { states: vec![StepState::Waits; steps.len()], error: None, on_step };
     let schedule = Schedule { input, outputs, steps, progress: Mutex::new(progress) };
-    rayon::scope_fifo(|scope| schedule.begin_ready(scope));
+    rayon::scope_fifo(|scope| schedule.spawn_ready(scope));
     let progress = schedule.progress.into_inner().unwrap_or_else(PoisonError::into_inner);
     progress.error.map_or(Ok(()), |(_, error)| Err(error))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StepState {
+    /// Waits for its inputs.
     Waits,
+    /// Waits for a thread.
+    Ready,
     Runs,
     Done,
 }
@@ -91,26 +97,33 @@ impl<'r> Schedule<'r, '_> {
         self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins the waiting steps whose inputs are made. An input that no step makes is left to the step, which reports
-    /// it. After a failure, only steps that come before the failed one begin.
-    fn begin_ready<'s>(&'s self, scope: &ScopeFifo<'s>) {
+    /// Hands the waiting steps whose inputs are made to the threads. An input that no step makes is left to the step,
+    /// which reports it.
+    fn spawn_ready<'s>(&'s self, scope: &ScopeFifo<'s>) {
         let mut progress = self.lock();
-        let end = progress.error.as_ref().map_or(self.steps.len(), |(failed, _)| *failed);
-        for (i, step) in self.steps[..end].iter().enumerate() {
+        for (i, step) in self.steps.iter().enumerate() {
             let mut unfinished =
                 self.steps.iter().zip(&progress.states).filter(|(_, state)| **state != StepState::Done);
             if progress.states[i] != StepState::Waits || unfinished.any(|(other, _)| step.reads.contains(&other.makes))
             {
                 continue;
             }
-            (progress.on_step)(StepEvent::Begins(step));
-            progress.states[i] = StepState::Runs;
+            progress.states[i] = StepState::Ready;
             scope.spawn_fifo(move |scope| self.run_step(i, scope));
         }
     }
 
+    /// Runs a step, and hands on the steps that waited for it. After a failure, only steps that come before the failed
+    /// one run.
     fn run_step<'s>(&'s self, i: usize, scope: &ScopeFifo<'s>) {
         let step = self.steps[i];
+        let mut progress = self.lock();
+        if progress.error.as_ref().is_some_and(|(failed, _)| *failed < i) {
+            return;
+        }
+        progress.states[i] = StepState::Runs;
+        (progress.on_step)(StepEvent::Begins(step));
+        drop(progress);
         let result = step.run(self.input, self.outputs);
         let mut progress = self.lock();
         match result {
@@ -122,6 +135,50 @@ impl<'r> Schedule<'r, '_> {
         }
         (progress.on_step)(StepEvent::Ends(step));
         drop(progress);
-        self.begin_ready(scope);
+        self.spawn_ready(scope);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recipe::Recipe;
+    use crate::stages::groom::MapImages;
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    const fn step(makes: Output, reads: &'static [Output], run: fn(&BakeInput<'_>, &Outputs<'_>) -> Failing) -> Step {
+        Step { stage: "test", makes, reads, tables: &[], run }
+    }
+
+    type Failing = Result<(), BakeError>;
+
+    fn fails(what: &str) -> Failing {
+        Err(BakeError::Internal(what.to_owned()))
+    }
+
+    #[test]
+    fn error_of_the_first_step_in_order_is_returned() {
+        static SLOW: Step = step(Output::Hair, &[], |_, _| {
+            sleep(Duration::from_millis(50));
+            fails("slow")
+        });
+        static QUICK: Step = step(Output::Shells, &[], |_, _| fails("quick"));
+        static NEVER: Step = step(Output::Fins, &[Output::Hair], |_, _| panic!("begins without its input"));
+        let (recipe, images) = (Recipe::default(), MapImages::default());
+        for threads in [1, 4] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let (mut begun, mut ended) = (0, 0);
+            let error = pool.install(|| {
+                let input = BakeInput::new("m", "m", &recipe, &images);
+                let count = &mut |event| match event {
+                    StepEvent::Begins(_) => begun += 1,
+                    StepEvent::Ends(_) => ended += 1,
+                };
+                run(&input, &Outputs::default(), &[&SLOW, &QUICK, &NEVER], count).expect_err("two steps fail")
+            });
+            assert!(error.to_string().contains("slow"), "{threads} threads: {error}");
+            assert!(begun == ended && (1..=2).contains(&begun), "{threads} threads: {begun} begun, {ended} ended");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::assemble::{Content, NamedTexture, Textures, assemble, borrowed_texture, copied_sections};
 use crate::memo::Memo;
+use crate::progress::StageProgress;
 use crate::recipe::{HairColors, Recipe};
 use crate::stages::fins::EdgeFins;
 use crate::stages::groom::{Colors, Lengths, VertexGroom, cornea_normals};
@@ -61,6 +62,8 @@ pub struct ModelFins<'a> {
 pub struct ModelResults<'a> {
     /// Model name, for the manifest.
     pub name: &'a str,
+    /// Counter of the simplified triangle lists.
+    pub progress: &'a StageProgress,
     /// Model with its materials and motions.
     pub model: &'a Model,
     /// Files that the recipe names, besides the model.
@@ -176,8 +179,9 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &ModelMemo) -> ModelPart<'sta
     let tile_size_m = manifest.fur.tile_size_m;
     let simplified = || {
         let input = SimplifyInput { mesh: mesh.clone(), parts: manifest.parts.clone(), tile_size_m };
-        let levels =
-            |of: &SimplifyInput| simplify::levels(&of.mesh, &of.parts, model.animation.as_ref(), of.tile_size_m);
+        let levels = |of: &SimplifyInput| {
+            simplify::levels(&of.mesh, &of.parts, model.animation.as_ref(), of.tile_size_m, pieces.progress)
+        };
         in_section(kept.lists.of(input, |of| levels(of).into()))
     };
     let opened = || {
@@ -219,7 +223,8 @@ pub fn model_part(pieces: &ModelResults<'_>, kept: &ModelMemo) -> ModelPart<'sta
 /// Makes the simplified triangle lists of a mesh; `None` if there are none. Reads the parts and the tile size from the
 /// manifest.
 pub fn simplified(mesh: &MeshData, manifest: &Manifest, animation: Option<&Animation>) -> Option<Content<'static>> {
-    in_section(simplify::levels(mesh, &manifest.parts, animation, manifest.fur.tile_size_m).into())
+    let (tile_size_m, progress) = (manifest.fur.tile_size_m, StageProgress::ignored());
+    in_section(simplify::levels(mesh, &manifest.parts, animation, tile_size_m, progress).into())
 }
 
 fn in_section(lists: SimplifiedLists) -> Option<Content<'static>> {

@@ -7,6 +7,7 @@
 
 use super::cells::closest_barycentric;
 use super::triangle_tree::TriangleTree;
+use crate::progress::StageProgress;
 use glam::{Mat4, Vec3};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify_scale, simplify_with_attributes_and_locks};
 use obvhs::triangle::Triangle;
@@ -33,11 +34,14 @@ const SHARE: f32 = 0.7;
 
 /// Returns lists of half, a quarter, an eighth … of the triangles, as far as patches, borders and materials permit.
 /// There are none if parts share vertices, because the triangles of a list could then not be assigned to parts.
+///
+/// * `progress`: counter of the lists
 pub fn levels(
     mesh: &MeshData,
     parts: &[Part],
     animation: Option<&Animation>,
     tile_size_m: f32,
+    progress: &StageProgress,
 ) -> Vec<SimplifiedLevel> {
     let Some(part_of) = part_of_vertices(mesh, parts) else { return Vec::new() };
     let Ok(vertices) = VertexDataAdapter::new(bytemuck::cast_slice(&mesh.geometry), 48, 0) else { return Vec::new() };
@@ -70,11 +74,13 @@ pub fn levels(
     let large = mesh.indices.len() > 3 * LARGE;
     let mut from = Cow::from(&mesh.indices);
     for some in halves.chunks(if large { 2 } else { rayon::current_num_threads() }) {
+        progress.add(some.len() as u64);
         let some: Vec<(Vec<u32>, f32)> = some
             .par_iter()
             .map(|triangles| simpler(&from, *triangles))
             .map(|list| {
                 let measured = if list.is_empty() { 0.0 } else { deviation(mesh, &attributes, &list, size_m) };
+                progress.step();
                 (list, measured)
             })
             .collect();
@@ -257,7 +263,7 @@ mod tests {
     #[test]
     fn simplified_levels_halve_triangles_with_growing_deviation() {
         let (mesh, parts) = grid(32, 0.2, |_, _| 128);
-        let levels = levels(&mesh, &parts, None, 0.25);
+        let levels = levels(&mesh, &parts, None, 0.25, StageProgress::ignored());
         assert!(levels.len() >= 3, "{} lists", levels.len());
         let mut before = SimplifiedLevel { indices: mesh.indices.clone(), ..SimplifiedLevel::default() };
         for level in levels {
@@ -281,7 +287,9 @@ mod tests {
     fn colour_differences_count_as_deviation() {
         let (plain, parts) = grid(32, 0.0, |_, _| 128);
         let (speckled, _) = grid(32, 0.0, |u, v| if (437.0 * u + 911.0 * v).sin() < 0.0 { 255 } else { 0 });
-        let first = |mesh| levels(mesh, &parts, None, 0.25).first().map(|level| level.deviation_m).unwrap();
+        let first = |mesh| {
+            levels(mesh, &parts, None, 0.25, StageProgress::ignored()).first().map(|level| level.deviation_m).unwrap()
+        };
         assert!(first(&speckled) > 0.3 * COLOR_SHARE, "{}", first(&speckled));
         assert!(first(&plain) < 1e-3 * COLOR_SHARE, "{}", first(&plain));
     }
@@ -289,10 +297,10 @@ mod tests {
     #[test]
     fn parts_that_share_vertices_stay_as_they_are() {
         let (mut mesh, parts) = grid(16, 0.1, |_, _| 128);
-        assert!(!levels(&mesh, &parts, None, 0.25).is_empty());
+        assert!(!levels(&mesh, &parts, None, 0.25, StageProgress::ignored()).is_empty());
         let shared = mesh.indices[0];
         *mesh.indices.last_mut().unwrap() = shared;
-        assert!(levels(&mesh, &parts, None, 0.25).is_empty());
-        assert!(levels(&MeshData::default(), &[], None, 0.25).is_empty());
+        assert!(levels(&mesh, &parts, None, 0.25, StageProgress::ignored()).is_empty());
+        assert!(levels(&MeshData::default(), &[], None, 0.25, StageProgress::ignored()).is_empty());
     }
 }

@@ -331,7 +331,7 @@ fn bake_file(args: &BakeArgs, limits: &Limits, output: &mut Output) -> Result<Fi
         watch.output.note(&args.pictures.description(&recipe.slice));
     }
     let steps = watch.steps();
-    let told = BakeInput { steps: &steps, ..BakeInput::new(&file, &name, &recipe, &images) };
+    let told = BakeInput { progress: &steps, ..BakeInput::new(&file, &name, &recipe, &images) };
     let large = large_layers(&recipe);
     large.iter().for_each(|note| watch.output.note(note));
     let mut baked = pipeline::bake(&told, &model, &mut |event| watch.on_event(event)).map_err(placed)?;

@@ -69,7 +69,7 @@ fn bake(model: &BuiltIn, output: &mut Output) -> Result<Baked, Failure> {
     watch.begin("import");
     let imported = model.import(&recipe)?;
     let (file, images, steps) = (model.file(), MapImages::default(), watch.steps());
-    let told = BakeInput { steps: &steps, ..BakeInput::new(&file, model.name, &recipe, &images) };
+    let told = BakeInput { progress: &steps, ..BakeInput::new(&file, model.name, &recipe, &images) };
     let baked = pipeline::bake(&told, &imported, &mut |event| watch.on_event(event))?;
     watch.finish();
     Ok(baked)

@@ -40,7 +40,7 @@ impl Work {
     /// Begins work described by `doing`. Its length is unknown until steps are counted.
     pub fn begin(&mut self, doing: &str) {
         (self.doing, self.begun, self.counted) = (doing.to_owned(), Instant::now(), None);
-        self.earlier = self.steps.get().map_or(0, |(done, _)| done);
+        self.earlier = self.steps.completed();
     }
 
     /// Records that `done` of `total` steps are finished.

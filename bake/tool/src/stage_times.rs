@@ -1,6 +1,6 @@
 //! Durations of the stages of a bake and of their steps.
 
-use pelage_bake::pipeline::{Output, StepEvent};
+use pelage_bake::pipeline::{Output, STAGES, STEPS, StepEvent};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -11,9 +11,9 @@ pub struct StageTime {
     /// Name of the stage.
     pub name: &'static str,
     /// Sum of the durations of its steps. Steps of different stages run at the same time, so that all stages together
-    /// take longer than the bake.
+    /// may take longer than the bake. A step that waits for its threads may contain another.
     pub seconds: f64,
-    /// Steps in the order in which they ended, each named after its output. A stage outside the bake itself has none.
+    /// Steps, each named after its output. A stage outside the bake itself has none.
     pub steps: Vec<StepTime>,
 }
 
@@ -72,9 +72,13 @@ impl StageTimes {
         self.stages.iter().filter(|stage| runs(stage)).map(|stage| stage.name).collect()
     }
 
-    /// Ends a stage outside the bake, and returns the times.
+    /// Ends a stage outside the bake, and returns the times: first those of stages outside the bake, then those of
+    /// [`STAGES`] and their steps in order.
     pub fn finish(mut self) -> Vec<StageTime> {
         self.end(None);
+        self.stages.sort_by_key(|stage| STAGES.iter().position(|name| *name == stage.name));
+        let place = |step: &StepTime| STEPS.iter().position(|known| snake_case(known.makes) == step.name);
+        self.stages.iter_mut().for_each(|stage| stage.steps.sort_by_key(place));
         self.stages
     }
 }
@@ -114,7 +118,7 @@ mod tests {
         let times = times.finish();
         let steps = |stage: &StageTime| stage.steps.iter().map(|step| step.name.clone()).collect::<Vec<_>>();
         assert_eq!(times.iter().map(|stage| stage.name).collect::<Vec<_>>(), ["import", "slice", "groom"]);
-        assert_eq!(times.iter().map(steps).collect::<Vec<_>>(), [vec![], vec!["single", "shells"], vec!["groomed"]]);
-        assert!(times[1].seconds >= times[1].steps[1].seconds && times[0].seconds > 0.0);
+        assert_eq!(times.iter().map(steps).collect::<Vec<_>>(), [vec![], vec!["shells", "single"], vec!["groomed"]]);
+        assert!(times[1].seconds >= times[1].steps[0].seconds && times[0].seconds > 0.0);
     }
 }

@@ -130,7 +130,7 @@ impl Variant {
     /// Returns whether vertices evaluate the light of hair layers (formulas 4.17). The light of fill lights and shadows
     /// from maps vary too much between vertices.
     pub(crate) fn lit_at_vertices(&self) -> bool {
-        self.environment.is_some() && self.scattering.is_some() && self.baked_shadow && !self.fill_lights
+        self.environment.is_some() && self.scattering.is_some() && !self.self_shadow && !self.fill_lights
     }
 
     pub(crate) fn lit_surface_constants(&self) -> Constants {

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use pelage_bake::io::{Reach, read_model};
-use pelage_bake::pipeline::{Layout, lay_out_model};
+use pelage_bake::pipeline::{BakeInput, Layout, lay_out_model};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::ImportOptions;
@@ -38,7 +38,7 @@ fn measure(path: &Path, face: &Face, set: Option<&str>) -> (Vec<f32>, f32) {
     set.into_iter().for_each(|set| recipe.set(set).unwrap());
     let images = MapImages::default();
     let model = read_model(path, &ImportOptions::default(), Reach::OwnFolder).unwrap();
-    let layout: Layout<'_> = lay_out_model("m", &model, &recipe, &images).unwrap();
+    let layout: Layout<'_> = lay_out_model(&BakeInput::new("m", "m", &recipe, &images), &model).unwrap();
     let surface = &layout.surface;
     let singular = surface.singularities.iter().filter_map(|(at, _)| face.along(*at)).filter(|along| *along > 0.1);
     let (mut least, mut faces) = (f32::INFINITY, 0);

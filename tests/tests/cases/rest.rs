@@ -404,7 +404,7 @@ fn model_bare_takes_nodes_and_joints_and_lists_their_names() {
     ] {
         recipe.set(&format!("model.bare={list}")).unwrap();
         let images = MapImages::default();
-        let laid = pipeline::lay_out_model("m", &still, &recipe, &images).unwrap();
+        let laid = pipeline::lay_out_model(&BakeInput::new("m", "m", &recipe, &images), &still).unwrap();
         let mut furred: Vec<bool> = laid.surface.mesh.parts.iter().map(|part| laid.furred[part.material]).collect();
         furred.sort_unstable();
         assert_eq!(furred, bare, "{list}");

@@ -209,22 +209,29 @@ fn light_at_vertices_equals_that_at_fragments() {
     let hare = Instance::new(0, &renderer.load_bytes(&bytes).unwrap());
     let lobe = LightLobe { towards: [1.0, 0.3, 0.2], width_deg: 15.0, radiance: [6.0, 3.0, 2.0] };
     const SIDE: usize = 128;
-    let mut blocks = |fills: Vec<Light>, key: Vec3| {
+    let mut blocks = |fills: Vec<Light>, key: Vec3, shadow: SelfShadow| {
         let view = params(Vec3::new(0.4, 0.2, 0.9), Vec3::new(-0.5, 0.7, 0.6), 0.6, SIDE as u32).with(|p| {
             p.light = Light::Directional { towards_light: Vec3::new(-0.5, 0.7, 0.6), color: key };
             p.fill_lights = fills;
             p.environment = Some(Environment { even: [0.3, 0.4, 0.5], lobes: vec![lobe], sun: None });
         });
-        let found = pixels(gpu, &mut renderer, &hare, &view.with_fur(|fur| fur.hair = HairGeometry::Shells), &passes);
+        let found = pixels(
+            gpu,
+            &mut renderer,
+            &hare,
+            &view.with_fur(|fur| (fur.hair, fur.self_shadow) = (HairGeometry::Shells, shadow)),
+            &passes,
+        );
         green_of_squares(&found, SIDE)
     };
-    for key in [Vec3::ZERO, Vec3::splat(1.5)] {
+    let lit = Vec3::splat(1.5);
+    for (key, shadow) in [(Vec3::ZERO, SelfShadow::Auto), (lit, SelfShadow::Auto), (lit, SelfShadow::Off)] {
         let black = Light::Directional { towards_light: Vec3::Y, color: Vec3::ZERO };
-        let [vertices, fragments] = [blocks(vec![], key), blocks(vec![black], key)];
+        let [vertices, fragments] = [blocks(vec![], key, shadow), blocks(vec![black], key, shadow)];
         let [a, b] = [&vertices, &fragments].map(|blocks| blocks.iter().sum::<f64>());
         let most = fragments.iter().fold(0.0, |most: f64, x| most.max(*x));
         let off = vertices.iter().zip(&fragments).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / most;
-        println!("key {key}: {:.4} of the light, squares up to {off:.4} of the brightest apart", a / b);
+        println!("key {key}, {shadow:?}: {:.4} of the light, squares up to {off:.4} of the brightest apart", a / b);
         assert!((a / b - 1.0).abs() < 0.03 && off < 0.06, "key {key}: {a}, {b}, {off}");
     }
 }

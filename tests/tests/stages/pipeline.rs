@@ -453,6 +453,8 @@ impl StageLog {
         match event {
             StepEvent::Begins(step) => {
                 assert!(!self.begun.contains(&step.makes), "{:?} is made twice", step.makes);
+                let unfinished = self.begun.iter().find(|made| step.reads.contains(made) && !self.ended.contains(made));
+                assert_eq!(unfinished, None, "{:?} begins before its input is made", step.makes);
                 self.begun.push(step.makes);
             }
             StepEvent::Ends(step) => {

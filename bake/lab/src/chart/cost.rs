@@ -14,11 +14,11 @@ pub enum Quantity {
     StrandPixels,
     /// Number of layers drawn.
     Layers,
-    /// Triangles of a sphere that looks the same with all of them.
+    /// Triangles of a sphere of radius 1 m, drawn in full detail.
     Triangles,
     /// Density of single strands; factor of the recipe's.
     Strands,
-    /// Copies of the model that share a picture and cover about as much of it as one does.
+    /// Copies of the model, framed together in a picture of the same size.
     Copies,
 }
 

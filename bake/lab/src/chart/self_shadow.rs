@@ -13,8 +13,7 @@ use super::self_shadow_forms::SelfShadowForm;
 use super::{Cell, Panel};
 use crate::truth::{SampledVolume, StrandField};
 use glam::{DVec3, Vec2, Vec3, Vec4, vec2, vec3};
-use pelage_bake::pipeline;
-use pelage_bake::pipeline::{BakeInput, OnStep};
+use pelage_bake::pipeline::{BakeInput, Outputs, STEPS};
 use pelage_bake::recipe::{
     BcQuality, DirectionFormat, FinParams, PackParams, Recipe, ShellFormat, SurfaceParams, SurfaceSource,
 };
@@ -30,6 +29,7 @@ use pelage_runtime::shared::visibility::visibility_towards;
 use pelage_runtime::{ShadowParams, SlantForm};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Angles between the light and the surface normal, degrees.
 pub const ANGLES_DEG: [u32; 5] = [0, 30, 45, 60, 75];
@@ -189,7 +189,8 @@ impl Sheet {
     ///
     /// # Errors
     ///
-    /// Same as [`pipeline::bake`]; also if all layers together have more texels than a chart holds in memory.
+    /// Same as [`pelage_bake::pipeline::bake`]; also if all layers together have more texels than a chart holds in
+    /// memory.
     pub fn new(recipe: &Recipe, lengths: Lengths) -> Result<Self, BakeError> {
         let recipe = sheet_recipe(recipe, lengths);
         let texels = u64::from(recipe.slice.tile_texels).pow(2) * u64::from(recipe.slice.layers);
@@ -202,7 +203,7 @@ impl Sheet {
                 ),
             });
         }
-        let package = bake_sheet(&recipe, lengths, &mut |_| ())?;
+        let package = bake_sheet(&recipe, lengths)?.0;
         let strands = strands_of(&recipe, lengths)?;
         let format = TextureFormat::from(recipe.pack.direction_format);
         let set = collect_layers(&strands, &recipe.slice, format)?;
@@ -214,26 +215,22 @@ impl Sheet {
         Ok(Self { package, layers, recipe, lengths, set, volume, field, hair, corner, along, up })
     }
 
-    /// Bakes the sheet with visibility, and reads the visibility from the package as a runtime does.
+    /// Bakes the sheet with visibility, and reads the visibility from the package as a runtime does. Also returns the
+    /// duration of the stage `visibility`, seconds.
     ///
     /// * `blocks`, `directions`: as in [`SelfShadowForm::Baked`]
-    /// * `on_step`: called when a step begins or ends
     ///
     /// # Errors
     ///
-    /// Same as [`pipeline::bake`].
-    pub fn visibility(
-        &self,
-        blocks: Option<BcQuality>,
-        directions: u32,
-        on_step: &mut OnStep<'_>,
-    ) -> Result<TileVisibility, BakeError> {
+    /// Same as [`pelage_bake::pipeline::bake`].
+    pub fn visibility(&self, blocks: Option<BcQuality>, directions: u32) -> Result<(TileVisibility, f64), BakeError> {
         let mut recipe = self.recipe.clone();
         (recipe.visibility.enabled, recipe.visibility.directions) = (true, directions);
         if let Some(quality) = blocks {
             (recipe.pack.shell_format, recipe.pack.bc_quality) = (ShellFormat::Bc7, quality);
         }
-        TileVisibility::read(&bake_sheet(&recipe, self.lengths, on_step)?)
+        let (package, seconds) = bake_sheet(&recipe, self.lengths)?;
+        Ok((TileVisibility::read(&package)?, seconds))
     }
 
     /// Transforms a direction towards the light to world space.
@@ -516,15 +513,28 @@ fn sheet_recipe(recipe: &Recipe, lengths: Lengths) -> Recipe {
     sheet
 }
 
-/// Bakes a sheet with the hair of `recipe`; `on_step` is as in [`pipeline::bake`].
-fn bake_sheet(recipe: &Recipe, lengths: Lengths, on_step: &mut OnStep<'_>) -> Result<Vec<u8>, BakeError> {
+/// Bakes a sheet with the hair of `recipe`, one step after another. Returns the package, and the duration of the stage
+/// `visibility`, seconds.
+fn bake_sheet(recipe: &Recipe, lengths: Lengths) -> Result<(Vec<u8>, f64), BakeError> {
     let height = f64::from(lengths.length_m / lengths.tile_size_m);
     let steepest = f64::from(ANGLES_DEG[ANGLES_DEG.len() - 1]).to_radians().tan();
     // The sheet consists of the middle tile and a margin on each side. The margin is as wide as the reach of the rays
     // that end on the tile. A larger sheet would only make the maps coarser.
     let tiles = (1.0 + 2.0 * 1.03 * height * steepest) as f32;
     let model = sheet_model(tiles * lengths.tile_size_m, tiles);
-    Ok(pipeline::bake(&BakeInput::new("sheet", "sheet", recipe, &MapImages::default()), &model, on_step)?.package)
+    let images = MapImages::default();
+    let input = BakeInput::new("sheet", "sheet", recipe, &images);
+    let mut outputs = Outputs::of_model(&model);
+    let mut seconds = 0.0;
+    for step in STEPS {
+        let begun = Instant::now();
+        step.run(&input, &outputs)?;
+        if step.stage == "visibility" {
+            seconds += begun.elapsed().as_secs_f64();
+        }
+    }
+    let package = outputs.package.take().map(|package| package.bytes);
+    Ok((package.ok_or_else(|| BakeError::Internal("the steps ended without a package".into()))?, seconds))
 }
 
 /// Returns an upward-facing square in the plane y = 0. Its texture coordinates are in units of tiles, and one tile is

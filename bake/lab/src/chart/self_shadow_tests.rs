@@ -107,7 +107,7 @@ fn lit(sheet: &Sheet) -> Vec<(Slant, TransmittanceTruth)> {
 }
 
 fn baked(sheet: &Sheet, blocks: Option<BcQuality>, directions: u32) -> TileVisibility {
-    sheet.visibility(blocks, directions, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"))
+    sheet.visibility(blocks, directions).unwrap_or_else(|e| panic!("{e}")).0
 }
 
 /// Returns the RMS error and the mean error of the light on the hair.

@@ -8,7 +8,7 @@ use pelage_bake::pipeline::{self, BakeInput};
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
 use pelage_bake::stages::import::{ImportOptions, import};
-use pelage_stage::{Gpu, LookDetail, LookHair, Meter, NamedPackage, Spread, Stage, count_fragments};
+use pelage_stage::{Gpu, LookDetail, LookHair, LookStrandEdges, Meter, NamedPackage, Spread, Stage, count_fragments};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::stages::{pixels, stage_of};
@@ -78,11 +78,13 @@ impl<'a> CostTopic<'a> {
             Quantity::StrandPixels | Quantity::Strands => LookHair::Strands,
             _ => LookHair::Shells,
         };
-        let mut view = PictureView::sized(size).with(|look| look.fur.hair = hair);
+        let edges = LookStrandEdges::Samples;
+        let mut view = PictureView::sized(size).with(|look| (look.fur.hair, look.fur.strand_edges) = (hair, edges));
         match quantity {
             Quantity::Layers => {
                 (view.look.fur.detail, view.look.fur.layers) = (LookDetail::Full, Some(1 + setting as u32));
             }
+            Quantity::Triangles => view.look.fur.detail = LookDetail::Full,
             Quantity::Copies => view.crowd = setting as u32,
             _ => {}
         }
@@ -95,7 +97,7 @@ impl<'a> CostTopic<'a> {
         let amount = match quantity {
             Quantity::LayerPixels | Quantity::StrandPixels => covered_px as f64,
             Quantity::Layers => frame.report().instances.iter().map(|drawn| f64::from(drawn.layers)).sum(),
-            Quantity::Triangles => manifest.parts.iter().map(|part| f64::from(part.index_count / 3)).sum(),
+            Quantity::Triangles => frame.report().instances.iter().map(|drawn| f64::from(drawn.triangles)).sum(),
             Quantity::Strands => manifest.fur.strands.into(),
             Quantity::Copies => stage.instances.len() as f64,
         };

@@ -9,7 +9,6 @@ use crate::chart::self_shadow::{
     COLUMNS, Cost, MapCost, PANELS, SelfShadowErrors, Sheet, Slant, TransmittanceTruth, cells, slants,
 };
 use crate::chart::self_shadow_forms::{SelfShadowConfiguration, SelfShadowForm, configurations};
-use pelage_bake::pipeline::{Output, StepEvent};
 use pelage_bake::stages::groom::{self, Lengths};
 use pelage_formats::Bounds;
 use pelage_import::mesh::RestPose;
@@ -17,7 +16,6 @@ use pelage_runtime::{PassId, Study};
 use pelage_stage::{Gpu, Spread};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
-use std::time::Instant;
 
 /// Topic `self-shadow`.
 pub struct SelfShadowTopic<'a> {
@@ -87,16 +85,11 @@ impl Topic for SelfShadowTopic<'_> {
                 doing("baking");
                 let mut seconds = f64::INFINITY;
                 let mut bake = |blocks| {
-                    let mut began = Instant::now();
-                    sheet.visibility(blocks, directions, &mut |event| match event {
-                        StepEvent::Begins(step) if step.makes == Output::StrandVisibility => began = Instant::now(),
-                        // Blocks are encoded later, so every bake does the same work here. The fastest counts, because
-                        // other load only adds time.
-                        StepEvent::Ends(step) if step.makes == Output::StrandVisibility => {
-                            seconds = seconds.min(began.elapsed().as_secs_f64());
-                        }
-                        _ => {}
-                    })
+                    let (visibility, taken) = sheet.visibility(blocks, directions)?;
+                    // Blocks are encoded later, so every bake does the same work here. The fastest counts, because
+                    // other load only adds time.
+                    seconds = seconds.min(taken);
+                    Ok::<_, Failure>(visibility)
                 };
                 let (visibility, plain) = (bake(blocks)?, bake(None)?);
                 for (slant, truth) in truths {

@@ -3,7 +3,7 @@
 use super::driver::{Plan, PlannedRow, Topic, processor};
 use super::subject::{Subject, set_words};
 use crate::chart::{Cell, surface};
-use pelage_bake::pipeline;
+use pelage_bake::pipeline::{self, BakeInput};
 use pelage_herd::shell_word;
 use pelage_tool::exit::Failure;
 use std::time::Instant;
@@ -56,7 +56,7 @@ impl Topic for SurfaceTopic<'_> {
         let (mut seconds, mut measures) = (Vec::new(), None);
         while seconds.len() < RUNS && seconds.iter().sum::<f64>() < LONG_S {
             let begun = Instant::now();
-            let laid = pipeline::lay_out_model(file, model, recipe, images)?;
+            let laid = pipeline::lay_out_model(&BakeInput::new(file, file, recipe, images), model)?;
             seconds.push(begun.elapsed().as_secs_f64());
             measures = Some(laid.surface.measures);
         }

@@ -29,9 +29,9 @@ pub(super) struct Paper<'a> {
     pub threshold: &'a Plane,
 }
 
-/// Water and ink of the texels, or what flows from each texel to a neighbour.
+/// Water and ink of the texels, or their flows from each texel to a neighbour.
 #[derive(Clone)]
-struct Wet {
+struct WaterAndInk {
     water: Vec<f32>,
     ink: Vec<f32>,
 }
@@ -45,7 +45,7 @@ struct Texels<'a> {
     threshold: &'a [f32],
 }
 
-impl Wet {
+impl WaterAndInk {
     fn texels<'a>(&'a self, paper: Paper<'a>, range: Range<usize>) -> Texels<'a> {
         Texels {
             water: &self.water[range.clone()],
@@ -89,7 +89,7 @@ impl Wet {
 pub(super) fn simulate_drying(paper: Paper<'_>, water: &Plane, strength: &Plane, edges: f32) -> Plane {
     let n = water.side;
     let ink = water.values.iter().zip(&strength.values).map(|(w, s)| w * s).collect();
-    let mut wet = Wet { water: water.values.clone(), ink };
+    let mut wet = WaterAndInk { water: water.values.clone(), ink };
     // Flows to the right and down.
     let (mut right, mut down) = (wet.clone(), wet.clone());
     let mut stain = vec![0.0f32; n * n];

@@ -123,7 +123,7 @@ pub struct PaintedTextures {
 }
 
 /// Paints and encodes the textures. `strands` are those of the tile of a furred model; the fur texture is painted only
-/// if they are given. `steps` counts each texture twice: when painted and when encoded.
+/// if they are given. `progress` counts each texture twice: when painted and when encoded.
 ///
 /// Fails with [`BakeError::Params`] for a value outside its range, [`BakeError::Input`] for a scan that cannot be used,
 /// [`BakeError::Internal`] if the encoder fails or an image was not read.
@@ -132,9 +132,9 @@ pub fn textures(
     pack: &PackParams,
     images: &MapImages,
     strands: Option<&Strands>,
-    steps: &StageProgress,
+    progress: &StageProgress,
 ) -> Result<InkFiles<'static>, BakeError> {
-    textures_with_memo(params, pack, images, strands, steps, &Memo::default())
+    textures_with_memo(params, pack, images, strands, progress, &Memo::default())
 }
 
 /// Does the same as [`textures`], but reuses the results in `painting` if tables and images are unchanged.
@@ -145,7 +145,7 @@ pub fn textures_with_memo(
     pack: &PackParams,
     images: &MapImages,
     strands: Option<&Strands>,
-    steps: &StageProgress,
+    progress: &StageProgress,
     painting: &Memo<(InkParams, PackParams), PaintedTextures>,
 ) -> Result<InkFiles<'static>, BakeError> {
     params.validate()?;
@@ -153,12 +153,13 @@ pub fn textures_with_memo(
     let strands = strands.filter(|strands| !strands.is_empty());
     let packed = texture_format(pack);
     let (painting, fur) = rayon::join(
-        || painting.make((params.clone(), pack.clone()), |(params, pack)| paint(params, pack, images, steps)),
+        || painting.make((params.clone(), pack.clone()), |(params, pack)| paint(params, pack, images, progress)),
         || {
             let paint = |strands| fur(strands, params.fur_texels, params.seed).to_vec();
-            steps.add(2 * u64::from(strands.is_some()));
-            let strands = strands
-                .map(|strands| encode(paint(strands), [Channel::Value; 4], (AlphaMode::Straight, packed), pack, steps));
+            progress.add(2 * u64::from(strands.is_some()));
+            let strands = strands.map(|strands| {
+                encode(paint(strands), [Channel::Value; 4], (AlphaMode::Straight, packed), pack, progress)
+            });
             strands.transpose()
         },
     );
@@ -184,16 +185,16 @@ fn encode(
     channels: [Channel; 4],
     (alpha, format): (AlphaMode, TextureFormat),
     pack: &PackParams,
-    steps: &StageProgress,
+    progress: &StageProgress,
 ) -> Result<Vec<u8>, BakeError> {
-    steps.step();
+    progress.step();
     let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
     for planes in layers {
         let side = planes[0].side as u32;
         encoder.push_square_layer(side, &levels(planes, channels))?;
     }
     let file = encoder.finish();
-    steps.step();
+    progress.step();
     file
 }
 
@@ -201,13 +202,13 @@ fn paint(
     params: &InkParams,
     pack: &PackParams,
     images: &MapImages,
-    steps: &StageProgress,
+    progress: &StageProgress,
 ) -> Result<PaintedTextures, BakeError> {
     use Channel::{Threshold, Value};
-    steps.add(2 * 3);
+    progress.add(2 * 3);
     let dry = [Value, Value, Value, Threshold];
     let packed = texture_format(pack);
-    let encode = |planes, channels, alpha, format| encode(vec![planes], channels, (alpha, format), pack, steps);
+    let encode = |planes, channels, alpha, format| encode(vec![planes], channels, (alpha, format), pack, progress);
     let scan = |path: &Option<FilePath>, read: fn(&str, &Image) -> Result<Plane, BakeError>| {
         path.as_ref().map(|path| read(&path.0, images.get(&path.0)?)).transpose()
     };

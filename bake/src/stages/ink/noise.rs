@@ -27,10 +27,10 @@ impl Gradient {
 
     /// Returns the noise at a point.
     pub(super) fn at(&self, p: Vec2) -> f32 {
-        self.between(Between::new(p.x, self.cells.x), Between::new(p.y, self.cells.y))
+        self.at_position(LatticePosition::new(p.x, self.cells.x), LatticePosition::new(p.y, self.cells.y))
     }
 
-    fn between(&self, x: Between, y: Between) -> f32 {
+    fn at_position(&self, x: LatticePosition, y: LatticePosition) -> f32 {
         let along = |row: u32, dy: f32| {
             let slope =
                 |column: u32, dx: f32| self.slopes[(row * self.cells.x + column) as usize].dot(Vec2::new(dx, dy));
@@ -44,14 +44,14 @@ impl Gradient {
 
 /// Position along an axis: the lattice points on both sides, the share of the way between them, and its smooth weight.
 #[derive(Clone, Copy)]
-struct Between {
+struct LatticePosition {
     low: u32,
     high: u32,
     share: f32,
     weight: f32,
 }
 
-impl Between {
+impl LatticePosition {
     fn new(p: f32, cells: u32) -> Self {
         let q = p * cells as f32;
         let cell = q.floor();
@@ -90,11 +90,11 @@ impl Octaves {
     pub(super) fn plane(&self, side: usize) -> Plane {
         let mut plane = Plane::empty(side);
         for (weight, noise) in &self.octaves {
-            let between = |i: usize, cells: u32| Between::new((i as f32 + 0.5) / side as f32, cells);
-            let columns: Vec<Between> = (0..side).map(|x| between(x, noise.cells.x)).collect();
+            let position = |i: usize, cells: u32| LatticePosition::new((i as f32 + 0.5) / side as f32, cells);
+            let columns: Vec<LatticePosition> = (0..side).map(|x| position(x, noise.cells.x)).collect();
             plane.values.par_chunks_mut(side).enumerate().for_each(|(y, row)| {
-                let y = between(y, noise.cells.y);
-                row.iter_mut().zip(&columns).for_each(|(sum, x)| *sum += weight * noise.between(*x, y));
+                let y = position(y, noise.cells.y);
+                row.iter_mut().zip(&columns).for_each(|(sum, x)| *sum += weight * noise.at_position(*x, y));
             });
         }
         plane.map(|sum| sum / self.strength)

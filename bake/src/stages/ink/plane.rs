@@ -41,7 +41,7 @@ impl Plane {
         Self { side, values: texels(side, f) }
     }
 
-    /// Does the same for two planes.
+    /// Evaluates a function of two values at the centre of every texel, and returns a plane for each.
     pub(super) fn pair_from_fn(side: usize, f: impl Fn(Vec2) -> [f32; 2] + Sync) -> [Self; 2] {
         let pairs = texels(side, f);
         [0, 1].map(|of| Self { side, values: pairs.iter().map(|pair| pair[of]).collect() })

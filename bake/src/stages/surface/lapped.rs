@@ -8,6 +8,7 @@ use super::field::transported;
 use super::grow::{Reach, grow, members, split};
 use super::solve::{FaceFrame, PatchSystem, singular_values};
 use super::topology::{NONE, Topology};
+use crate::progress::StageProgress;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -70,12 +71,23 @@ struct Solved {
     points: Vec<(u32, DVec2)>,
 }
 
-pub(super) fn lapped_patches(topology: &Topology, frames: &[FaceFrame], params: &LappedParams) -> Lapped {
+pub(super) fn lapped_patches(
+    topology: &Topology,
+    frames: &[FaceFrame],
+    params: &LappedParams,
+    progress: &StageProgress,
+) -> Lapped {
     let maker = PatchBuilder { topology, frames, params };
     let grown = members(&grow(topology, frames, &params.reach));
-    let (solved, unsolved): (Vec<_>, Vec<_>) = grown.into_par_iter().map(|faces| maker.solve_or_split(faces)).unzip();
+    progress.add(grown.len() as u64);
+    let solve = |faces| {
+        let solved = maker.solve_or_split(faces);
+        progress.step();
+        solved
+    };
+    let (solved, unsolved): (Vec<_>, Vec<_>) = grown.into_par_iter().map(solve).unzip();
     let mut patches: Vec<Solved> = solved.into_iter().flatten().collect();
-    maker.merge(&mut patches);
+    maker.merge(&mut patches, progress);
     let mut out = Lapped {
         patch_of: patch_of(topology, &patches),
         patches: patches.len(),
@@ -236,7 +248,7 @@ impl PatchBuilder<'_> {
 
     /// Merges neighbours whose union is a valid patch. Pairs with the longest border for their size come first. Each
     /// patch is in at most one pair per pass, so that a pass runs on all cores. Rejected pairs are not tried again.
-    fn merge(&self, patches: &mut Vec<Solved>) {
+    fn merge(&self, patches: &mut Vec<Solved>, progress: &StageProgress) {
         // Identifiers are stable; a merged patch gets a new one.
         let mut names: Vec<u32> = (0..patches.len() as u32).collect();
         let mut next_name = patches.len() as u32;
@@ -246,9 +258,12 @@ impl PatchBuilder<'_> {
             if pairs.is_empty() {
                 break;
             }
+            progress.add(pairs.len() as u64);
             let union = |[a, b]: &[u32; 2]| {
                 let faces: Vec<u32> = [a, b].into_iter().flat_map(|i| &patches[*i as usize].faces).copied().collect();
-                self.solve(&faces).ok().map(|points| Solved { faces, points })
+                let union = self.solve(&faces).ok().map(|points| Solved { faces, points });
+                progress.step();
+                union
             };
             let unions: Vec<Option<Solved>> = pairs.par_iter().map(union).collect();
             for ([a, b], union) in pairs.into_iter().zip(unions) {
@@ -386,7 +401,7 @@ mod tests {
             bounds: Bounds { least_cosine: 0.9, stretch: 1.5 },
             comb_weight: 1.0,
         };
-        lapped_patches(topology, &frames, &params)
+        lapped_patches(topology, &frames, &params, StageProgress::ignored())
     }
 
     #[test]

@@ -29,6 +29,7 @@ pub use marks::CombMark;
 pub use measure::Measures;
 pub use params::{PatchParams, Source, SurfaceParams};
 
+use crate::progress::StageProgress;
 use furred_mesh::FurredMesh;
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use pelage_import::BakeError;
@@ -67,6 +68,19 @@ pub struct Surface {
 /// Fails with [`BakeError::Params`] for a parameter outside its range. [`BakeError::Input`], naming the primitive, if a
 /// furred part lacks the texture coordinates that [`Source::Model`] or [`Comb::Tangents`] needs.
 pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result<Surface, BakeError> {
+    parameterize_with_progress(file, model, params, StageProgress::ignored())
+}
+
+/// Does the same as [`parameterize`], and counts the patches in `progress`: each when it is laid out, and each union of
+/// two that is tried.
+///
+/// Fails like [`parameterize`].
+pub fn parameterize_with_progress(
+    file: &str,
+    model: &Model,
+    params: &SurfaceParams,
+    progress: &StageProgress,
+) -> Result<Surface, BakeError> {
     params.check()?;
     require_uvs(file, model, params)?;
     let mut warnings = Vec::new();
@@ -103,7 +117,7 @@ pub fn parameterize(file: &str, model: &Model, params: &SurfaceParams) -> Result
 
     let emitted = match &params.source {
         Source::Patches(patches) => {
-            let lapped = lapped::lapped_patches(&skin.topology, &frames, &patches.lapped(combed));
+            let lapped = lapped::lapped_patches(&skin.topology, &frames, &patches.lapped(combed), progress);
             if lapped.unsolved > 0 {
                 warnings.push(format!(
                     "surface: {} patches were split because their equations had no reliable solution (slivers)",

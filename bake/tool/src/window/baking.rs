@@ -1,7 +1,7 @@
 //! Thread that holds a model and bakes it on request. Only stages whose inputs have changed are recomputed.
 
 use crate::stage_times::StageTimes;
-use pelage_bake::pipeline::{BakeInput, Baked, STAGES, StepEvent};
+use pelage_bake::pipeline::{BakeInput, Baked, STEPS, StepEvent};
 use pelage_bake::progress::StageProgress;
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::Recipe;
@@ -64,10 +64,16 @@ impl BakeThread {
     ) -> Result<Timed, BakeError> {
         let gone = || BakeError::Internal("the baking thread has ended".into());
         self.orders.send(BakeRequest { recipe, images }).map_err(|_| gone())?;
-        let mut times = StageTimes::default();
+        let (mut times, mut share, mut shown) = (StageTimes::default(), 0.0f32, 0.0f32);
         loop {
             match self.answers.recv_timeout(ASKED_EVERY) {
-                Ok(Answer::Step(event)) => times.on_event(event),
+                Ok(Answer::Step(event)) => {
+                    times.on_event(event);
+                    if let StepEvent::Ends(step) = event {
+                        let place = STEPS.iter().position(|known| known.makes == step.makes).unwrap_or(0);
+                        share = share.max((place + 1) as f32 / STEPS.len() as f32);
+                    }
+                }
                 Ok(Answer::Done(baked)) => {
                     let seconds = times.finish().into_iter().map(|stage| (stage.name.to_owned(), stage.seconds));
                     return Ok(((*baked)?, seconds.collect()));
@@ -76,10 +82,10 @@ impl BakeThread {
                 Err(RecvTimeoutError::Disconnected) => return Err(gone()),
             }
             let running = times.running();
-            if let Some(first) = running.first() {
-                let number = STAGES.iter().position(|name| name == first).unwrap_or(0) as f32;
-                let part = self.steps.get().map_or(0.0, |(done, total)| done as f32 / total.max(1) as f32);
-                progress(Progress { doing: running.join(", "), share: Some((number + part) / STAGES.len() as f32) });
+            if !running.is_empty() {
+                let part = self.steps.get().map_or(0.0, |(done, total)| done as f32 / total as f32);
+                shown = shown.max(share + part / STEPS.len() as f32).min(1.0);
+                progress(Progress { doing: running.join(", "), share: Some(shown) });
             }
         }
     }
@@ -103,7 +109,8 @@ fn bake_all(
         let recipes = Arena::new();
         let mut rebake = Rebake::new(model);
         order = loop {
-            let told = BakeInput { steps, ..BakeInput::new(file, name, recipes.alloc(order.recipe), &images) };
+            let told =
+                BakeInput { progress: steps, ..BakeInput::new(file, name, recipes.alloc(order.recipe), &images) };
             // The requester may be gone, in which case the progress report is dropped.
             let baked = rebake.bake(&told, &mut |event| drop(answer.send(Answer::Step(event))));
             if answer.send(Answer::Done(Box::new(baked))).is_err() {

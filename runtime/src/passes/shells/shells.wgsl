@@ -166,7 +166,7 @@ fn vs_shells_sky(v: Vertex, @builtin(instance_index) index: u32) -> SkyVarying {
     baked.kept = groom.x;
     baked.length = s.length;
     baked.slope = s.slope;
-    if DETAIL {
+    if DETAIL && BAKED_SHADOW {
         baked.within = light_within(SHOWN_ALPHA, stands_for(s.layer));
     }
     return sky_varying(s, grown(mean.direction, s.length, s.slope), baked, deeper);

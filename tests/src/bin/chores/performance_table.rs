@@ -21,7 +21,7 @@ const FRAMES: [(&str, &[&str], Formatter); 10] = [
     ("the same without shadows", &["--self-shadow", "off", "--soft-shadow", "off"], frame),
     ("the same by Kajiya–Kay", &["--scattering", "off"], frame),
     ("the same with four samples a pixel", &["--samples", "4"], frame),
-    ("the same as single strands, as `render` draws", &["--strand-edges", "blended", "--frames", "5"], frame),
+    ("the same as single strands with blended edges", &["--strand-edges", "blended", "--frames", "5"], frame),
     ("a hundred hares", &["--crowd", "100"], frame),
     ("the hare in ink", &["--style", "ink"], frame),
     ("the hare's shadow maps redrawn", &[], |found| milliseconds(&found["shadow_maps_ms"])),
