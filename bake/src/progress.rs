@@ -6,14 +6,24 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Step counter of the running work. Stages that run at the same time share it.
 #[derive(Debug, Default)]
 pub struct StageProgress {
-    /// Completed steps, and all steps announced so far.
-    count: Mutex<(u64, u64)>,
+    count: Mutex<StepCount>,
+}
+
+/// Steps announced since all earlier ones were completed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepCount {
+    /// Completed steps.
+    pub done: u64,
+    /// All steps.
+    pub total: u64,
+    /// How often counting began again.
+    pub round: u64,
 }
 
 impl StageProgress {
     /// Creates a counter without any work.
     pub const fn new() -> Self {
-        Self { count: Mutex::new((0, 0)) }
+        Self { count: Mutex::new(StepCount { done: 0, total: 0, round: 0 }) }
     }
 
     /// Returns a counter for callers that do not report progress.
@@ -22,35 +32,33 @@ impl StageProgress {
         &UNSEEN
     }
 
-    fn lock(&self) -> MutexGuard<'_, (u64, u64)> {
+    fn lock(&self) -> MutexGuard<'_, StepCount> {
         self.count.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Forgets all steps.
     pub fn reset(&self) {
-        *self.lock() = (0, 0);
+        *self.lock() = StepCount::default();
     }
 
-    /// Announces `steps` steps of about equal duration, in addition to earlier ones.
+    /// Announces `steps` steps of about equal duration. If all earlier ones are completed, counting begins again.
     pub fn add(&self, steps: u64) {
-        self.lock().1 += steps;
+        let mut count = self.lock();
+        if count.done >= count.total {
+            *count = StepCount { done: 0, total: 0, round: count.round + 1 };
+        }
+        count.total += steps;
     }
 
     /// Counts one completed step.
     pub fn step(&self) {
         let mut count = self.lock();
-        count.0 = (count.0 + 1).min(count.1);
+        count.done = (count.done + 1).min(count.total);
     }
 
-    /// Returns the number of completed steps.
-    pub fn completed(&self) -> u64 {
-        self.lock().0
-    }
-
-    /// Returns the number of completed steps and the total; `None` if no step is left.
-    pub fn get(&self) -> Option<(u64, u64)> {
-        let count = *self.lock();
-        (count.0 < count.1).then_some(count)
+    /// Returns the count; `done` equals `total` if no step is left.
+    pub fn get(&self) -> StepCount {
+        *self.lock()
     }
 }
 
@@ -61,17 +69,18 @@ mod tests {
     #[test]
     fn stages_that_overlap_are_counted_together() {
         let steps = StageProgress::new();
-        assert_eq!(steps.get(), None);
+        let count = |done, total, round| StepCount { done, total, round };
+        assert_eq!(steps.get(), StepCount::default());
         steps.add(2);
-        assert_eq!(steps.get(), Some((0, 2)));
+        assert_eq!(steps.get(), count(0, 2, 1));
         steps.step();
         steps.add(3);
-        assert_eq!(steps.get(), Some((1, 5)));
+        assert_eq!(steps.get(), count(1, 5, 1));
         (0..5).for_each(|_| steps.step());
-        assert_eq!((steps.get(), steps.completed()), (None, 5), "never more than all");
+        assert_eq!(steps.get(), count(5, 5, 1), "never more than all");
         steps.add(1);
-        assert_eq!(steps.get(), Some((5, 6)));
+        assert_eq!(steps.get(), count(0, 1, 2));
         steps.reset();
-        assert_eq!(steps.get(), None);
+        assert_eq!(steps.get(), StepCount::default());
     }
 }

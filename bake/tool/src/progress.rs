@@ -1,6 +1,6 @@
 //! Progress and remaining time of the current work. Without a terminal, they are printed as occasional lines.
 
-use pelage_bake::progress::StageProgress;
+use pelage_bake::progress::{StageProgress, StepCount};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -26,21 +26,21 @@ pub struct Work {
     counted: Option<(u64, u64, u64)>,
     /// Step counter of the stages themselves; used if `counted` is `None`.
     steps: Arc<StageProgress>,
-    /// Steps of the counter that were finished at the start of the current work.
-    earlier: u64,
+    /// State of the counter at the start of the current work.
+    earlier: StepCount,
 }
 
 impl Work {
     /// Creates the state before any work; `steps` is the step counter that stages increment.
     pub fn new(steps: Arc<StageProgress>) -> Self {
         let now = Instant::now();
-        Self { since: now, doing: String::new(), begun: now, counted: None, steps, earlier: 0 }
+        Self { since: now, doing: String::new(), begun: now, counted: None, steps, earlier: StepCount::default() }
     }
 
     /// Begins work described by `doing`. Its length is unknown until steps are counted.
     pub fn begin(&mut self, doing: &str) {
         (self.doing, self.begun, self.counted) = (doing.to_owned(), Instant::now(), None);
-        self.earlier = self.steps.completed();
+        self.earlier = self.steps.get();
     }
 
     /// Records that `done` of `total` steps are finished.
@@ -56,9 +56,7 @@ impl Work {
     /// omitted until a step is finished, and when less than [`LEAST_LEFT_S`] is left: work that goes on then takes
     /// longer than estimated.
     pub fn left(&self, now: Instant) -> String {
-        let counted =
-            self.counted.or_else(|| self.steps.get().map(|(done, total)| (self.earlier.min(done), done, total)));
-        let Some((first, done, total)) = counted else { return String::new() };
+        let Some((first, done, total)) = self.counted.or_else(|| self.stage_count()) else { return String::new() };
         let own = done.saturating_sub(first);
         if own == 0 {
             return format!(", {done} of {total}");
@@ -69,6 +67,18 @@ impl Work {
             return format!(", {done} of {total}");
         }
         format!(", {done} of {total}, about {} left", span(rest))
+    }
+
+    /// Returns the count of the stages, like `counted`; `None` if no step is left. If counting began again more than
+    /// once, the pace is unknown, so that all finished steps count as earlier ones.
+    fn stage_count(&self) -> Option<(u64, u64, u64)> {
+        let StepCount { done, total, round } = self.steps.get();
+        let first = match round.saturating_sub(self.earlier.round) {
+            0 => self.earlier.done.min(done),
+            1 => 0,
+            _ => done,
+        };
+        (done < total).then_some((first, done, total))
     }
 
     /// Formats the progress line, which begins with the time since the start of the command: `20 s: slice, 12 of 64,
@@ -143,6 +153,13 @@ mod tests {
         assert_eq!(after(&work, 1), "4 s: slice, groom, 63 of 64", "the pace of the step that is left is unknown");
         steps.step();
         assert_eq!(after(&work, 500), "8 min: slice, groom", "the stage goes on after its last step");
+        steps.add(4);
+        steps.step();
+        assert_eq!(after(&work, 6), "9 s: slice, groom, 1 of 4, about 18 s left", "counting began again");
+        (0..3).for_each(|_| steps.step());
+        steps.add(8);
+        steps.step();
+        assert_eq!(after(&work, 6), "9 s: slice, groom, 1 of 8", "the steps of three rounds have no common pace");
     }
 
     #[test]
