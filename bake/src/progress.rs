@@ -3,62 +3,64 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Step counter of the running work. Stages that run at the same time share it.
+/// Step counters of the running stages.
 #[derive(Debug, Default)]
 pub struct StageProgress {
-    count: Mutex<StepCount>,
+    counts: Mutex<Vec<StepCount>>,
 }
 
-/// Steps announced since all earlier ones were completed.
+/// Step counter of a stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepCount {
+    /// Name of the stage.
+    pub stage: &'static str,
     /// Completed steps.
     pub done: u64,
-    /// All steps.
+    /// All steps announced so far.
     pub total: u64,
-    /// How often counting began again.
-    pub round: u64,
 }
 
 impl StageProgress {
-    /// Creates a counter without any work.
+    /// Creates counters without any work.
     pub const fn new() -> Self {
-        Self { count: Mutex::new(StepCount { done: 0, total: 0, round: 0 }) }
+        Self { counts: Mutex::new(Vec::new()) }
     }
 
-    /// Returns a counter for callers that do not report progress.
+    /// Returns counters for callers that do not report progress.
     pub fn ignored() -> &'static Self {
         static UNSEEN: StageProgress = StageProgress::new();
         &UNSEEN
     }
 
-    fn lock(&self) -> MutexGuard<'_, StepCount> {
-        self.count.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, Vec<StepCount>> {
+        self.counts.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Forgets all steps.
     pub fn reset(&self) {
-        *self.lock() = StepCount::default();
+        self.lock().clear();
     }
 
-    /// Announces `steps` steps of about equal duration. If all earlier ones are completed, counting begins again.
-    pub fn add(&self, steps: u64) {
-        let mut count = self.lock();
-        if count.done >= count.total {
-            *count = StepCount { done: 0, total: 0, round: count.round + 1 };
+    /// Announces `steps` steps of a stage, of about equal duration, in addition to earlier ones.
+    pub fn add(&self, stage: &'static str, steps: u64) {
+        let mut counts = self.lock();
+        match counts.iter_mut().find(|count| count.stage == stage) {
+            Some(count) => count.total += steps,
+            None => counts.push(StepCount { stage, done: 0, total: steps }),
         }
-        count.total += steps;
     }
 
-    /// Counts one completed step.
-    pub fn step(&self) {
-        let mut count = self.lock();
-        count.done = (count.done + 1).min(count.total);
+    /// Counts one completed step of a stage.
+    pub fn step(&self, stage: &'static str) {
+        if let Some(count) = self.lock().iter_mut().find(|count| count.stage == stage) {
+            count.done = (count.done + 1).min(count.total);
+        }
     }
 
-    /// Returns the count; `done` equals `total` if no step is left.
-    pub fn get(&self) -> StepCount {
-        *self.lock()
+    /// Returns the counter of the stage that has the most steps left; `None` if no step is left.
+    pub fn get(&self) -> Option<StepCount> {
+        let left = |count: &StepCount| count.total - count.done;
+        self.lock().iter().filter(|count| left(count) > 0).max_by_key(|count| left(count)).copied()
     }
 }
 
@@ -67,20 +69,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stages_that_overlap_are_counted_together() {
-        let steps = StageProgress::new();
-        let count = |done, total, round| StepCount { done, total, round };
-        assert_eq!(steps.get(), StepCount::default());
-        steps.add(2);
-        assert_eq!(steps.get(), count(0, 2, 1));
-        steps.step();
-        steps.add(3);
-        assert_eq!(steps.get(), count(1, 5, 1));
-        (0..5).for_each(|_| steps.step());
-        assert_eq!(steps.get(), count(5, 5, 1), "never more than all");
-        steps.add(1);
-        assert_eq!(steps.get(), count(0, 1, 2));
-        steps.reset();
-        assert_eq!(steps.get(), StepCount::default());
+    fn stages_that_overlap_are_counted_separately() {
+        let progress = StageProgress::new();
+        let count = |stage, done, total| Some(StepCount { stage, done, total });
+        assert_eq!(progress.get(), None);
+        progress.add("ink", 2);
+        assert_eq!(progress.get(), count("ink", 0, 2));
+        progress.add("slice", 3);
+        progress.step("ink");
+        assert_eq!(progress.get(), count("slice", 0, 3));
+        (0..4).for_each(|_| progress.step("slice"));
+        assert_eq!(progress.get(), count("ink", 1, 2), "never more than all");
+        progress.add("slice", 5);
+        assert_eq!(progress.get(), count("slice", 3, 8));
+        progress.reset();
+        assert_eq!(progress.get(), None);
     }
 }

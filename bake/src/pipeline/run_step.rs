@@ -47,10 +47,10 @@ pub(super) fn slice(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), 
     let (hair, recipe) = (required(&outputs.hair, Hair)?, input.recipe);
     let with_coat = detail::has_far_layer(recipe);
     let volumes = 1 + u64::from(hair.wet.is_some());
-    input.progress.add(volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
+    input.progress.add("slice", volumes * u64::from(recipe.slice.layers + u32::from(with_coat)));
     let visible = required(&outputs.visible, StrandVisibility)?.as_ref();
     let slice = |strands, visible| {
-        let on_layer = &mut || input.progress.step();
+        let on_layer = &mut || input.progress.step("slice");
         slice::shell_textures(strands, visible, &recipe.slice, &recipe.pack, with_coat, on_layer)
     };
     let dry = slice(&hair.strands, visible.map(|v| &v.dry))?;

@@ -74,13 +74,13 @@ pub fn levels(
     let large = mesh.indices.len() > 3 * LARGE;
     let mut from = Cow::from(&mesh.indices);
     for some in halves.chunks(if large { 2 } else { rayon::current_num_threads() }) {
-        progress.add(some.len() as u64);
+        progress.add("textures", some.len() as u64);
         let some: Vec<(Vec<u32>, f32)> = some
             .par_iter()
             .map(|triangles| simpler(&from, *triangles))
             .map(|list| {
                 let measured = if list.is_empty() { 0.0 } else { deviation(mesh, &attributes, &list, size_m) };
-                progress.step();
+                progress.step("textures");
                 (list, measured)
             })
             .collect();

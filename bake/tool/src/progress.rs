@@ -24,17 +24,17 @@ pub struct Work {
     begun: Instant,
     /// Steps already finished at the start (by an earlier run), finished steps, and total number of steps.
     counted: Option<(u64, u64, u64)>,
-    /// Step counter of the stages themselves; used if `counted` is `None`.
+    /// Step counters of the stages themselves; used if `counted` is `None`.
     steps: Arc<StageProgress>,
-    /// State of the counter at the start of the current work.
-    earlier: StepCount,
+    /// Counter with the most steps left at the start of the current work.
+    earlier: Option<StepCount>,
 }
 
 impl Work {
     /// Creates the state before any work; `steps` is the step counter that stages increment.
     pub fn new(steps: Arc<StageProgress>) -> Self {
         let now = Instant::now();
-        Self { since: now, doing: String::new(), begun: now, counted: None, steps, earlier: StepCount::default() }
+        Self { since: now, doing: String::new(), begun: now, counted: None, steps, earlier: None }
     }
 
     /// Begins work described by `doing`. Its length is unknown until steps are counted.
@@ -69,16 +69,10 @@ impl Work {
         format!(", {done} of {total}, about {} left", span(rest))
     }
 
-    /// Returns the count of the stages, like `counted`; `None` if no step is left. If counting began again more than
-    /// once, the pace is unknown, so that all finished steps count as earlier ones.
+    /// Returns the count of the stage that has the most steps left, like `counted`.
     fn stage_count(&self) -> Option<(u64, u64, u64)> {
-        let StepCount { done, total, round } = self.steps.get();
-        let first = match round.saturating_sub(self.earlier.round) {
-            0 => self.earlier.done.min(done),
-            1 => 0,
-            _ => done,
-        };
-        (done < total).then_some((first, done, total))
+        let StepCount { stage, done, total } = self.steps.get()?;
+        Some((self.earlier.filter(|earlier| earlier.stage == stage).map_or(0, |earlier| earlier.done), done, total))
     }
 
     /// Formats the progress line, which begins with the time since the start of the command: `20 s: slice, 12 of 64,
@@ -141,25 +135,21 @@ mod tests {
         work.since = work.begun - Duration::from_secs(3);
         let after = |work: &Work, seconds: u64| work.line(work.begun + Duration::from_secs(seconds));
         assert_eq!(after(&work, 7), "10 s: slice");
-        steps.add(64);
+        steps.add("slice", 64);
         assert_eq!(after(&work, 7), "10 s: slice, 0 of 64");
-        (0..16).for_each(|_| steps.step());
+        (0..16).for_each(|_| steps.step("slice"));
         assert_eq!(after(&work, 20), "23 s: slice, 16 of 64, about 60 s left");
         assert_eq!(after(&work, 200), "3 min: slice, 16 of 64, about 10 min left");
-        (0..47).for_each(|_| steps.step());
+        (0..47).for_each(|_| steps.step("slice"));
         assert_eq!(after(&work, 30), "33 s: slice, 63 of 64", "less than a second of the estimate is left");
         assert_eq!(after(&work, 300), "5 min: slice, 63 of 64, about 5 s left");
         work.begin("slice, groom");
         assert_eq!(after(&work, 1), "4 s: slice, groom, 63 of 64", "the pace of the step that is left is unknown");
-        steps.step();
+        steps.step("slice");
         assert_eq!(after(&work, 500), "8 min: slice, groom", "the stage goes on after its last step");
-        steps.add(4);
-        steps.step();
-        assert_eq!(after(&work, 6), "9 s: slice, groom, 1 of 4, about 18 s left", "counting began again");
-        (0..3).for_each(|_| steps.step());
-        steps.add(8);
-        steps.step();
-        assert_eq!(after(&work, 6), "9 s: slice, groom, 1 of 8", "the steps of three rounds have no common pace");
+        steps.add("ink", 4);
+        steps.step("ink");
+        assert_eq!(after(&work, 6), "9 s: slice, groom, 1 of 4, about 18 s left", "another stage counts");
     }
 
     #[test]

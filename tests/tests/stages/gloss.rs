@@ -117,7 +117,7 @@ fn packages_contain_gloss() {
         let mut log = StageLog::default();
         let input = BakeInput::new("hare", "hare", recipe, &images);
         pipeline::run(&input, &mut outputs, &mut |event| log.on_event(event)).unwrap();
-        let bytes = &outputs.package.get().unwrap().bytes.clone();
+        let bytes = &outputs.package.get().unwrap().bytes;
         assert_eq!(Package::validate(bytes, &Limits::default()), []);
         let package = Package::open(bytes, &Limits::default()).unwrap();
         let roughness = |name: &str| {

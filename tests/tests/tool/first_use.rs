@@ -287,10 +287,8 @@ fn long_work_is_announced_and_shows_progress() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(said[0].starts_with("note: 256 layers of 2048 x 2048 texels will take 4.0 GiB"), "{said:?}");
-    // Ink textures and triangle lists are made at the same time, and counted together with the layers.
-    let (_, total) = said.last().unwrap().split_once(" of ").unwrap();
-    let total: u32 = total.split(',').next().unwrap().parse().unwrap();
-    assert!((256..300).contains(&total), "{said:?}");
+    let last = said.last().unwrap();
+    assert!(last.contains(" of 256"), "{said:?}");
 }
 
 #[test]

@@ -156,7 +156,7 @@ pub fn textures_with_memo(
         || painting.make((params.clone(), pack.clone()), |(params, pack)| paint(params, pack, images, progress)),
         || {
             let paint = |strands| fur(strands, params.fur_texels, params.seed).to_vec();
-            progress.add(2 * u64::from(strands.is_some()));
+            progress.add("ink", 2 * u64::from(strands.is_some()));
             let strands = strands.map(|strands| {
                 encode(paint(strands), [Channel::Value; 4], (AlphaMode::Straight, packed), pack, progress)
             });
@@ -187,14 +187,14 @@ fn encode(
     pack: &PackParams,
     progress: &StageProgress,
 ) -> Result<Vec<u8>, BakeError> {
-    progress.step();
+    progress.step("ink");
     let mut encoder = TextureEncoder::new(format, alpha, pack.bc_quality);
     for planes in layers {
         let side = planes[0].side as u32;
         encoder.push_square_layer(side, &levels(planes, channels))?;
     }
     let file = encoder.finish();
-    progress.step();
+    progress.step("ink");
     file
 }
 
@@ -205,7 +205,7 @@ fn paint(
     progress: &StageProgress,
 ) -> Result<PaintedTextures, BakeError> {
     use Channel::{Threshold, Value};
-    progress.add(2 * 3);
+    progress.add("ink", 2 * 3);
     let dry = [Value, Value, Value, Threshold];
     let packed = texture_format(pack);
     let encode = |planes, channels, alpha, format| encode(vec![planes], channels, (alpha, format), pack, progress);

@@ -79,10 +79,10 @@ pub(super) fn lapped_patches(
 ) -> Lapped {
     let maker = PatchBuilder { topology, frames, params };
     let grown = members(&grow(topology, frames, &params.reach));
-    progress.add(grown.len() as u64);
+    progress.add("surface", grown.len() as u64);
     let solve = |faces| {
         let solved = maker.solve_or_split(faces);
-        progress.step();
+        progress.step("surface");
         solved
     };
     let (solved, unsolved): (Vec<_>, Vec<_>) = grown.into_par_iter().map(solve).unzip();
@@ -258,11 +258,11 @@ impl PatchBuilder<'_> {
             if pairs.is_empty() {
                 break;
             }
-            progress.add(pairs.len() as u64);
+            progress.add("surface", pairs.len() as u64);
             let union = |[a, b]: &[u32; 2]| {
                 let faces: Vec<u32> = [a, b].into_iter().flat_map(|i| &patches[*i as usize].faces).copied().collect();
                 let union = self.solve(&faces).ok().map(|points| Solved { faces, points });
-                progress.step();
+                progress.step("surface");
                 union
             };
             let unions: Vec<Option<Solved>> = pairs.par_iter().map(union).collect();

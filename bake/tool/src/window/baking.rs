@@ -2,7 +2,7 @@
 
 use crate::stage_times::StageTimes;
 use pelage_bake::pipeline::{BakeInput, Baked, STEPS, StepEvent};
-use pelage_bake::progress::{StageProgress, StepCount};
+use pelage_bake::progress::StageProgress;
 use pelage_bake::rebake::Rebake;
 use pelage_bake::recipe::Recipe;
 use pelage_bake::stages::groom::MapImages;
@@ -83,10 +83,7 @@ impl BakeThread {
             }
             let running = times.running();
             if !running.is_empty() {
-                let part = {
-                    let StepCount { done, total, .. } = self.steps.get();
-                    done as f32 / total.max(1) as f32
-                };
+                let part = self.steps.get().map_or(0.0, |count| count.done as f32 / count.total as f32);
                 shown = shown.max(share + part / STEPS.len() as f32).min(1.0);
                 progress(Progress { doing: running.join(", "), share: Some(shown) });
             }
