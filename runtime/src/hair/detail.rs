@@ -12,11 +12,14 @@ use crate::instance::Instance;
 use crate::model::{Model, StrandSet};
 use crate::params::{Detail, FrameParams, FurParams, HairGeometry, Style};
 use crate::report::InstanceDetail;
-use crate::shared::detail::{detail_count, detail_pairs};
+use crate::shared::detail::{detail_count, detail_exponent, detail_layer, detail_pairs};
 use glam::Mat4;
 use pelage_formats::meaning::{detail_position, simplest_list};
 use pelage_formats::{FurInfo, Manifest};
 use std::ops::Range;
+
+/// Sum of the mean opacities of the outermost layers that levels of detail leave out. It is one step of an 8-bit texel.
+const LEAST_OPACITY: f32 = 1.0 / 255.0;
 
 /// Drawing state of an instance in a frame, for pipelines and shaders.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,11 +178,35 @@ impl InstanceDrawing {
         let mut drawing = Self::at_level(manifest, params, level, fade);
         drawing.detail.fur_px = fur_px;
         drawing.texel_level = texel_level;
-        let list = match detail {
-            Detail::Auto { bias } => simplest_list(instance.model.deviations_m(), px_per_m * bias),
-            Detail::Full | Detail::Level(_) => 0,
+        let Detail::Auto { bias } = detail else { return drawing.with_list(&instance.model, 0) };
+        let list = simplest_list(instance.model.deviations_m(), px_per_m * bias);
+        drawing.without_empty_layers(instance.model.layer_opacities()).with_list(&instance.model, list)
+    }
+
+    /// Leaves out the outermost layers that together have at most an opacity of [`LEAST_OPACITY`]. `opacities`: mean
+    /// opacity of each layer of the model, as it is baked.
+    ///
+    /// The outermost layers contain only the tips of the longest hairs, and cost as much as any others.
+    fn without_empty_layers(self, opacities: &[f32]) -> Self {
+        let (baked, [here, next]) = (self.layers, self.weights);
+        let opacity_of = |index: u32| {
+            if !self.is_reduced() {
+                return opacities.get(index as usize + 1).copied().unwrap_or(1.0);
+            }
+            let layer = detail_layer(index, baked, self.step, self.gone);
+            let times = detail_exponent(layer, baked, self.step, self.gone, here, next);
+            opacities.get(layer as usize).map_or(1.0, |opacity| times * opacity)
         };
-        drawing.with_list(&instance.model, list)
+        let mut layers = self.detail.layers;
+        let mut left = LEAST_OPACITY;
+        while layers > 1 {
+            left -= opacity_of(layers - 1);
+            if left < 0.0 {
+                break;
+            }
+            layers -= 1;
+        }
+        Self { detail: InstanceDetail { layers, ..self.detail }, ..self }
     }
 
     fn with_list(mut self, model: &Model, list: usize) -> Self {
@@ -297,7 +324,7 @@ impl InstanceDrawing {
 
     /// Returns the instance range of the shell draw: layers, or for reduced detail the indices of `detail_layer`.
     pub(crate) fn shell_instances(&self) -> Range<u32> {
-        if self.is_reduced() { 0..self.detail.layers } else { 1..self.layers }
+        if self.is_reduced() { 0..self.detail.layers } else { 1..self.detail.layers + 1 }
     }
 }
 

@@ -75,6 +75,29 @@ fn drawing_parameters_follow_the_level() {
     );
 }
 
+/// Checks that the outermost layers are left out up to the limit, at the weight that they have at the level.
+#[test]
+fn almost_empty_outer_layers_are_not_drawn() {
+    let (manifest, params) = (manifest(), params());
+    let drawn = |level, fade, opacities: &[f32]| {
+        let all = InstanceDrawing::at_level(&manifest, &params, level, fade);
+        let left = all.without_empty_layers(opacities);
+        assert_eq!((left.layers, left.map_layers, left.gone), (all.layers, all.map_layers, all.gone), "only the end");
+        left.shell_instances()
+    };
+    let ending_in = |tips: [f32; 3]| [&[0.2; 13][..], &tips].concat();
+    assert_eq!(drawn(0, 0.0, &ending_in([0.2; 3])), 1..16);
+    assert_eq!(drawn(0, 0.0, &ending_in([0.001; 3])), 1..13, "0.003 together");
+    assert_eq!(drawn(0, 0.0, &ending_in([0.003; 3])), 1..15, "0.006 is too much for two");
+    assert_eq!(drawn(0, 0.0, &[]), 1..16, "nothing is known of them");
+    // Three of seven layers are gone and the fourth is half gone. The last three represent only themselves.
+    assert_eq!((drawn(0, 0.5, &ending_in([0.2; 3])), drawn(0, 0.5, &ending_in([0.001; 3]))), (0..12, 0..9));
+    // The outermost layer counts 2.5 times, and the one below it has the full opacity.
+    assert_eq!((drawn(1, 0.0, &ending_in([0.001; 3])), drawn(1, 0.0, &ending_in([0.002; 3]))), (0..7, 0..8));
+    assert_eq!(drawn(0, 0.0, &[0.0; 16]), 1..2, "at least one layer is drawn");
+    assert_eq!(drawn(3, 0.0, &[0.0; 16]), 0..0, "the far fur layer has none");
+}
+
 #[test]
 fn invalid_detail_parameters_are_refused() {
     for detail in

@@ -23,8 +23,8 @@ struct Toned {
     key_often: vec3<f32>,
     // Share of light that other strands let through.
     open: f32,
-    // Colour of the hair below, relative to that of the layer.
-    deeper: f32,
+    // Colour of the hair below, divided by `deeper` of toned(), without the colour of the surface.
+    around: vec3<f32>,
 }
 
 // Returns the share of light from all directions that other strands let through.
@@ -33,7 +33,8 @@ fn open_share(b: Baked) -> f32 {
 }
 
 // Returns the light of hair of the three tones. `direction`: mean direction of the hair; `b`: mean visibility;
-// `light_ts`: direction towards the key light; `deeper`: as in Toned. Directions are in the tile frame.
+// `light_ts`: direction towards the key light; `deeper`: brightness of the hair below, relative to that of the layer.
+// Directions are in the tile frame. The caller must set `around`.
 fn toned(sky_at_point: Sky, direction: vec3<f32>, b: Baked, light_ts: vec3<f32>, deeper: f32) -> Toned {
     // A copy, because WGSL allows indices that are not constant only for variables.
     var sky = sky_at_point;
@@ -63,7 +64,6 @@ fn toned(sky_at_point: Sky, direction: vec3<f32>, b: Baked, light_ts: vec3<f32>,
         out.key_often = sent.often;
     }
     out.open = open_share(b);
-    out.deeper = deeper;
     return out;
 }
 
@@ -76,9 +76,9 @@ fn at_tone(color: vec3<f32>, dark: vec3<f32>, middle: vec3<f32>, bright: vec3<f3
     return max(dark + from_dark * (rise + (from_dark - TONE_STEP) * bend), vec3(0.0));
 }
 
-// Returns the light that hair sends to the eye, not premultiplied. `color`: tinted colour of the hair; `deeper`: that
-// of the hair below; `open`: share of light that other strands let through to the point.
-fn toned_light(t: Toned, color: vec3<f32>, deeper: vec3<f32>, open: f32, a: Arriving) -> vec3<f32> {
+// Returns the light that hair sends to the eye, not premultiplied. `color`: tinted colour of the hair; `around`: that
+// of the hair below, divided by `deeper` of toned(); `open`: share of light that other strands let through to the point.
+fn toned_light(t: Toned, color: vec3<f32>, around: vec3<f32>, open: f32, a: Arriving) -> vec3<f32> {
     let more = open / max(t.open, LEAST_OPEN_LAYER);
     let sky = more * at_tone(color, t.sky_once[0], t.sky_once[1], t.sky_once[2])
         + sqrt(more) * at_tone(color, t.sky_often[0], t.sky_often[1], t.sky_often[2]);
@@ -86,8 +86,7 @@ fn toned_light(t: Toned, color: vec3<f32>, deeper: vec3<f32>, open: f32, a: Arri
         return sky;
     }
     // Where less of the key light arrives directly, about as much more arrives scattered forward.
-    let own = deeper / max(t.deeper, 1e-3);
     let key = more * at_tone(color, vec3(t.key_once.x), vec3(t.key_once.y), vec3(t.key_once.z))
-        + at_tone(own, vec3(t.key_often.x), vec3(t.key_often.y), vec3(t.key_often.z));
+        + at_tone(around, vec3(t.key_often.x), vec3(t.key_often.y), vec3(t.key_often.z));
     return sky + a.specular * a.past * key;
 }

@@ -205,6 +205,7 @@ pub(crate) fn load(
         extent: ModelBounds::of(&mesh, morphs.as_deref(), skinned && has_skeleton),
         parts,
         deviations_m: simplified.iter().flat_map(SimplifiedView::deviations).collect(),
+        layer_opacities: layer_opacities(package)?,
         ink,
         gpu_bytes,
     };
@@ -259,6 +260,21 @@ fn index_ranges(manifest: &Manifest, mesh: &MeshView<'_>, lists: Option<&Simplif
         }
     }
     ranges
+}
+
+/// Returns the mean opacity of each layer of hair, beginning with that of the mesh surface: the larger one of dry and
+/// wet hair. It is the last mip level of the package's colours. Empty for a package without fur.
+fn layer_opacities(package: &Package<'_>) -> Result<Vec<f32>, RuntimeError> {
+    let Some(dry) = package.fur_textures()? else { return Ok(Vec::new()) };
+    let wet = package.wet_textures()?;
+    let mean = |colors: &TextureView<'_>, layer: u32| {
+        let texels = colors.rgba8(colors.levels - 1, layer).unwrap_or_default();
+        let sum: f32 = texels.chunks_exact(4).map(|texel| f32::from(texel[3])).sum();
+        sum / (255.0 * (texels.len() / 4).max(1) as f32)
+    };
+    let colors = [Some(&dry.color), wet.as_ref().map(|wet| &wet.color)];
+    let largest = |layer| colors.iter().flatten().map(|colors| mean(colors, layer)).fold(0.0, f32::max);
+    Ok((0..package.manifest().fur.layers).map(largest).collect())
 }
 
 /// Uploads the hair textures. The boolean is true if the direction textures have two components instead of three.

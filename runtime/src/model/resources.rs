@@ -40,6 +40,7 @@ pub(super) struct Resources {
     pub(super) varies: VaryingAttributes,
     pub(super) parts: Vec<Part>,
     pub(super) deviations_m: Vec<f32>,
+    pub(super) layer_opacities: Vec<f32>,
     pub(super) extent: ModelBounds,
     pub(super) ink: Option<ModelInk>,
     pub(super) gpu_bytes: u64,
@@ -270,6 +271,11 @@ impl Model {
     /// Returns the deviations of the simplified index lists from the mesh, metres at rest, ascending.
     pub(crate) fn deviations_m(&self) -> &[f32] {
         &self.resources.deviations_m
+    }
+
+    /// Returns the mean opacity of each layer of hair, beginning with that of the mesh surface; empty without fur.
+    pub(crate) fn layer_opacities(&self) -> &[f32] {
+        &self.resources.layer_opacities
     }
 
     /// Returns the triangle count of the mesh (`list` 0) or of a simplified list.

@@ -18,9 +18,10 @@ fn shell_of(v: Vertex, index: u32) -> Shell {
     let position = hair_position(v, tile, height);
     var at = hair_vertex(v, tile, position);
     at.tint = hair_base(at.tint);
+    let times = stands_for(layer);
     var hair_height = height;
     if DETAIL {
-        hair_height = visible_height(height, stands_for(layer), instance.drawn_layers);
+        hair_height = visible_height(height, times, instance.drawn_layers);
     }
     let slope = lean_slope(v.lean, height);
     let baked = baked_layer(layer, instance.baked_layers, instance.drawn_layers);
@@ -38,6 +39,7 @@ fn shell_of(v: Vertex, index: u32) -> Shell {
     out.map_layer = hair_height * frame.last_map_layer;
     out.slope = slope;
     out.layer = baked;
+    out.stands_for = times;
     out.aside = aside;
     out.at = at;
     return out;
@@ -92,7 +94,7 @@ fn shell_hair(in: ShellFragment, eye: vec3<f32>) -> ShellHair {
     if RESAMPLED || DETAIL || LOOK_SLANTED {
         var times = 1.0;
         if RESAMPLED || DETAIL {
-            times = stands_for(in.layer);
+            times = in.stands_for;
         }
         if LOOK_SLANTED {
             let tangent = grown_tangent(hair.direction, select(1.0, in.length, SHORT), select(0.0, in.slope, LEAN));
@@ -125,7 +127,7 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     let kept = kept_towards(at, arriving.light_ts, height, in.length);
     var baked = baked_at(in.tile_uv, in.layer, h.groom.y, kept, in.length, in.slope);
     if DETAIL && BAKED_SHADOW {
-        baked.within = light_within(h.hair.color.a, stands_for(in.layer));
+        baked.within = light_within(h.hair.color.a, in.stands_for);
     }
     var point: HairPoint;
     point.spot = in.spot;
@@ -141,16 +143,16 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     return false_color(vec4(light_hair(point), texel.a), 2u, 0.0);
 }
 
-// Returns the same, if the vertices have evaluated the light.
-fn toned_color(in: ShellFragment, light: Toned) -> vec4<f32> {
+// Returns the same, if the vertices have evaluated the light. `eye`: direction to the eye in the tile frame.
+fn toned_color(in: ShellFragment, eye: vec3<f32>, light: Toned) -> vec4<f32> {
     var arriving = in.arriving;
-    let h = shell_hair(in, eye_of(arriving.light_ts, arriving.half_ts, in.n_dot_e));
+    let h = shell_hair(in, eye);
     arriving.past = visible_past_things(Receiver(in.place, in.map_layer, MAPS_BETWEEN, arriving.light_ts.z));
     let color = h.texel.rgb * h.base;
     let full = color * in.tint / max(h.texel.a, 1e-6);
-    let deeper = mean_of_layer(in.layer / LAYERS_TO_DEEPER, h.texel.rgb / h.texel.a) * h.base * in.tint;
     let open = open_share(baked_at(in.tile_uv, in.layer, h.groom.y, h.groom.x, in.length, in.slope));
-    let lit = color * arriving.ambient + h.texel.a * toned_light(light, full, deeper, open, arriving);
+    let around = light.around * h.base * in.tint;
+    let lit = color * arriving.ambient + h.texel.a * toned_light(light, full, around, open, arriving);
     return false_color(vec4(lit, h.texel.a), 2u, 0.0);
 }
 
@@ -167,9 +169,10 @@ fn vs_shells_sky(v: Vertex, @builtin(instance_index) index: u32) -> SkyVarying {
     baked.length = s.length;
     baked.slope = s.slope;
     if DETAIL && BAKED_SHADOW {
-        baked.within = light_within(SHOWN_ALPHA, stands_for(s.layer));
+        baked.within = light_within(SHOWN_ALPHA, s.stands_for);
     }
-    return sky_varying(s, grown(mean.direction, s.length, s.slope), baked, deeper);
+    let around = below.color.rgb / max(below.color.a * deeper, 1e-3);
+    return sky_varying(s, grown(mean.direction, s.length, s.slope), baked, deeper, around);
 }
 
 @fragment
@@ -189,5 +192,5 @@ fn fs_shells_filled(in: FilledVarying) -> @location(0) vec4<f32> {
 
 @fragment
 fn fs_shells_sky(in: SkyVarying) -> @location(0) vec4<f32> {
-    return toned_color(sky_fragment(in), toned_of(in));
+    return toned_color(sky_fragment(in), eye_of_sky(in), toned_of(in));
 }

@@ -20,6 +20,8 @@ struct Shell {
     slope: f32,
     // Index of the baked layer.
     layer: u32,
+    // Number of baked layers that the shell represents.
+    stands_for: f32,
     // Sideways offset of hair from its root.
     aside: vec3<f32>,
     at: HairVertex,
@@ -36,7 +38,7 @@ struct PlainVarying {
     @location(2) half_green: vec4<f32>,
     @location(3) ambient_blue: vec4<f32>,
     @location(4) place: vec4<f32>,
-    // Highlight and baked layer: bits of three f32 and one u32.
+    // Highlight, as bits of three f32, and packed_layer.
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
 }
 
@@ -84,15 +86,24 @@ struct SkyVarying {
     @location(5) @interpolate(flat, either) specular_layer: vec4<u32>,
     @location(6) base_uv_groom: vec4<f32>,
     @location(7) slope_alpha_map: vec4<f32>,
-    // Members of Toned: sky_once for each tone; in the w components open and the first two of key_often.
+    // Members of Toned: sky_once for each tone; in the w components `open` and the first two of key_often.
     @location(8) dark_open: vec4<f32>,
     @location(9) middle_key: vec4<f32>,
     @location(10) bright_key: vec4<f32>,
-    // sky_often for each tone; in the w components the last of key_often, and deeper.
+    // sky_often for each tone, and key_once; in the w components the last of key_often, and `around`.
     @location(11) often_dark_key: vec4<f32>,
-    @location(12) often_middle_deeper: vec4<f32>,
-    @location(13) often_bright: vec3<f32>,
-    @location(14) key_once: vec3<f32>,
+    @location(12) often_middle_around: vec4<f32>,
+    @location(13) often_bright_around: vec4<f32>,
+    @location(14) key_once_around: vec4<f32>,
+}
+
+// Bits of packed_layer that hold the index of the layer.
+const LAYER_BITS: u32 = 1023u;
+
+// Packs the index of a baked layer and the number of layers that the shell represents. The number loses its lowest
+// bits; its error is below 0.0002. Computing it again at each fragment would take seven divisions of integers.
+fn packed_layer(layer: u32, stands_for: f32) -> u32 {
+    return (bitcast<u32>(stands_for) & ~LAYER_BITS) | layer;
 }
 
 // Packs the interpolants for fur whose colour comes from vertices only.
@@ -104,7 +115,7 @@ fn plain_varying(s: Shell) -> PlainVarying {
     out.half_green = vec4(s.at.half_ts, s.diffuse.g);
     out.ambient_blue = vec4(s.ambient, s.diffuse.b);
     out.place = s.at.place;
-    out.specular_layer = vec4(bitcast<vec3<u32>>(instance.specular), s.layer);
+    out.specular_layer = vec4(bitcast<vec3<u32>>(instance.specular), packed_layer(s.layer, s.stands_for));
     return out;
 }
 
@@ -145,8 +156,8 @@ fn filled_varying(s: Shell) -> FilledVarying {
 }
 
 // Packs the interpolants for scattering by fibres under an environment. `direction`, `b`: mean direction and visibility
-// of the layer; `deeper`: as in Toned.
-fn sky_varying(s: Shell, direction: vec3<f32>, b: Baked, deeper: f32) -> SkyVarying {
+// of the layer; `deeper`: relative brightness of the hair below; `around`: as in Toned.
+fn sky_varying(s: Shell, direction: vec3<f32>, b: Baked, deeper: f32, around: vec3<f32>) -> SkyVarying {
     let m = mapped_varying(s);
     let sky = sky_at(s.at.spot, tile_of(s.at.spot));
     let light = toned(sky, direction, b, s.at.light_ts, deeper);
@@ -164,9 +175,9 @@ fn sky_varying(s: Shell, direction: vec3<f32>, b: Baked, deeper: f32) -> SkyVary
     out.middle_key = vec4(light.sky_once[1], light.key_often.x);
     out.bright_key = vec4(light.sky_once[2], light.key_often.y);
     out.often_dark_key = vec4(light.sky_often[0], light.key_often.z);
-    out.often_middle_deeper = vec4(light.sky_often[1], light.deeper);
-    out.often_bright = light.sky_often[2];
-    out.key_once = light.key_once;
+    out.often_middle_around = vec4(light.sky_often[1], around.r);
+    out.often_bright_around = vec4(light.sky_often[2], around.g);
+    out.key_once_around = vec4(light.key_once, around.b);
     return out;
 }
 
@@ -174,6 +185,8 @@ fn sky_varying(s: Shell, direction: vec3<f32>, b: Baked, deeper: f32) -> SkyVary
 struct ShellFragment {
     tile_uv: vec2<f32>,
     layer: u32,
+    // Number of baked layers that the shell represents.
+    stands_for: f32,
     n_dot_e: f32,
     length: f32,
     base_uv: vec2<f32>,
@@ -195,10 +208,11 @@ struct ShellFragment {
 
 // Inputs that this variant lacks are zero here; other variants set them.
 fn plain_fragment(in: PlainVarying) -> ShellFragment {
-    let layer = in.specular_layer.w;
+    let layer = in.specular_layer.w & LAYER_BITS;
     var out: ShellFragment;
     out.tile_uv = in.uv_cosine_length.xy;
     out.layer = layer;
+    out.stands_for = bitcast<f32>(in.specular_layer.w & ~LAYER_BITS);
     out.n_dot_e = in.uv_cosine_length.z;
     out.length = in.uv_cosine_length.w;
     out.base_alpha = 1.0;
@@ -263,8 +277,8 @@ fn sky_fragment(in: SkyVarying) -> ShellFragment {
     mapped.position = in.position;
     mapped.uv_cosine_length = in.uv_cosine_length;
     mapped.light_red = in.light_red;
-    let eye = in.eye_green.xyz * inverseSqrt(max(dot(in.eye_green.xyz, in.eye_green.xyz), 1e-12));
-    mapped.half_green = vec4(half_vector(in.light_red.xyz, eye), in.eye_green.w);
+    // Only green is used: eye_of_sky returns the direction to the eye.
+    mapped.half_green = in.eye_green;
     mapped.ambient_blue = in.ambient_blue;
     mapped.place = in.place;
     mapped.specular_layer = in.specular_layer;
@@ -273,14 +287,19 @@ fn sky_fragment(in: SkyVarying) -> ShellFragment {
     return mapped_fragment(mapped);
 }
 
+// Returns the direction to the eye in the tile frame.
+fn eye_of_sky(in: SkyVarying) -> vec3<f32> {
+    return in.eye_green.xyz * inverseSqrt(max(dot(in.eye_green.xyz, in.eye_green.xyz), 1e-12));
+}
+
 // Unpacks the light.
 fn toned_of(in: SkyVarying) -> Toned {
     return Toned(
         array(in.dark_open.xyz, in.middle_key.xyz, in.bright_key.xyz),
-        array(in.often_dark_key.xyz, in.often_middle_deeper.xyz, in.often_bright),
-        in.key_once,
+        array(in.often_dark_key.xyz, in.often_middle_around.xyz, in.often_bright_around.xyz),
+        in.key_once_around.xyz,
         vec3(in.middle_key.w, in.bright_key.w, in.often_dark_key.w),
         in.dark_open.w,
-        in.often_middle_deeper.w,
+        vec3(in.often_middle_around.w, in.often_bright_around.w, in.key_once_around.w),
     );
 }
