@@ -160,7 +160,8 @@ impl InstanceDrawing {
     fn from_layers(instance: &Instance, px_per_m: f32, params: &FrameParams) -> Self {
         let manifest = instance.model.manifest();
         let high_px = if px_per_m.is_finite() { manifest.fur.height_m * px_per_m } else { f32::INFINITY };
-        let texel_level = texel_level(&manifest.fur, high_px);
+        let level_of = |px| texel_level(&manifest.fur, px);
+        let texel_level = level_of(high_px);
         let fur = params.style.fur().filter(|_| params.debug.only_layer.is_none());
         let Some(FurParams { layers: None, detail, .. }) = fur.filter(|_| !manifest.detail.is_empty()) else {
             return Self { texel_level, ..Self::at_level(manifest, params, 0, 0.0) }.with_list(&instance.model, 0);
@@ -180,7 +181,11 @@ impl InstanceDrawing {
         drawing.texel_level = texel_level;
         let Detail::Auto { bias } = detail else { return drawing.with_list(&instance.model, 0) };
         let list = simplest_list(instance.model.deviations_m(), px_per_m * bias);
-        drawing.without_empty_layers(instance.model.layer_opacities()).with_list(&instance.model, list)
+        // Where a texel is as large as a pixel, the tips of single hairs are visible.
+        if level_of(high_px * bias) > 0.0 {
+            drawing = drawing.without_empty_layers(instance.model.layer_opacities());
+        }
+        drawing.with_list(&instance.model, list)
     }
 
     /// Leaves out the outermost layers that together have at most an opacity of [`LEAST_OPACITY`]. `opacities`: mean

@@ -77,7 +77,8 @@ fn at_tone(color: vec3<f32>, dark: vec3<f32>, middle: vec3<f32>, bright: vec3<f3
 }
 
 // Returns the light that hair sends to the eye, not premultiplied. `color`: tinted colour of the hair; `around`: that
-// of the hair below, divided by `deeper` of toned(); `open`: share of light that other strands let through to the point.
+// of the hair below, divided by `deeper` of toned(); `open`: share of light that other strands let through to the
+// point.
 fn toned_light(t: Toned, color: vec3<f32>, around: vec3<f32>, open: f32, a: Arriving) -> vec3<f32> {
     let more = open / max(t.open, LEAST_OPEN_LAYER);
     let sky = more * at_tone(color, t.sky_once[0], t.sky_once[1], t.sky_once[2])

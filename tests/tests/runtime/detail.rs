@@ -205,7 +205,7 @@ fn small_animals_use_fewer_layers_and_passes() {
     };
     let (large, middle, small) = (at(0.3), at(2.0), at(20.0));
     let layers = |report: &FrameReport| report.instances[0].layers;
-    assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 4, 0));
+    assert_eq!((layers(&large), layers(&middle), layers(&small)), (15, 3, 0));
     assert_eq!(ran(&large), "layer_shadow shadow_width skin shells");
     // The shadow map drawn for all layers has the number of layers that this level requires, so it is reused.
     assert_eq!(ran(&middle), "skin shells");
@@ -214,7 +214,7 @@ fn small_animals_use_fewer_layers_and_passes() {
     assert_eq!(ran(&small), "shadow_width skin");
     let reason = |report: &FrameReport, name| report.passes.iter().find(|p| p.name == name).unwrap().reason.clone();
     assert_eq!(reason(&large, "shells"), "1 instances, 15 layers");
-    assert_eq!(reason(&middle, "shells"), "1 instances, 4 of 15 layers");
+    assert_eq!(reason(&middle, "shells"), "1 instances, 3 of 15 layers");
     assert_eq!(reason(&large, "layer_shadow"), "one map of 2 layers, 512 x 512");
     assert_eq!(reason(&middle, "layer_shadow"), "light, poses and models are unchanged");
     assert!(

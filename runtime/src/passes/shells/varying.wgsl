@@ -1,4 +1,4 @@
-//! uses hair/vertex, light/baked, light/environment, light/fills, light/key, light/point, light/tones, shared/frame,
+//! uses hair/vertex, light/baked, light/environment, light/fills, light/key, light/point, light/tones,
 //! shared/kajiya_kay, surface/place
 // Packed interpolants between the vertex and fragment shaders of shells. There are four variants, each with no more
 // slots than its fur needs. Software rasterisers pay for a slot at every vertex, triangle and block of pixels, and for
