@@ -5,8 +5,8 @@
 //! equation. Without an environment map, every path that leaves the scene meets ambient light: a uniform sky whose
 //! radiance is ka times the key light's colour.
 //!
-//! A fibre's absorption gives dense fur its colour ([`colour::absorption`]). Light enters and leaves a strand at the
-//! same point, because strands are thin compared with their surroundings.
+//! A fibre's absorption gives dense fur its colour ([`pelage_formats::meaning::scattering::colour::absorption`]). Light
+//! enters and leaves a strand at the same point, because strands are thin compared with their surroundings.
 
 use super::gloss::GlossyPoint;
 use super::lighting::{Sample, TrueLight, bare_normal, frame, vector};
@@ -15,8 +15,8 @@ use super::sky::TrueSky;
 use super::tracer::{Hit, RayOrigin};
 use glam::DVec3;
 use pelage_bake::noise::{hash, uniform};
+use pelage_formats::meaning::scattering::Angles;
 use pelage_formats::meaning::scattering::near;
-use pelage_formats::meaning::scattering::{Angles, colour};
 use std::f64::consts::{PI, TAU};
 
 /// Number of bounces before Russian roulette, which ends paths of little weight at random without bias.
@@ -150,8 +150,7 @@ impl Sample<'_> {
                 let (from, to) = (a.position_ws.as_dvec3(), b.position_ws.as_dvec3());
                 let tip = (to - from).normalize_or(DVec3::Y);
                 let color = a.color.as_dvec3().lerp(b.color.as_dvec3(), share);
-                let darker = colour::medulla_absorption(&of.fibre.medulla, of.scale);
-                let sigma = colour::absorption(color.to_array(), of.scale).map(|sigma| sigma * darker);
+                let sigma = of.absorption(color);
                 let sin = tip.dot(to_eye).clamp(-1.0, 1.0);
                 let across = (to_eye - tip * sin).normalize_or(tip.any_orthonormal_vector());
                 let out = place - from.lerp(to, share);

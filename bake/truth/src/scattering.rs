@@ -1,6 +1,7 @@
 //! Fibre data for light paths.
 
-use pelage_formats::meaning::scattering::{AzimuthalScattering, Fibre, LobeShape};
+use glam::DVec3;
+use pelage_formats::meaning::scattering::{AzimuthalScattering, Fibre, LobeShape, colour};
 use pelage_import::BakeError;
 
 /// Scattering of light between hairs, modelled as fibres. Replaces Yang 2006, eq. (3), which treats each fibre alone.
@@ -19,6 +20,16 @@ pub(super) struct TrueFibre {
     pub(super) fibre: Fibre,
     /// Scale of the fibre's azimuthal logistic distribution, radians.
     pub(super) scale: f64,
+    /// [`colour::depth`] and [`colour::medulla_absorption`]; expensive to compute.
+    pub(super) depth: f64,
+    pub(super) medulla_absorption: f64,
+}
+
+impl TrueFibre {
+    /// Returns the absorption per radius of a hair of linear colour `color`.
+    pub(super) fn absorption(&self, color: DVec3) -> [f64; 3] {
+        colour::absorption_at(color.to_array(), self.depth).map(|sigma| sigma * self.medulla_absorption)
+    }
 }
 
 impl TrueScattering {
@@ -58,7 +69,7 @@ impl TrueScattering {
     /// radians.
     pub fn of_group(&self, name: &str) -> (Fibre, f64) {
         let number = self.runs.iter().find(|(run, ..)| run == name).map_or(0, |(.., fibre)| *fibre);
-        let TrueFibre { fibre, scale } = self.fibres[number];
+        let TrueFibre { fibre, scale, .. } = self.fibres[number];
         (fibre, scale)
     }
 
@@ -70,7 +81,10 @@ impl TrueScattering {
 
 fn near(fibre: Fibre) -> Result<TrueFibre, BakeError> {
     match (fibre.around, fibre.keeps) {
-        (AzimuthalScattering::Rough(scale), LobeShape::Energy) => Ok(TrueFibre { fibre, scale }),
+        (AzimuthalScattering::Rough(scale), LobeShape::Energy) => {
+            let medulla_absorption = colour::medulla_absorption(&fibre.medulla, scale);
+            Ok(TrueFibre { fibre, scale, depth: colour::depth(scale), medulla_absorption })
+        }
         _ => Err(BakeError::Internal(
             "path tracing needs a fibre with azimuthal roughness that conserves \
              energy"

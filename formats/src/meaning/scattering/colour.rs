@@ -24,7 +24,11 @@ pub fn of_pigments(eumelanin: f64, pheomelanin: f64) -> [f64; 3] {
 /// * `color`: linear, 0..=1; clamped to at least [`DARKEST`]
 /// * `around`: scale of the azimuthal logistic distribution, radians
 pub fn absorption(color: [f64; 3], around: f64) -> [f64; 3] {
-    let depth = depth(around);
+    absorption_at(color, depth(around))
+}
+
+/// Returns the same as [`absorption`] for a fibre of known [`depth`], which is expensive to compute.
+pub fn absorption_at(color: [f64; 3], depth: f64) -> [f64; 3] {
     color.map(|c| {
         let root = libm::log(c.clamp(DARKEST, 1.0)) / depth;
         root * root
