@@ -143,6 +143,8 @@ pub(super) struct Sample<'a> {
     pub(super) lighting: &'a TrueLighting,
     /// Seed of all random numbers of this sample.
     pub(super) seed: u64,
+    /// Seed of the pixel, and number of the sample in it.
+    pub(super) of_pixel: (u64, u32),
 }
 
 /// Properties of a hair at the shaded point.
@@ -270,9 +272,9 @@ impl Sample<'_> {
     /// Returns a light in one random direction that represents the environment map, and its visibility, 1 or 0.
     fn sample_sky(&self, place_ws: DVec3, start: RayOrigin) -> Option<(TrueLight, f64)> {
         let sky = self.lighting.sky.as_ref()?;
-        let (way, likely) = sky.sample([self.random(4), self.random(5)])?;
+        let (way, radiance, likely) = sky.sample([self.random(4), self.random(5)])?;
         // A light of colour 1 causes an irradiance of π.
-        let color = (sky.radiance(way) / (likely * std::f64::consts::PI)).as_vec3();
+        let color = (radiance / (likely * std::f64::consts::PI)).as_vec3();
         let visible = self.tracer.is_lit(place_ws, way, f64::INFINITY, start, (true, true));
         Some((TrueLight::Directional { towards_light_ws: way.as_vec3(), color }, f64::from(visible)))
     }

@@ -54,25 +54,35 @@ impl Sample<'_> {
         let (mut sum, mut left) = (DVec3::ZERO, DVec3::ONE);
         let (mut hit, mut place, mut to_eye) = (*hit, place_ws, to_eye);
         for bounce in 0..scattering.bounces() {
-            let draw = |what: u64| f64::from(uniform(hash(self.seed, 0xb0c5 + u64::from(bounce)), what));
+            let pair = |what: u64| {
+                let (seed, number) = self.of_pixel;
+                even_pair(hash(hash(seed, 0xb0c5 + u64::from(bounce)), what), number)
+            };
             let start = match hit {
                 Hit::Hair { strand, .. } => RayOrigin { strand: Some(strand), triangle: None },
                 Hit::Skin { triangle, .. } => RayOrigin { strand: None, triangle: Some(triangle) },
             };
             let met = self.scatterer_at(scattering, &hit, to_eye, place);
             for (i, light) in std::iter::once(&self.lighting.key).chain(&self.lighting.fill).enumerate() {
+                // Beside an environment map, the key light is black.
+                let power = light.color() * PI;
+                if power == DVec3::ZERO {
+                    continue;
+                }
                 *shadow_rays += 1;
-                let aside = [draw(10), draw(11)];
-                let (way, seen) = self.light_visibility(light, i == 0, place, start, aside);
+                let (way, seen) = self.light_visibility(light, i == 0, place, start, || pair(0));
                 if seen {
-                    sum += left * met.value_of_light(way) * light.color() * PI;
+                    sum += left * met.value_of_light(way) * power;
                 }
             }
             if let Some(sky) = &self.lighting.sky {
                 *shadow_rays += 1;
-                sum += left * self.sky_contribution(sky, &met, place, start, [draw(13), draw(14)]);
+                sum += left * self.sky_contribution(sky, &met, place, start, pair(1));
             }
-            let (way, weight) = met.sample(std::array::from_fn(|i| draw(i as u64)));
+            let (way, weight) = {
+                let ([path, around], [height, turn]) = (pair(2), pair(3));
+                met.sample([path, around, height, turn])
+            };
             left *= weight;
             if left.max_element() <= 0.0 {
                 break;
@@ -82,14 +92,14 @@ impl Sample<'_> {
                 sum += left
                     * self.lighting.sky.as_ref().map_or(ambient, |sky| {
                         // Balance heuristic: samples of the sky contribute the remaining weight.
-                        let (ours, other) = (met.pdf(way), sky.pdf(way));
-                        sky.radiance(way) * (ours / (ours + other))
+                        let (ours, (radiance, other)) = (met.pdf(way), sky.radiance_and_pdf(way));
+                        radiance * (ours / (ours + other))
                     });
                 break;
             };
             if bounce >= MIN_BOUNCES {
                 let stays = left.max_element().min(0.95);
-                if draw(12) >= stays {
+                if f64::from(uniform(hash(self.seed, 0xb0c5 + u64::from(bounce)), 12)) >= stays {
                     break;
                 }
                 left /= stays;
@@ -108,10 +118,10 @@ impl Sample<'_> {
         key: bool,
         place: DVec3,
         start: RayOrigin,
-        aside: [f64; 2],
+        aside: impl FnOnce() -> [f64; 2],
     ) -> (DVec3, bool) {
         let (axis, distance) = light.direction_and_distance(place);
-        let way = if key { self.on_disc(axis, aside.into()) } else { axis };
+        let way = if key { self.on_disc(axis, aside().into()) } else { axis };
         let skin = key && self.lighting.skin_shadows;
         let hair = if key { self.lighting.hair_shadows } else { self.lighting.fill_shadows };
         (way, self.tracer.is_lit(place, way, distance / axis.dot(way), start, (hair, skin)))
@@ -127,12 +137,12 @@ impl Sample<'_> {
         start: RayOrigin,
         even: [f64; 2],
     ) -> DVec3 {
-        let Some((way, likely)) = sky.sample(even) else { return DVec3::ZERO };
+        let Some((way, radiance, likely)) = sky.sample(even) else { return DVec3::ZERO };
         let value = met.value(way);
         if value.max_element() <= 0.0 || !self.tracer.is_lit(place, way, f64::INFINITY, start, (true, true)) {
             return DVec3::ZERO;
         }
-        value * sky.radiance(way) / (likely + met.pdf(way))
+        value * radiance / (likely + met.pdf(way))
     }
 
     fn scatterer_at<'a>(
@@ -248,6 +258,28 @@ impl Scatterer<'_> {
             }
         }
     }
+}
+
+/// Returns point `number` of a sequence that covers the unit square evenly: Sobol' points with Owen's scrambling, by
+/// hashes (Burley 2020). Sequences of different seeds are independent.
+fn even_pair(seed: u64, number: u32) -> [f64; 2] {
+    // Permutes the bits so that each depends on the lower ones only.
+    let permuted = |mut x: u32, seed: u32| {
+        x = x.wrapping_add(seed);
+        for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {
+            x ^= x.wrapping_mul(factor);
+        }
+        x
+    };
+    let seeds = [0, 1].map(|i| hash(seed, i));
+    let number = permuted(number.reverse_bits(), seeds[0] as u32).reverse_bits();
+    // Second dimension: Pascal's triangle modulo 2 as a matrix.
+    let mut second = number;
+    for (shift, mask) in [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff), (16, 0xffff)] {
+        second ^= (second >> shift) & mask;
+    }
+    [(number, seeds[1] as u32), (second, (seeds[1] >> 32) as u32)]
+        .map(|(x, seed)| f64::from(permuted(x, seed).reverse_bits()) / 4_294_967_296.0)
 }
 
 #[cfg(test)]

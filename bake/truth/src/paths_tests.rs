@@ -114,3 +114,19 @@ fn skies_light_hair_from_their_bright_directions() {
         [TrueSky::of_panorama(picture, 0.0, 1.0), TrueSky::of_environment(window)].map(|sky| under(sky, color, 64));
     assert!(((painted - formula) / formula).abs().max_element() < 0.03, "{painted} {formula}");
 }
+
+/// Checks that each of 16 successive points is in a cell of its own, in grids of every shape.
+#[test]
+fn points_of_a_sequence_fill_all_cells() {
+    for seed in 0..20 {
+        let points: Vec<[f64; 2]> = (0..64).map(|i| super::even_pair(seed, i)).collect();
+        for points in points.chunks(16) {
+            for columns in [1.0, 2.0, 4.0, 8.0, 16.0] {
+                let cell = |[x, y]: &[f64; 2]| ((x * columns) as u32, (y * 16.0 / columns) as u32);
+                let cells: std::collections::BTreeSet<_> = points.iter().map(cell).collect();
+                assert_eq!(cells.len(), 16, "{seed}: {columns} columns");
+            }
+        }
+    }
+    assert_ne!(super::even_pair(1, 0), super::even_pair(2, 0));
+}

@@ -207,8 +207,9 @@ impl TrueScene {
             let (origin, way) = rays.ray(DVec2::new(f64::from(x), f64::from(y)) + inside);
             count.primary += 1;
             if let Some((hit, distance)) = self.tracer.first_hit(origin, way) {
+                let of_pixel = (seed, i);
                 let seed = hash(seed, u64::from(i) + 2);
-                let sample = Sample { tracer: &self.tracer, material: &self.material, lighting, seed };
+                let sample = Sample { tracer: &self.tracer, material: &self.material, lighting, seed, of_pixel };
                 sum.met += 1;
                 sum.color += sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
             }

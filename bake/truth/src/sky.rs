@@ -69,21 +69,20 @@ impl TrueSky {
 
     /// Returns the linear RGB radiance from the unit direction `from`.
     pub fn radiance(&self, from: DVec3) -> DVec3 {
-        let of = &*self.of;
-        let inside = rotate_about_vertical(from, -of.yaw);
-        let light = match &of.light {
-            Light::Picture => {
-                let (x, y) = of.picture.pixel(inside);
-                of.picture.at(x, y)
-            }
-            Light::Lobes(environment) => environment.radiance(inside),
-        };
-        light * of.strength
+        self.radiance_and_pdf(from).0
     }
 
-    /// Samples a direction from two uniform numbers in 0..1. Returns the direction and its probability density, per
-    /// steradian. `None` if the whole environment map is black.
-    pub fn sample(&self, even: [f64; 2]) -> Option<(DVec3, f64)> {
+    /// Returns the linear RGB radiance from the unit direction `from`, and the probability density with which
+    /// [`Self::sample`] chooses it, per steradian.
+    pub fn radiance_and_pdf(&self, from: DVec3) -> (DVec3, f64) {
+        let inside = rotate_about_vertical(from, -self.of.yaw);
+        let (x, y) = self.of.picture.pixel(inside);
+        self.light_of_pixel(self.of.picture.at(x, y), inside)
+    }
+
+    /// Samples a direction from two uniform numbers in 0..1. Returns the direction, the radiance from there, and its
+    /// probability density, per steradian. `None` if the whole environment map is black.
+    pub fn sample(&self, even: [f64; 2]) -> Option<(DVec3, DVec3, f64)> {
         let of = &*self.of;
         let (width, _) = of.picture.size();
         let whole = *of.rows.last()?;
@@ -94,18 +93,19 @@ impl TrueSky {
         let row = &of.columns[y * width as usize..(y + 1) * width as usize];
         let (x, across) = pick(row, even[1] * row[row.len() - 1]);
         let way = of.picture.towards_within(x as u32, y as u32, [across, down]);
-        Some((rotate_about_vertical(way, of.yaw), self.likely_in(x as u32, y as u32)))
+        let (radiance, likely) = self.light_of_pixel(of.picture.at(x as u32, y as u32), way);
+        Some((rotate_about_vertical(way, of.yaw), radiance, likely))
     }
 
-    /// Returns the probability density with which a direction is sampled, per steradian.
-    pub fn pdf(&self, way: DVec3) -> f64 {
-        let (x, y) = self.of.picture.pixel(rotate_about_vertical(way, -self.of.yaw));
-        self.likely_in(x, y)
-    }
-
-    fn likely_in(&self, x: u32, y: u32) -> f64 {
-        let whole = self.of.rows.last().copied().unwrap_or(0.0);
-        if whole > 0.0 { weight(self.of.picture.at(x, y)) / whole } else { 0.0 }
+    /// Returns radiance and probability density of a direction. `pixel`: its pixel in the picture.
+    fn light_of_pixel(&self, pixel: DVec3, inside: DVec3) -> (DVec3, f64) {
+        let of = &*self.of;
+        let light = match &of.light {
+            Light::Picture => pixel,
+            Light::Lobes(environment) => environment.radiance(inside),
+        };
+        let whole = of.rows.last().copied().unwrap_or(0.0);
+        (light * of.strength, if whole > 0.0 { weight(pixel) / whole } else { 0.0 })
     }
 }
 
@@ -148,12 +148,13 @@ mod tests {
         let mut sum = DVec3::ZERO;
         const COUNT: u64 = 4_000;
         for i in 0..COUNT {
-            let (way, likely) = sky.sample([0, 1].map(|n| uniform(i, n).into())).unwrap();
+            let (way, radiance, likely) = sky.sample([0, 1].map(|n| uniform(i, n).into())).unwrap();
             assert!((way.length() - 1.0).abs() < 1e-9 && likely > 0.0);
             // On the edge between two pixels the density of either is valid.
-            let asked = sky.pdf(way);
+            let (found, asked) = sky.radiance_and_pdf(way);
             assert!((asked / likely - 1.0).abs() < 1e-9 || asked > 0.0, "{asked} {likely}");
-            sum += sky.radiance(way) / likely / COUNT as f64;
+            assert!(found == radiance || asked != likely, "{found} {radiance}");
+            sum += radiance / likely / COUNT as f64;
         }
         assert!((sum / whole / 2.0 - 1.0).abs().max_element() < 0.02, "{sum}, expected twice {whole}");
         // Skies rotate from +x towards −z, like models.
