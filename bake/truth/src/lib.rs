@@ -16,6 +16,7 @@ mod camera;
 mod capsules;
 pub mod compare;
 pub mod decide;
+mod denoise;
 pub mod doctor;
 mod gloss;
 mod lighting;

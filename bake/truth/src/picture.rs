@@ -1,6 +1,7 @@
 //! Ray-traced picture of a package: its strands and mesh surface.
 
 use super::camera::{RayCaster, TrueCamera};
+use super::denoise::Guide;
 use super::lighting::{Sample, TileShading, TrueLighting, root_directions};
 use super::tracer::Tracer;
 use glam::{DVec2, DVec3};
@@ -170,7 +171,7 @@ impl TrueScene {
                     let mut count = Rays::default();
                     for (y, x) in rows.clone().flat_map(|y| columns.clone().map(move |x| (y, x))) {
                         let mut sum = before.pixels[y as usize * width + x as usize];
-                        self.pixel(&rays, lighting, (x, y), samples.clone(), &mut sum, &mut count);
+                        self.pixel(&rays, lighting, (x, y), samples.clone(), before.guided, &mut sum, &mut count);
                         pixels.push(sum);
                     }
                     (columns, rows.start, pixels, count)
@@ -197,6 +198,7 @@ impl TrueScene {
         lighting: &TrueLighting,
         (x, y): (u32, u32),
         samples: Range<u32>,
+        guided: bool,
         sum: &mut PixelSum,
         count: &mut Rays,
     ) {
@@ -211,7 +213,11 @@ impl TrueScene {
                 let seed = hash(seed, u64::from(i) + 2);
                 let sample = Sample { tracer: &self.tracer, material: &self.material, lighting, seed, of_pixel };
                 sum.met += 1;
-                sum.color += sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
+                let light = sample.light(&hit, origin + way * distance, -way, &mut count.shadow);
+                sum.color += light;
+                if guided {
+                    sum.guide.add(&self.tracer, &hit, distance, light);
+                }
             }
         }
     }
@@ -221,25 +227,29 @@ impl TrueScene {
 #[derive(Clone, Debug)]
 pub struct PictureSums {
     /// Width and height, pixels.
-    size: (u32, u32),
+    pub(super) size: (u32, u32),
     /// Squares whose pixels have samples.
     squares: Vec<Square>,
     /// Number of the first sample.
     first: u32,
     /// Samples of each pixel of the part.
-    samples: u32,
+    pub(super) samples: u32,
     /// Sums of all pixels, row by row from the top.
-    pixels: Vec<PixelSum>,
+    pub(super) pixels: Vec<PixelSum>,
     rays: Rays,
+    /// Whether the samples are summed for the filter, too.
+    guided: bool,
 }
 
 /// Sums of a pixel's samples.
 #[derive(Clone, Copy, Debug, Default)]
-struct PixelSum {
+pub(super) struct PixelSum {
     /// Premultiplied linear colour.
-    color: DVec3,
+    pub(super) color: DVec3,
     /// Number of samples that hit anything.
-    met: u32,
+    pub(super) met: u32,
+    /// Zero unless the sums are guided.
+    pub(super) guide: Guide,
 }
 
 impl PictureSums {
@@ -247,7 +257,13 @@ impl PictureSums {
     pub fn new((width, height): (u32, u32), part: Part) -> Self {
         let pixels = vec![PixelSum::default(); width as usize * height as usize];
         let squares = part.squares((width, height));
-        Self { size: (width, height), squares, first: 0, samples: 0, pixels, rays: Rays::default() }
+        Self { size: (width, height), squares, first: 0, samples: 0, pixels, rays: Rays::default(), guided: false }
+    }
+
+    /// Prepares the sums for [`Self::denoised`].
+    #[must_use]
+    pub fn guided(self) -> Self {
+        Self { guided: true, ..self }
     }
 
     /// Keeps at least one square, and others until they have `pixels`. They are spread over the part.
@@ -275,7 +291,7 @@ impl PictureSums {
     /// Returns the mean of the samples.
     pub fn picture(&self) -> TracedPicture {
         let count = f64::from(self.samples.max(1));
-        let mean = |PixelSum { color, met }: &PixelSum| {
+        let mean = |PixelSum { color, met, .. }: &PixelSum| {
             let color = (color / count).as_vec3();
             [color.x, color.y, color.z, (f64::from(*met) / count) as f32]
         };

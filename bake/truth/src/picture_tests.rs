@@ -353,7 +353,13 @@ fn samples_added_one_by_one_give_the_picture_of_all() {
         assert!(added.is_continue());
     }
     assert_eq!((sums.samples(), sums.pixels()), (7, 1600));
-    assert_eq!(sums.picture(), trace(&scene, &lighting(), 40, 7), "bit for bit");
+    let traced = trace(&scene, &lighting(), 40, 7);
+    assert_eq!(sums.picture(), traced, "bit for bit");
+    // The sums that guide the filter do not change the picture.
+    let mut guided = PictureSums::new((40, 40), Part::default()).guided();
+    let added = scene.add_samples(&camera(), &lighting(), &mut guided, 7, &mut |_, _| ControlFlow::Continue(()));
+    assert!(added.is_continue() && guided.picture() == traced && guided.denoised() != traced);
+    assert!(guided.denoised().pixels.iter().zip(&traced.pixels).all(|(a, b)| a[3] == b[3]), "coverage stays");
 }
 
 #[test]
