@@ -107,7 +107,7 @@ impl PictureSums {
     /// Returns the mean of the samples, with most of the noise removed. Needs [`Self::guided`] sums.
     pub fn denoised(&self) -> TracedPicture {
         let mut picture = self.picture();
-        let size = [self.size.0 as i64, self.size.1 as i64];
+        let size = [i64::from(self.size.0), i64::from(self.size.1)];
         let mut pixels: Vec<Pixel> = self.pixels.iter().map(Pixel::new).collect();
         for pass in 0..PASSES {
             let filtered = |i: usize| filter(&pixels, size, i as i64, 1 << pass);

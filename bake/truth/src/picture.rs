@@ -171,7 +171,7 @@ impl TrueScene {
                     let mut count = Rays::default();
                     for (y, x) in rows.clone().flat_map(|y| columns.clone().map(move |x| (y, x))) {
                         let mut sum = before.pixels[y as usize * width + x as usize];
-                        self.pixel(&rays, lighting, (x, y), samples.clone(), before.guided, &mut sum, &mut count);
+                        self.pixel(&rays, lighting, (x, y), (samples.clone(), before.guided), &mut sum, &mut count);
                         pixels.push(sum);
                     }
                     (columns, rows.start, pixels, count)
@@ -197,8 +197,7 @@ impl TrueScene {
         rays: &RayCaster,
         lighting: &TrueLighting,
         (x, y): (u32, u32),
-        samples: Range<u32>,
-        guided: bool,
+        (samples, guided): (Range<u32>, bool),
         sum: &mut PixelSum,
         count: &mut Rays,
     ) {
