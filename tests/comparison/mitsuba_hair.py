@@ -125,7 +125,7 @@ def main():
     given.output.mkdir(parents=True, exist_ok=True)
 
     ours_file, theirs_file = given.output / "pelage.exr", given.output / "mitsuba.exr"
-    lit = [f"--light={given.light}", "--penumbra", 0]
+    lit = [f"--light={given.light}", "--penumbra", 0, "--studio", "old"]
     if given.environment:
         lit = ["--environment", given.environment, "--environment-strength", given.environment_strength]
     ours = pelage(
@@ -143,8 +143,8 @@ def main():
     seconds = time.perf_counter() - begun
     mi.Bitmap(theirs.astype(np.float32)).write(str(theirs_file))
 
-    ours = mi.Bitmap(str(ours_file)).convert(mi.Bitmap.PixelFormat.RGBA, mi.Struct.Type.Float32, False)
-    ours_blocks, theirs_blocks = blocks(np.array(ours)), blocks(theirs)
+    picture = mi.Bitmap(str(ours_file)).convert(mi.Bitmap.PixelFormat.RGBA, mi.Struct.Type.Float32, False)
+    ours_blocks, theirs_blocks = blocks(np.array(picture)), blocks(theirs)
     covered = (ours_blocks[..., 3] > 0.5) & (theirs_blocks[..., 3] > 0.5)
     ours_light, theirs_light = ours_blocks[covered][:, :3], theirs_blocks[covered][:, :3]
     means = [light.mean(axis=0) for light in (ours_light, theirs_light)]
