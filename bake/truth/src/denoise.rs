@@ -4,7 +4,6 @@
 //! Colours are filtered without their coverage, which has little noise and stays as it is.
 
 use super::lighting::frame;
-use super::picture::{PictureSums, PixelSum, TracedPicture};
 use super::tracer::{Hit, Tracer};
 use glam::{DVec3, Vec3};
 use pelage_formats::meaning::luminance;
@@ -71,19 +70,19 @@ struct Pixel {
 }
 
 impl Pixel {
-    fn new(PixelSum { color, met, guide }: &PixelSum) -> Self {
-        if *met == 0 {
+    fn new((color, met, guide): (DVec3, u32, Guide)) -> Self {
+        if met == 0 {
             return Self::default();
         }
-        let count = f64::from(*met);
-        let light = *color / count;
+        let count = f64::from(met);
+        let light = color / count;
         let each = 1.0 / count as f32;
         let spread = (f64::from(guide.squares) / count - luminance(light).powi(2)).max(0.0);
         let distance = guide.distance[0] * each;
         Self {
             light: light.as_vec3(),
             // The estimate from one sample is zero.
-            variance: if *met > 1 { spread / (count - 1.0) } else { luminance(light).powi(2) } as f32,
+            variance: if met > 1 { spread / (count - 1.0) } else { luminance(light).powi(2) } as f32,
             met: count as f32,
             color: guide.color * each,
             direction: guide.direction * each,
@@ -103,22 +102,17 @@ impl Pixel {
     }
 }
 
-impl PictureSums {
-    /// Returns the mean of the samples, with most of the noise removed. Needs [`Self::guided`] sums.
-    pub fn denoised(&self) -> TracedPicture {
-        let mut picture = self.picture();
-        let size = [i64::from(self.size.0), i64::from(self.size.1)];
-        let mut pixels: Vec<Pixel> = self.pixels.iter().map(Pixel::new).collect();
-        for pass in 0..PASSES {
-            let filtered = |i: usize| filter(&pixels, size, i as i64, 1 << pass);
-            pixels = (0..pixels.len()).into_par_iter().map(filtered).collect();
-        }
-        for (shown, pixel) in picture.pixels.iter_mut().zip(&pixels) {
-            let light = pixel.light * shown[3];
-            shown[..3].copy_from_slice(&light.to_array());
-        }
-        picture
+/// Returns the light of all pixels without coverage and without most of the noise.
+///
+/// * `sums`: for each pixel, row by row, sum of the light, number of samples that hit anything, and guide
+pub(super) fn denoise(size: (u32, u32), sums: impl Iterator<Item = (DVec3, u32, Guide)>) -> Vec<Vec3> {
+    let size = [i64::from(size.0), i64::from(size.1)];
+    let mut pixels: Vec<Pixel> = sums.map(Pixel::new).collect();
+    for pass in 0..PASSES {
+        let filtered = |i: usize| filter(&pixels, size, i as i64, 1 << pass);
+        pixels = (0..pixels.len()).into_par_iter().map(filtered).collect();
     }
+    pixels.iter().map(|pixel| pixel.light).collect()
 }
 
 /// Returns pixel `i`, averaged with others that are one and two `step`s away.

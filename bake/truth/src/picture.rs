@@ -1,7 +1,7 @@
 //! Ray-traced picture of a package: its strands and mesh surface.
 
 use super::camera::{RayCaster, TrueCamera};
-use super::denoise::Guide;
+use super::denoise::{Guide, denoise};
 use super::lighting::{Sample, TileShading, TrueLighting, root_directions};
 use super::tracer::Tracer;
 use glam::{DVec2, DVec3};
@@ -226,15 +226,15 @@ impl TrueScene {
 #[derive(Clone, Debug)]
 pub struct PictureSums {
     /// Width and height, pixels.
-    pub(super) size: (u32, u32),
+    size: (u32, u32),
     /// Squares whose pixels have samples.
     squares: Vec<Square>,
     /// Number of the first sample.
     first: u32,
     /// Samples of each pixel of the part.
-    pub(super) samples: u32,
+    samples: u32,
     /// Sums of all pixels, row by row from the top.
-    pub(super) pixels: Vec<PixelSum>,
+    pixels: Vec<PixelSum>,
     rays: Rays,
     /// Whether the samples are summed for the filter, too.
     guided: bool,
@@ -242,13 +242,13 @@ pub struct PictureSums {
 
 /// Sums of a pixel's samples.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PixelSum {
+struct PixelSum {
     /// Premultiplied linear colour.
-    pub(super) color: DVec3,
+    color: DVec3,
     /// Number of samples that hit anything.
-    pub(super) met: u32,
+    met: u32,
     /// Zero unless the sums are guided.
-    pub(super) guide: Guide,
+    guide: Guide,
 }
 
 impl PictureSums {
@@ -296,6 +296,17 @@ impl PictureSums {
         };
         let (width, height) = self.size;
         TracedPicture { width, height, pixels: self.pixels.iter().map(mean).collect(), rays: self.rays }
+    }
+
+    /// Returns the mean of the samples, with most of the noise removed; coverage stays. Needs [`Self::guided`] sums.
+    pub fn denoised(&self) -> TracedPicture {
+        let mut picture = self.picture();
+        let sums = self.pixels.iter().map(|pixel| (pixel.color, pixel.met, pixel.guide));
+        for (shown, light) in picture.pixels.iter_mut().zip(denoise(self.size, sums)) {
+            let light = light * shown[3];
+            shown[..3].copy_from_slice(&light.to_array());
+        }
+        picture
     }
 }
 
