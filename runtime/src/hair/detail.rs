@@ -195,9 +195,6 @@ impl InstanceDrawing {
     fn without_empty_layers(self, opacities: &[f32]) -> Self {
         let (baked, [here, next]) = (self.layers, self.weights);
         let opacity_of = |index: u32| {
-            if !self.is_reduced() {
-                return opacities.get(index as usize + 1).copied().unwrap_or(1.0);
-            }
             let layer = detail_layer(index, baked, self.step, self.gone);
             let times = detail_exponent(layer, baked, self.step, self.gone, here, next);
             opacities.get(layer as usize).map_or(1.0, |opacity| times * opacity)

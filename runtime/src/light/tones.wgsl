@@ -23,8 +23,6 @@ struct Toned {
     key_often: vec3<f32>,
     // Share of light that other strands let through.
     open: f32,
-    // Colour of the hair below, divided by `deeper` of toned(), without the colour of the surface.
-    around: vec3<f32>,
 }
 
 // Returns the share of light from all directions that other strands let through.
@@ -34,7 +32,7 @@ fn open_share(b: Baked) -> f32 {
 
 // Returns the light of hair of the three tones. `direction`: mean direction of the hair; `b`: mean visibility;
 // `light_ts`: direction towards the key light; `deeper`: brightness of the hair below, relative to that of the layer.
-// Directions are in the tile frame. The caller must set `around`.
+// Directions are in the tile frame.
 fn toned(sky_at_point: Sky, direction: vec3<f32>, b: Baked, light_ts: vec3<f32>, deeper: f32) -> Toned {
     // A copy, because WGSL allows indices that are not constant only for variables.
     var sky = sky_at_point;

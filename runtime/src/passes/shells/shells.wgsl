@@ -143,15 +143,16 @@ fn shell_color(in: ShellFragment) -> vec4<f32> {
     return false_color(vec4(light_hair(point), texel.a), 2u, 0.0);
 }
 
-// Returns the same, if the vertices have evaluated the light. `eye`: direction to the eye in the tile frame.
-fn toned_color(in: ShellFragment, eye: vec3<f32>, light: Toned) -> vec4<f32> {
+// Returns the same, if the vertices have evaluated the light. `eye`: direction to the eye in the tile frame; `below`:
+// colour of the hair below, as sky_varying expects it.
+fn toned_color(in: ShellFragment, eye: vec3<f32>, light: Toned, below: vec3<f32>) -> vec4<f32> {
     var arriving = in.arriving;
     let h = shell_hair(in, eye);
     arriving.past = visible_past_things(Receiver(in.place, in.map_layer, MAPS_BETWEEN, arriving.light_ts.z));
     let color = h.texel.rgb * h.base;
     let full = color * in.tint / max(h.texel.a, 1e-6);
     let open = open_share(baked_at(in.tile_uv, in.layer, h.groom.y, h.groom.x, in.length, in.slope));
-    let around = light.around * h.base * in.tint;
+    let around = below * h.base * in.tint;
     let lit = color * arriving.ambient + h.texel.a * toned_light(light, full, around, open, arriving);
     return false_color(vec4(lit, h.texel.a), 2u, 0.0);
 }
@@ -192,5 +193,5 @@ fn fs_shells_filled(in: FilledVarying) -> @location(0) vec4<f32> {
 
 @fragment
 fn fs_shells_sky(in: SkyVarying) -> @location(0) vec4<f32> {
-    return toned_color(sky_fragment(in), eye_of_sky(in), toned_of(in));
+    return toned_color(sky_fragment(in), eye_of_sky(in), toned_of(in), hair_below_sky(in));
 }

@@ -90,7 +90,7 @@ struct SkyVarying {
     @location(8) dark_open: vec4<f32>,
     @location(9) middle_key: vec4<f32>,
     @location(10) bright_key: vec4<f32>,
-    // sky_often for each tone, and key_once; in the w components the last of key_often, and `around`.
+    // sky_often for each tone, and key_once; in the w components the last of key_often, and `around` of sky_varying.
     @location(11) often_dark_key: vec4<f32>,
     @location(12) often_middle_around: vec4<f32>,
     @location(13) often_bright_around: vec4<f32>,
@@ -156,7 +156,8 @@ fn filled_varying(s: Shell) -> FilledVarying {
 }
 
 // Packs the interpolants for scattering by fibres under an environment. `direction`, `b`: mean direction and visibility
-// of the layer; `deeper`: relative brightness of the hair below; `around`: as in Toned.
+// of the layer; `deeper`: brightness of the hair below, relative to that of the layer; `around`: colour of the hair
+// below, divided by `deeper`, without the colour of the surface.
 fn sky_varying(s: Shell, direction: vec3<f32>, b: Baked, deeper: f32, around: vec3<f32>) -> SkyVarying {
     let m = mapped_varying(s);
     let sky = sky_at(s.at.spot, tile_of(s.at.spot));
@@ -292,6 +293,11 @@ fn eye_of_sky(in: SkyVarying) -> vec3<f32> {
     return in.eye_green.xyz * inverseSqrt(max(dot(in.eye_green.xyz, in.eye_green.xyz), 1e-12));
 }
 
+// Returns the colour of the hair below, as sky_varying expects it.
+fn hair_below_sky(in: SkyVarying) -> vec3<f32> {
+    return vec3(in.often_middle_around.w, in.often_bright_around.w, in.key_once_around.w);
+}
+
 // Unpacks the light.
 fn toned_of(in: SkyVarying) -> Toned {
     return Toned(
@@ -300,6 +306,5 @@ fn toned_of(in: SkyVarying) -> Toned {
         in.key_once_around.xyz,
         vec3(in.middle_key.w, in.bright_key.w, in.often_dark_key.w),
         in.dark_open.w,
-        vec3(in.often_middle_around.w, in.often_bright_around.w, in.key_once_around.w),
     );
 }
