@@ -100,6 +100,7 @@ pub const STEPS: &[Step] = &[
         run: run_step::fin_textures,
     },
     Step { stage: "ink", makes: Ink, reads: &[Model, Layout, Groomed], tables: &["ink", "fins"], run: run_step::ink },
+    Step { stage: "ink", makes: Painting, reads: &[Model, Layout, Groomed], tables: &["ink"], run: run_step::painting },
     Step {
         stage: "ink",
         makes: InkTextures,
@@ -124,7 +125,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "pack",
         makes: Package,
-        reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, InkTextures, Skin],
+        reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, Painting, InkTextures, Skin],
         // The package records the whole recipe, so this step depends on all tables.
         tables: ALL_TABLES,
         run: run_step::pack,

@@ -33,7 +33,7 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<ModelPart<'a>, For
             images.push(copied_texture(package, old)?);
         }
     }
-    let look = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::VISIBILITY, Tag::SIMPLIFIED];
+    let look = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::STROKES, Tag::VISIBILITY, Tag::SIMPLIFIED];
     let hair = [Tag::STRANDS, Tag::HAIR, Tag::FIBRES, Tag::MEDULLAE];
     let mut sections = copied_sections(package, |tag| !look.contains(&tag) && !hair.contains(&tag))?;
     if let Some(mesh) = package.mesh()?.filter(|_| recipe.detail.has_lists()) {
@@ -112,6 +112,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         guided: guided.into(),
         fins: ModelFins { section: fins, depth: None }.into(),
         ink: ink.into(),
+        painting: package.stroke_pool().map_err(fault)?.into(),
         ink_textures: ink_textures.into(),
         skin: skin(package, recipe).map_err(fault)?.into(),
         ..Outputs::default()

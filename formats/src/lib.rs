@@ -76,6 +76,7 @@ pub use sections::simplified::{SimplifiedLevel, SimplifiedView};
 pub use sections::strands::{
     StoredStrandPoint, StoredStrands, StrandPoint, StrandScale, StrandsData, StrandsView, strand_root,
 };
+pub use sections::strokes::{PaintStroke, StrokeAnchor, StrokeKind, StrokePoint, StrokePool};
 pub use sections::textures::{FurTextures, TextureFormat, TextureView};
 pub use sections::visibility::{VisibilityInfo, VisibilityTextures};
 pub use tag::Tag;

@@ -29,6 +29,10 @@ pub(crate) const PASSES: &[&Pass] = &[
     &ink_trace::PASS,
     &ink_dilate::PASS,
     &ink_stroke::PASS,
+    &painting_depth::PASS,
+    &painting_strokes::PASS,
+    &painting_ribbons::PASS,
+    &painting_wet::PASS,
     &skin::PASS,
     &strands::PASS,
     &fins::PASS,
@@ -36,6 +40,7 @@ pub(crate) const PASSES: &[&Pass] = &[
     &strand_blend::PASS,
     &ink_composite::PASS,
     &ink_fur::PASS,
+    &painting_sheet::PASS,
     #[cfg(test)]
     &probe::PASS,
 ];
@@ -70,15 +75,22 @@ pub(crate) fn prepare(
     hooks: Hooks<'_>,
 ) -> Result<Frame, RuntimeError> {
     let style = params.style.kind();
-    let of_style = |pass: &&&Pass| pass.styles.contains(&style);
+    let lines = params.style.ink().map(|ink| scene::drawn_lines(kept, ink, instances));
+    let of_lines = |pass: &Pass| pass.lines.is_none() || pass.lines == lines;
+    let of_style = |pass: &&&Pass| pass.styles.contains(&style) && of_lines(pass);
     let targets: Vec<Target> = PASSES.iter().filter(of_style).flat_map(|pass| pass.targets).copied().collect();
     let before = kept.gpu.created();
     let Hooks { casters, mut mark } = hooks;
-    let mut recording = scene::begin(kept, encoder, params, instances, casters.map(Casters::for_frame), &targets)?;
+    let mut recording =
+        scene::begin(kept, encoder, params, lines, instances, casters.map(Casters::for_frame), &targets)?;
     let (mut draws, mut passes) = (Vec::new(), Vec::new());
     for pass in PASSES {
         let id = PassId(pass);
-        let outcome = if of_style(&pass) { (pass.run)(&mut recording) } else { skipped_for_style(style) };
+        let outcome = match pass.styles.contains(&style) {
+            true if of_lines(pass) => (pass.run)(&mut recording),
+            true => skipped_for_lines(lines),
+            false => skipped_for_style(style),
+        };
         if let (PassStage::Before, Some(mark)) = (id.stage(), &mut mark) {
             // Write the uniforms first: the callback may submit the commands recorded so far.
             recording.uniforms.write(recording.gpu);

@@ -51,6 +51,7 @@ mod instance;
 mod light;
 mod model;
 mod motion;
+mod painting;
 mod params;
 mod passes;
 mod renderer;
@@ -84,9 +85,9 @@ pub use model::Model;
 #[cfg(feature = "study")]
 pub use params::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{
-    DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams, InkBackground,
-    InkDebugView, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering, SelfShadow, ShadowParams,
-    StrandEdges, Style, StyleKind, ToneMapping, Wind,
+    BrushParams, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
+    InkBackground, InkDebugView, InkLines, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering,
+    SelfShadow, ShadowParams, StrandEdges, Style, StyleKind, ToneMapping, Wind,
 };
 pub use passes::{PassId, PassStage};
 pub use renderer::Renderer;

@@ -38,6 +38,7 @@ impl Renderer {
             shadows: Pool::default(),
             ribbons: Pool::default(),
             nearest: Pool::default(),
+            painted: Pool::default(),
             skies: EnvironmentCache::default(),
             ring: UniformRing::default(),
         };

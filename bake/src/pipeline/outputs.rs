@@ -13,7 +13,7 @@ use crate::stages::simulate::TileHair;
 use crate::stages::slice::{self, FinTextures, ShellTextures};
 use crate::stages::surface::Surface;
 use crate::stages::visibility::Visibility;
-use pelage_formats::{RootsInfo, StrandsData};
+use pelage_formats::{RootsInfo, StrandsData, StrokePool};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use std::sync::{Arc, OnceLock};
@@ -96,6 +96,8 @@ outputs! {
     FinTextures fin_textures: Option<FinTextures>,
     /// Per-vertex data of the ink style; `None` without the style.
     Ink ink: Option<VertexInk>,
+    /// Strokes with which the model is painted; `None` without the ink style.
+    Painting painting: Option<Arc<StrokePool>>,
     /// Textures of the ink style; `None` without the style.
     InkTextures ink_textures: Option<InkFiles<'a>>,
     /// Mesh with its textures in the package's formats.

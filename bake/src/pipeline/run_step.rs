@@ -9,6 +9,7 @@ use crate::recipe::{ColorParams, HairColors, Recipe};
 use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
 use crate::stages::ink::{self, InkTarget, VertexInk};
 use crate::stages::pack::{self, ModelResults, PackInput};
+use crate::stages::painting::{self, PaintedModel};
 use crate::stages::simulate::{LateralOffsets, StyleForces, TileHair};
 use crate::stages::surface::Surface;
 use crate::stages::{detail, fins, hair_groups, scatter, slice, strand_data, visibility};
@@ -180,6 +181,24 @@ pub(super) fn ink(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), Ba
     store(&outputs.ink, Ink, params.enabled.then(|| ink::vertex_ink(params, fur, &canvas)).transpose()?)
 }
 
+pub(super) fn painting(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
+    let (laid, groomed) = (required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
+    let model = laid.model(required(&outputs.model, Model)?);
+    let hair_m: Vec<f32> = groomed.coat.length.iter().map(|share| share * laid.lengths.length_m).collect();
+    let paint = || {
+        Arc::new(painting::painting(&PaintedModel {
+            surface: &groomed.surface,
+            colors: &groomed.colors,
+            bounds: &laid.bounds,
+            materials: &model.materials,
+            furred: &laid.furred,
+            hair_m: &hair_m,
+            seed: input.recipe.ink.seed,
+        }))
+    };
+    store(&outputs.painting, Painting, input.recipe.ink.enabled.then(paint))
+}
+
 pub(super) fn ink_textures(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (laid, hair, recipe) = (required(&outputs.laid, Layout)?, required(&outputs.hair, Hair)?, input.recipe);
     let painting = &outputs.kept.painting;
@@ -247,6 +266,7 @@ pub(super) fn pack(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), B
         fin_textures: required(&outputs.fin_textures, FinTextures)?.as_ref(),
         fibres: required(&outputs.fibres, Fibres)?.as_ref(),
         ink,
+        painting: required(&outputs.painting, Painting)?.as_ref(),
     });
     let (bytes, warnings) = packed.map_err(|error| match error {
         BakeError::Params { what, reason } => BakeError::Input {

@@ -4,7 +4,8 @@ use super::slice::ShellTextures;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
     Animation, FibreInfo, FinData, FormatError, Gloss, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs,
-    Package, PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
+    Package, PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, StrokePool, Tag, TextureEntry,
+    VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -22,6 +23,8 @@ pub enum Content<'a> {
     Fins(FinData),
     /// Ink style.
     Ink(InkData),
+    /// Strokes of a painted model.
+    Strokes(Arc<StrokePool>),
     /// Simplified index lists.
     Simplified(Arc<[SimplifiedLevel]>),
     /// Strands of the tile.
@@ -78,6 +81,7 @@ pub fn assemble<'a>(
         Content::Morphs(morphs) => writer.morphs(&morphs),
         Content::Fins(fins) => writer.fins(&fins),
         Content::Ink(ink) => writer.ink(&ink),
+        Content::Strokes(pool) => writer.stroke_pool(&pool),
         Content::Simplified(levels) => writer.simplified(&levels),
         Content::Strands(strands) => writer.strands(&strands),
         Content::StoredStrands(strands) => writer.stored_strands(&strands),

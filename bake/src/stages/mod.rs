@@ -18,6 +18,7 @@ pub mod metric;
 pub mod morphs;
 pub mod openness;
 pub mod pack;
+pub mod painting;
 mod reach;
 pub mod rounding;
 pub mod scatter;

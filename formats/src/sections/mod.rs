@@ -24,6 +24,7 @@ mod probe;
 pub(crate) mod roots;
 pub(crate) mod simplified;
 pub(crate) mod strands;
+pub(crate) mod strokes;
 pub(crate) mod textures;
 pub(crate) mod visibility;
 
@@ -38,6 +39,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &morphs::KIND,
     &fins::KIND,
     &ink::KIND,
+    &strokes::KIND,
     &visibility::KIND,
     &roots::KIND,
     &hair_colors::KIND,

@@ -1,4 +1,4 @@
-//! Textures of the picture's size, in which passes store results for later passes.
+//! Textures of the picture's size or a fraction of it, in which passes store results for later passes.
 
 use super::device::Gpu;
 use super::pool::Pool;
@@ -9,6 +9,24 @@ use std::sync::Arc;
 pub(crate) struct Target {
     pub(crate) label: &'static str,
     pub(crate) format: wgpu::TextureFormat,
+    /// Pixels of the picture per texel, along each axis.
+    pub(crate) step: u32,
+}
+
+impl Target {
+    /// Returns a target of the picture's size.
+    pub(crate) const fn new(label: &'static str, format: wgpu::TextureFormat) -> Self {
+        Self { label, format, step: 1 }
+    }
+
+    /// Returns a target with one texel per `step` pixels along each axis.
+    pub(crate) const fn reduced(label: &'static str, format: wgpu::TextureFormat, step: u32) -> Self {
+        Self { label, format, step }
+    }
+
+    fn size(&self, picture: [u32; 2]) -> [u32; 2] {
+        picture.map(|side| side.div_ceil(self.step))
+    }
 }
 
 /// Textures of a frame. A frame holds references to those textures that it draws from.
@@ -21,9 +39,10 @@ pub(crate) struct TargetSet {
 impl TargetSet {
     fn new(gpu: &Gpu, size: [u32; 2], wanted: &[Target]) -> Self {
         let make = |target: &Target| {
+            let [width, height] = target.size(size);
             let texture = gpu.texture(&wgpu::TextureDescriptor {
                 label: Some(target.label),
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
@@ -42,8 +61,11 @@ impl TargetSet {
     }
 
     pub(crate) fn gpu_bytes(&self) -> u64 {
-        let of_pixel: u32 = self.views.iter().map(|(t, _)| t.format.block_copy_size(None).unwrap_or(4)).sum();
-        u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(of_pixel)
+        let of_target = |(target, _): &(Target, wgpu::TextureView)| {
+            let [width, height] = target.size(self.size).map(u64::from);
+            width * height * u64::from(target.format.block_copy_size(None).unwrap_or(4))
+        };
+        self.views.iter().map(of_target).sum()
     }
 
     fn holds(&self, size: [u32; 2], wanted: &[Target]) -> bool {

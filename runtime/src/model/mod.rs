@@ -3,12 +3,14 @@
 mod bounds;
 mod ink;
 mod load;
+mod painting;
 mod resources;
 mod strands;
 mod upload;
 
 pub(crate) use ink::ModelInk;
 pub(crate) use load::load;
+pub(crate) use painting::{ModelPainting, PoolPoint, PoolStroke};
 pub use resources::Model;
 pub(crate) use resources::Part;
 pub(crate) use strands::{

@@ -2,6 +2,7 @@
 
 use super::bounds::ModelBounds;
 use super::ink::ModelInk;
+use super::painting::ModelPainting;
 use super::strands::StrandSet;
 use crate::error::RuntimeError;
 use crate::params::check_shading;
@@ -43,6 +44,7 @@ pub(super) struct Resources {
     pub(super) layer_opacities: Vec<f32>,
     pub(super) extent: ModelBounds,
     pub(super) ink: Option<ModelInk>,
+    pub(super) painting: Option<ModelPainting>,
     pub(super) gpu_bytes: u64,
 }
 
@@ -249,6 +251,11 @@ impl Model {
             what: "ink style".into(),
             reason: "there is none, expected one: bake the model again with ink.enabled = true in its recipe".into(),
         })
+    }
+
+    /// Returns the strokes with which the model is painted, if the package has any.
+    pub(crate) fn painting(&self) -> Option<&ModelPainting> {
+        self.resources.painting.as_ref()
     }
 
     pub(crate) fn ink(&self) -> Option<&ModelInk> {

@@ -1,5 +1,6 @@
 //! Parameters of the ink-wash style (Fang 2006).
 
+use super::brush::BrushParams;
 use crate::error::RuntimeError;
 use glam::Vec3;
 use pelage_formats::InkShading;
@@ -8,6 +9,10 @@ use pelage_formats::InkShading;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InkParams {
+    /// Form of the lines and washes (default [`InkLines::Pixels`]).
+    pub lines: InkLines,
+    /// Parameters of [`InkLines::Strokes`].
+    pub brush: BrushParams,
     /// Threshold T1 of Fang 2006, §2, 0.15..=1 (default 0.64, the cosine of 50°). A line is drawn where the dot product
     /// of neighbouring normals is below T1. Higher values draw more lines.
     pub threshold: f32,
@@ -51,6 +56,17 @@ pub struct InkParams {
     pub shading: Option<InkShading>,
 }
 
+/// Form of the lines and washes of an ink painting.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum InkLines {
+    /// Lines found in the pixels of the picture, and a wash of even tone (Fang 2006).
+    #[default]
+    Pixels,
+    /// Brush strokes, attached to the surface. Frames fall back to [`Self::Pixels`] if a package has no strokes, or if
+    /// the device has no storage buffers in vertex shaders.
+    Strokes,
+}
+
 /// Width of the widest line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LineWidth {
@@ -78,6 +94,8 @@ const WIDEST_PX: f32 = 32.0;
 impl Default for InkParams {
     fn default() -> Self {
         Self {
+            lines: InkLines::default(),
+            brush: BrushParams::default(),
             threshold: 0.64,
             weak_difference: 0.15,
             depth_step: 0.01,
@@ -137,6 +155,7 @@ impl InkParams {
                 return fail(field, value.to_string(), &format!("{}..={}", range.start(), range.end()));
             }
         }
+        self.brush.check()?;
         match self.width {
             LineWidth::Pixels(px) if !(px > 0.0 && px <= WIDEST_PX) => {
                 return fail("InkParams::width", format!("{px} pixels"), "above 0 and at most 32 pixels");

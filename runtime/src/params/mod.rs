@@ -1,5 +1,6 @@
 //! Parameters that are set once or per frame, as plain data.
 
+mod brush;
 mod debug;
 mod detail;
 mod frame;
@@ -13,13 +14,14 @@ mod study;
 mod style;
 mod tone_mapping;
 
+pub use brush::BrushParams;
 pub use debug::{DebugView, FurDebugView, InkDebugView};
 pub use detail::Detail;
 pub(crate) use frame::check_shading;
 pub use frame::{FrameParams, MAX_FILL_LIGHTS};
 pub use fur::{FurParams, HairGeometry, Scattering, SelfShadow, StrandEdges};
 pub use hair_motion::{HairMotionParams, Wind};
-pub use ink::{InkBackground, InkParams, LineWidth};
+pub use ink::{InkBackground, InkLines, InkParams, LineWidth};
 pub use renderer::RendererOptions;
 pub use shadows::ShadowParams;
 #[cfg(feature = "study")]

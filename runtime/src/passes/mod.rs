@@ -13,6 +13,11 @@ pub(crate) mod ink_normals;
 pub(crate) mod ink_stroke;
 pub(crate) mod ink_trace;
 pub(crate) mod layer_shadow;
+pub(crate) mod painting_depth;
+pub(crate) mod painting_ribbons;
+pub(crate) mod painting_sheet;
+pub(crate) mod painting_strokes;
+pub(crate) mod painting_wet;
 pub(crate) mod pose;
 #[cfg(test)]
 pub(crate) mod probe;
@@ -27,7 +32,7 @@ pub(crate) mod strand_shadow;
 pub(crate) mod strands;
 
 use crate::gpu::{Draw, Shader, Target};
-use crate::params::StyleKind;
+use crate::params::{InkLines, StyleKind};
 use crate::scene::Recording;
 use glam::Mat3;
 use std::fmt;
@@ -48,6 +53,8 @@ pub(crate) struct Pass {
     pub(crate) place: PassStage,
     /// Styles of the frames in which the pass can run.
     pub(crate) styles: &'static [StyleKind],
+    /// Ink lines with which the pass runs; `None` for all.
+    pub(crate) lines: Option<InkLines>,
     /// Description for documentation.
     pub(crate) does: &'static str,
     /// Run condition for documentation.
@@ -129,6 +136,14 @@ impl Outcome {
 /// Returns whether the fur of any instance is reduced because it is small on screen.
 pub(crate) fn any_reduced(frame: &Recording<'_>) -> bool {
     frame.instances.iter().any(|seen| seen.drawing.is_reduced())
+}
+
+/// Returns the outcome in ink frames whose lines do not include the pass.
+pub(crate) fn skipped_for_lines(lines: Option<InkLines>) -> Outcome {
+    Outcome::Skipped(match lines {
+        Some(InkLines::Strokes) => "ink is painted with strokes",
+        _ => "ink lines are pixels, as asked, or because a package or the device lacks what strokes need",
+    })
 }
 
 /// Returns the outcome in frames whose style does not include the pass.

@@ -20,7 +20,7 @@ pub(crate) use ink::{has_strokes, ink_surface_wgsl};
 #[cfg(test)]
 pub(crate) use nearest::{NEAREST, TILE};
 pub(crate) use nearest::{NearestHairBlock, NearestSegments};
-pub(crate) use prepare::begin;
+pub(crate) use prepare::{begin, drawn_lines};
 pub(crate) use recording::{Recording, RendererState, depth_compare};
 pub(crate) use screen::{ScreenPass, ink_screen_wgsl};
 pub(crate) use strands::{posed_layout, strand_sets};

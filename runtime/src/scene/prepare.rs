@@ -13,9 +13,11 @@ use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
 use crate::instance::Instance;
 use crate::light::{Casters, DeepMapHair, InstanceKey, ShadowKey, ShadowMaps, get_or_create};
 use crate::motion::PosedInstance;
-use crate::params::{FrameParams, SelfShadow, StrandEdges};
+use crate::painting::{PaintedStrokes, PaintingFrame, PaintingView};
+use crate::params::{FrameParams, InkLines, InkParams, SelfShadow, StrandEdges};
 use crate::shared::frame as blocks;
 use crate::surface::Lights;
+use pelage_formats::PaintStroke;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -37,11 +39,20 @@ fn check_instances(params: &FrameParams, instances: &[&Instance]) -> Result<(), 
     Ok(())
 }
 
+/// Returns the form in which a frame's ink lines are drawn. Strokes need a pool of them in every package, and storage
+/// buffers in vertex shaders.
+pub(crate) fn drawn_lines(kept: &RendererState, ink: &InkParams, instances: &[&Instance]) -> InkLines {
+    let supported = kept.surfaces.fins.is_some() && kept.surfaces.strands;
+    let strokes = supported && instances.iter().all(|instance| instance.model.painting().is_some());
+    if strokes { ink.lines } else { InkLines::Pixels }
+}
+
 /// Begins a frame. All checks that can fail precede any change of state.
 pub(crate) fn begin<'f>(
     kept: &'f mut RendererState,
     encoder: &'f mut wgpu::CommandEncoder,
     params: &'f FrameParams,
+    lines: Option<InkLines>,
     instances: &[&Instance],
     casters: Option<Casters<'f>>,
     targets: &[Target],
@@ -72,6 +83,7 @@ pub(crate) fn begin<'f>(
     kept.shadows.next_frame();
     kept.ribbons.next_frame();
     kept.nearest.next_frame();
+    kept.painted.next_frame();
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
     let moved = kept.states.pose_instances(gpu, params, clip_from_view, instances);
@@ -165,6 +177,12 @@ pub(crate) fn begin<'f>(
                 Variant::new(instance, params, &drawing, drawn, maps.as_ref().map(|maps| &maps.key), first)
             },
             sets: drawn.iter().map(&mut set).collect(),
+            painted: instance
+                .model
+                .painting()
+                .filter(|_| lines == Some(InkLines::Strokes) && drawing.detail.in_picture)
+                .map(|model| PaintedStrokes::take(&mut kept.painted, gpu, model.count * PaintStroke::POINTS as u32)),
+            scale: instance.scale(),
             moved,
             drawing,
             view_offset: offset(&places),
@@ -178,6 +196,10 @@ pub(crate) fn begin<'f>(
     let nearest = NearestSegments::take(&mut kept.nearest, gpu, &params_drawn, &of_hair, clip_from_world);
     let view = InkView { viewport: params.viewport, view_from_world, clip_from_view, reversed_depth };
     let ink = params.style.ink().map(|ink| InkScene::new(&mut uniforms, gpu, ink, &view, &instances));
+    let painting = params.style.ink().filter(|_| lines == Some(InkLines::Strokes)).map(|ink| {
+        let view = PaintingView { viewport: params.viewport, view_from_world, clip_from_view, reversed_depth };
+        uniforms.put(gpu, &[PaintingFrame::new(ink, &view)])
+    });
     let mut group = |frame: &UniformRange, places: &UniformRange, maps: Option<&ShadowMaps>| {
         let surfaces = &kept.surfaces;
         let layers = maps.and_then(|maps| maps.layers.as_ref()).map_or(&surfaces.white_array, |l| &l.map.view);
@@ -212,6 +234,7 @@ pub(crate) fn begin<'f>(
         nearest,
         targets,
         ink,
+        painting,
         uniforms,
         ring: &mut kept.ring,
         view,

@@ -6,12 +6,13 @@ use super::ribbons::Ribbons;
 use super::visible_instance::VisibleInstance;
 use crate::debug;
 use crate::gpu::{
-    Cache, ComputeSpec, Constants, Draw, DrawBindGroup, Gpu, Pool, RenderSpec, Shader, TargetSet, UniformRing,
-    UniformSlot, depth_state, primitive_state,
+    Cache, ComputeSpec, Constants, Draw, DrawBindGroup, Gpu, Pool, RenderSpec, Shader, TargetSet, UniformRange,
+    UniformRing, UniformSlot, depth_state, primitive_state,
 };
 use crate::light::{Casters, EnvironmentCache, ShadowMaps};
 use crate::model::Part;
 use crate::motion::OwnerStates;
+use crate::painting::PaintedStrokes;
 use crate::params::{FrameParams, RendererOptions};
 #[cfg(feature = "study")]
 use crate::study;
@@ -30,6 +31,7 @@ pub(crate) struct RendererState {
     pub(crate) shadows: Pool<ShadowMaps>,
     pub(crate) ribbons: Pool<Ribbons>,
     pub(crate) nearest: Pool<NearestBuffers>,
+    pub(crate) painted: Pool<PaintedStrokes>,
     pub(crate) skies: EnvironmentCache,
     pub(crate) ring: UniformRing,
 }
@@ -52,6 +54,8 @@ pub(crate) struct Recording<'f> {
     /// Textures of the picture's size that passes share.
     pub(crate) targets: Arc<TargetSet>,
     pub(crate) ink: Option<InkScene>,
+    /// Location of the [`crate::painting::PaintingFrame`] block, if ink is painted with strokes.
+    pub(crate) painting: Option<UniformRange>,
     pub(crate) uniforms: UniformSlot,
     pub(super) ring: &'f mut UniformRing,
     /// Bind group 0 for the eye.

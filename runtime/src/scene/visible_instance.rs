@@ -3,8 +3,9 @@
 use super::ribbons::Ribbons;
 use crate::gpu::DrawBindGroup;
 use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
-use crate::model::{Model, Part, StrandSet};
+use crate::model::{Model, ModelPainting, Part, StrandSet};
 use crate::motion::{PosedInstance, PosedStrands};
+use crate::painting::{PaintedModel, PaintedStrokes};
 use crate::report::InstanceDetail;
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,7 +18,11 @@ pub(crate) struct VisibleInstance {
     /// Level of detail of the fur.
     pub(crate) drawing: InstanceDrawing,
     pub(crate) look: Variant,
+    /// Length scale of the instance.
+    pub(crate) scale: f32,
     pub(crate) sets: Vec<VisibleStrandSet>,
+    /// Posed strokes, if the instance is painted with strokes and may be in the picture.
+    pub(crate) painted: Option<Arc<PaintedStrokes>>,
     /// Offset of the instance's uniform block for the eye.
     pub(super) view_offset: u64,
     /// Offset of the instance's uniform block for the key light.
@@ -79,6 +84,20 @@ impl VisibleInstance {
         swings
             && self.in_picture()
             && (self.moved.lean.is_some() || self.sets.iter().any(|set| set.posed.particles.is_some()))
+    }
+
+    /// Returns the uniform block of the instance's strokes.
+    pub(crate) fn painted_model(&self, model: &ModelPainting) -> PaintedModel {
+        PaintedModel {
+            size: model.size_m * self.scale,
+            count: model.count,
+            washes: model.washes as f32,
+            darks: model.darks as f32,
+            tufts: model.tufts as f32,
+            reserved0: 0.0,
+            reserved1: 0.0,
+            reserved2: 0.0,
+        }
     }
 
     /// Returns whether any part of the instance may be in the picture.

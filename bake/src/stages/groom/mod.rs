@@ -32,8 +32,8 @@ pub use at_root::{RootAtlas, RootColorInput};
 pub use atlas::Atlas;
 pub(crate) use atlas::linear_image;
 pub use bare::{FurredMaterials, find_furred_materials};
-pub(crate) use body::comb_of_head;
 pub use body::{Body, BodyGroom};
+pub(crate) use body::{WeldedMesh, comb_of_head, thickness};
 pub use colors::{Colors, MaterialColor, colors, is_colored};
 pub use cornea::cornea_normals;
 pub(crate) use features::{split_features, split_listed};
@@ -45,6 +45,7 @@ pub(crate) use maps::{average, last, names_of, report_unmatched, scalar_at};
 pub use margin::{BareDistances, chosen_margin_m, margin_decision};
 pub use marks::MarkValues;
 pub use model_atlas::ModelAtlas;
+pub(crate) use names::name_of_eyes;
 pub use pattern::Pattern;
 
 use crate::decision::Decision;

@@ -125,6 +125,11 @@ pub(super) fn are_names_of_eyes(words: &[String]) -> bool {
     matches!(meaning_of_words(words), NameMeaning::Bare { .. }) && words.iter().any(is_eye)
 }
 
+/// Whether a material's name says that it belongs to eyes.
+pub(crate) fn name_of_eyes(name: &str) -> bool {
+    are_names_of_eyes(&words(name))
+}
+
 /// Whether words from [`words`] name a bare nose or snout.
 pub(super) fn are_names_of_nose(words: &[String]) -> bool {
     let is_nose = |word: &String| bare_word_kind(word).is_some_and(|kind| kind.most == NOSE);

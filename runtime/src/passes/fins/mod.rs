@@ -26,6 +26,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "fins",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "draws quads of hair on the edges of the skin, faded by viewing angle. The vertex shader reads them from \
          storage buffers, because each corner needs both ends of its edge",
     runs_when: "fur is visible, the package has fins, and the device has storage buffers in vertex shaders",

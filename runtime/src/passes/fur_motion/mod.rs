@@ -32,6 +32,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "fur_motion",
     place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Ink],
+    lines: None,
     does: "compute: leans fur in the wind and as the animal moves, with one particle for each vertex of the skin",
     runs_when: "hair motion is on, and fur is visible, large enough on screen and not at rest",
     shaders: &[SHADER],

@@ -32,6 +32,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "hair_motion",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "compute: simulates guided hair by Verlet integration, with length constraints and colliders",
     runs_when: "guided hair is drawn, hair motion is on, and the hair is not at rest",
     shaders: &[SHADER],

@@ -28,6 +28,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "hair_pose",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "compute: rotates guides with the skin at their roots, and places the points of the hairs that follow them",
     runs_when: "guided hair is drawn, and the pose changed",
     shaders: &[SHADER],

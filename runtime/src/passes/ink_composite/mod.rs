@@ -2,7 +2,7 @@
 
 use super::{Outcome, Pass, PassId, PassStage, ink_normals, ink_stroke, ink_trace};
 use crate::gpu::{Draw, Shader, flag};
-use crate::params::{InkBackground, InkDebugView, StyleKind};
+use crate::params::{InkBackground, InkDebugView, InkLines, StyleKind};
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 pub(crate) const SHADER: Shader = Shader {
@@ -19,6 +19,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_composite",
     place: PassStage::Picture,
     styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Pixels),
     does: "draws paper, wash and lines into the application's pass, with the depth of what is painted",
     runs_when: "the style is ink",
     shaders: &[SHADER],

@@ -3,14 +3,14 @@
 
 use super::{Outcome, Pass, PassId, PassStage, ink_trace};
 use crate::gpu::{Shader, Target};
-use crate::params::StyleKind;
+use crate::params::{InkLines, StyleKind};
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink dilate", parts: ink_screen_wgsl!(include_str!("ink_dilate.wgsl")) };
 
 /// Result of the row search.
-pub(crate) const ROWS: Target = Target { label: "pelage ink rows", format: wgpu::TextureFormat::Rgba8Unorm };
+pub(crate) const ROWS: Target = Target::new("pelage ink rows", wgpu::TextureFormat::Rgba8Unorm);
 
 impl PassId {
     /// Ink: reach of lines along pixel rows.
@@ -21,6 +21,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_dilate",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Pixels),
     does: "for each pixel, finds the feature in the same row whose line extends farthest over the pixel, and the \
          weighted share of features within reach",
     runs_when: "the style is ink",

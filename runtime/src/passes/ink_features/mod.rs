@@ -3,14 +3,14 @@
 
 use super::{Outcome, Pass, PassId, PassStage, ink_normals};
 use crate::gpu::{Shader, Target};
-use crate::params::StyleKind;
+use crate::params::{InkLines, StyleKind};
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink features", parts: ink_screen_wgsl!(include_str!("ink_features.wgsl")) };
 
 /// Half width and strength of the line through each pixel, and its strength as an outline.
-pub(crate) const FEATURES: Target = Target { label: "pelage ink features", format: wgpu::TextureFormat::Rgba8Unorm };
+pub(crate) const FEATURES: Target = Target::new("pelage ink features", wgpu::TextureFormat::Rgba8Unorm);
 
 impl PassId {
     /// Ink: pixels through which lines run.
@@ -21,6 +21,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_features",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Pixels),
     does: "finds the pixels that lines run through, from neighbouring normals at two thresholds (Fang 2006, §2) and \
          from depth steps",
     runs_when: "the style is ink",

@@ -5,7 +5,7 @@ use super::{Outcome, Pass, PassId, PassStage, ink_normals};
 use crate::gpu::{Draw, RenderSpec, Shader, flag, primitive_state};
 use crate::hair::material_constants;
 use crate::model::Part;
-use crate::params::{InkDebugView, StyleKind};
+use crate::params::{InkDebugView, InkLines, StyleKind};
 use crate::scene::{Recording, VisibleInstance, fin_draws, has_strokes, ink_surface_wgsl};
 
 pub(crate) const SHADER: Shader = Shader {
@@ -30,6 +30,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_fur",
     place: PassStage::Picture,
     styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Pixels),
     does: "draws fins and two outer shells as dry strokes",
     runs_when: "the style is ink, and a package has strokes of fur",
     shaders: &[SHADER],

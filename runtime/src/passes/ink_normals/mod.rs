@@ -6,7 +6,7 @@ use super::{Outcome, Pass, PassId, PassStage};
 use crate::gpu::{Draw, RenderSpec, Shader, Target, VertexLayout, attribute, depth_state, flag, record};
 use crate::hair::material_constants;
 use crate::model::Part;
-use crate::params::StyleKind;
+use crate::params::{InkLines, StyleKind};
 use crate::scene::{Recording, VisibleInstance, depth_compare, has_strokes, ink_surface_wgsl};
 use crate::surface::BARE_NORMALS;
 use pelage_formats::{GeometryVertex, InkVertex};
@@ -19,10 +19,10 @@ pub(crate) const SHADER: Shader = Shader {
 
 /// Normals and 1 / clip w. Eight bits are too few, because dot products of normals are compared with thresholds close
 /// to 1.
-pub(crate) const NORMALS: Target = Target { label: "pelage ink normals", format: wgpu::TextureFormat::Rgba16Float };
+pub(crate) const NORMALS: Target = Target::new("pelage ink normals", wgpu::TextureFormat::Rgba16Float);
 /// Wash, stroke, line width, dryness.
-pub(crate) const SURFACES: Target = Target { label: "pelage ink surfaces", format: wgpu::TextureFormat::Rgba8Unorm };
-pub(crate) const DEPTH: Target = Target { label: "pelage ink depth", format: wgpu::TextureFormat::Depth32Float };
+pub(crate) const SURFACES: Target = Target::new("pelage ink surfaces", wgpu::TextureFormat::Rgba8Unorm);
+pub(crate) const DEPTH: Target = Target::new("pelage ink depth", wgpu::TextureFormat::Depth32Float);
 
 /// Attributes of the third vertex stream: the stored [`GeometryVertex`].
 pub(crate) const REST_ATTRIBUTES: [wgpu::VertexAttribute; 2] = [
@@ -44,6 +44,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_normals",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Pixels),
     does: "draws all surfaces into three textures of the picture's size, which the other ink passes read: depth; \
            the face's normal, in the frame perpendicular to the view, and 1 / clip w; \
            grey of the wash, grey of the sphere map's stroke, width and dryness of lines",

@@ -3,14 +3,14 @@
 
 use super::{Outcome, Pass, PassId, PassStage, ink_dilate, ink_normals, ink_trace};
 use crate::gpu::{Shader, Target};
-use crate::params::StyleKind;
+use crate::params::{InkLines, StyleKind};
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink stroke", parts: ink_screen_wgsl!(include_str!("ink_stroke.wgsl")) };
 
 /// Opacity and darkness of the lines, and offsets to their features.
-pub(crate) const STROKES: Target = Target { label: "pelage ink strokes", format: wgpu::TextureFormat::Rgba8Unorm };
+pub(crate) const STROKES: Target = Target::new("pelage ink strokes", wgpu::TextureFormat::Rgba8Unorm);
 
 impl PassId {
     /// Ink: lines.
@@ -21,6 +21,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_stroke",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Pixels),
     does: "repeats the search of `ink_dilate` along columns, and writes opacity and darkness of the line: the brush \
          fills its core, the sphere map the rest of its width",
     runs_when: "the style is ink",

@@ -4,14 +4,14 @@
 
 use super::{Outcome, Pass, PassId, PassStage, ink_features, ink_normals};
 use crate::gpu::{Shader, Target};
-use crate::params::StyleKind;
+use crate::params::{InkLines, StyleKind};
 use crate::scene::{Recording, ScreenPass, ink_screen_wgsl};
 
 pub(crate) const SHADER: Shader =
     Shader { name: "pelage ink trace", parts: ink_screen_wgsl!(include_str!("ink_trace.wgsl")) };
 
 /// Features that form lines.
-pub(crate) const TRACED: Target = Target { label: "pelage ink traced", format: ink_features::FEATURES.format };
+pub(crate) const TRACED: Target = Target::new("pelage ink traced", ink_features::FEATURES.format);
 
 impl PassId {
     /// Ink: the features that form lines.
@@ -22,6 +22,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "ink_trace",
     place: PassStage::Before,
     styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Pixels),
     does: "follows the line of each feature in both directions: removes lines that end soon inside the body, and \
          smooths strength and width",
     runs_when: "the style is ink",

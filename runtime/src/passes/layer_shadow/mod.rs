@@ -37,6 +37,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "layer_shadow",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "writes the transmittance of the hair above each layer, seen from the key light, into an array of R16Float \
          maps (Yang 2006, §3). Where packages store how hair shadows hair, writes one map for all hair instead",
     runs_when: "self-shadow is on, fur is drawn, and light, pose or model changed",

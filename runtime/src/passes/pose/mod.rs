@@ -43,6 +43,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "pose",
     place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare, StyleKind::Ink],
+    lines: None,
     does: "compute: morphs and skins the base mesh once for all later passes",
     runs_when: "the package has a skeleton and the pose changed",
     shaders: &[SHADER, MORPHED],

@@ -16,6 +16,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "probe",
     place: PassStage::Picture,
     styles: &[StyleKind::Bare],
+    lines: None,
     does: "fills the whole picture with one colour",
     runs_when: "the style is bare, in tests",
     shaders: &[SHADER],

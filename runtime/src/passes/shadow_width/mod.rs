@@ -32,6 +32,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "shadow_width",
     place: PassStage::Before,
     styles: &[StyleKind::Fur, StyleKind::Bare],
+    lines: None,
     does: "draws two depth maps from the key light and derives a third map by shrinking and stretching: its grey is \
          the distance to the edge of a shadow (Yang 2006, §4)",
     runs_when: "soft shadow is on, and light, pose or model changed",

@@ -30,6 +30,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "shells",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "draws layers from the skin outwards, each pixel lit by Yang 2006, eq. (3)",
     runs_when: "fur is visible",
     shaders: &[SHADER],

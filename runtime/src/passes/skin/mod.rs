@@ -20,6 +20,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "skin",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur, StyleKind::Bare],
+    lines: None,
     does: "draws the opaque base mesh and writes depth",
     runs_when: "always, except in ink",
     shaders: &[SHADER],

@@ -25,6 +25,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_blend",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "blends the eight nearest pieces of hair in each pixel, the farthest first, each by its coverage; then \
          writes their depth",
     runs_when: "strands are drawn with blended edges",

@@ -25,6 +25,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_gather",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "compute: finds the eight nearest pieces of hair in each pixel, and the coverage of each",
     runs_when: "strands are drawn with blended edges",
     shaders: &[SHADER],

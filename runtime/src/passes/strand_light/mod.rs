@@ -36,6 +36,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_light",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "compute: finds the visible strands, and turns them into ribbons that face the eye, with the light at each \
          point",
     runs_when: "strands are drawn",

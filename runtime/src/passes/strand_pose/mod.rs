@@ -29,6 +29,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_pose",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "compute: places the points of a coat's strands on the posed skin once for all later passes, for as many \
          strands as those passes use",
     runs_when: "strands of a coat are drawn, and the pose changed",

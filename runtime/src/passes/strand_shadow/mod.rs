@@ -35,6 +35,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strand_shadow",
     place: PassStage::Before,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "compute: measures how much hair lies between the key light and each point, in slabs behind the first hair \
          of each texel (a deep opacity map)",
     runs_when: "strands are drawn with self-shadow, and light, pose or model changed",

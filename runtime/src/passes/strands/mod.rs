@@ -26,6 +26,7 @@ pub(crate) const PASS: Pass = Pass {
     name: "strands",
     place: PassStage::Picture,
     styles: &[StyleKind::Fur],
+    lines: None,
     does: "draws strands one by one as opaque ribbons of true width that face the eye, and writes depth",
     runs_when: "single hairs are visible, the package has strands, and edges are not blended",
     shaders: &[SHADER],

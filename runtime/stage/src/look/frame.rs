@@ -1,16 +1,17 @@
 //! Conversion of a look into parameters of the runtime.
 
 use super::kinds::{
-    Background, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow, LookStrandEdges,
-    LookStyle, LookWidth,
+    Background, LookDetail, LookFurShow, LookHair, LookLines, LookScattering, LookSelfShadow, LookShow,
+    LookStrandEdges, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
 use crate::{GroundKind, TargetSettings, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams, InkBackground,
-    InkDebugView, InkParams, Light, LineWidth, Scattering, SelfShadow, ShadowParams, StrandEdges, Style, ToneMapping,
+    BrushParams, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
+    InkBackground, InkDebugView, InkLines, InkParams, Light, LineWidth, Scattering, SelfShadow, ShadowParams,
+    StrandEdges, Style, ToneMapping,
 };
 
 /// Placeholder view: a stage sets its own.
@@ -119,11 +120,26 @@ impl Look {
         })
     }
 
+    fn brush_params(&self) -> BrushParams {
+        let look = &self.brush;
+        BrushParams::default().with(|brush| {
+            brush.strokes = look.strokes;
+            brush.wash = look.wash;
+            brush.wetness = look.wetness;
+            brush.dryness = look.dryness;
+            brush.tufts = look.tufts;
+            brush.line_width = look.line_width;
+            brush.omission = look.omission;
+        })
+    }
+
     /// Returns the parameters of the style `ink`.
     pub(crate) fn ink_params(&self) -> InkParams {
         let linear = |rgb: [u8; 3]| Vec3::from(rgb.map(srgb_to_linear));
         let look = &self.ink;
         InkParams::default().with(|ink| {
+            ink.lines = same!(look.lines, LookLines => InkLines: Pixels, Strokes);
+            ink.brush = self.brush_params();
             ink.threshold = look.threshold;
             ink.weak_difference = look.weak_difference;
             ink.width = match look.width {

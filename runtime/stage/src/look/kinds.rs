@@ -108,6 +108,17 @@ words! {
 }
 
 words! {
+    /// Form of ink lines and washes.
+    LookLines {
+        /// Lines found in the pixels of the picture, and an even wash (Fang 2006).
+        #[default]
+        Pixels = "pixels",
+        /// Brush strokes, attached to the surface.
+        Strokes = "strokes",
+    }
+}
+
+words! {
     /// Output of an ink frame.
     LookShow {
         /// Finished painting.

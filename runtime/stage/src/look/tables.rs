@@ -1,9 +1,9 @@
 //! Tables of the look's knobs.
 
 use super::kinds::{
-    Background, DirectionField, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow,
-    LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, PLACE, Rgb, Samples, Size, SkyKind,
-    SkySource,
+    Background, DirectionField, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookLines, LookScattering,
+    LookSelfShadow, LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, PLACE, Rgb, Samples,
+    Size, SkyKind, SkySource,
 };
 use super::short::laboratory_hint;
 #[cfg(feature = "study")]
@@ -176,6 +176,8 @@ params! {
 params! {
     /// `[ink]`: the style `ink`, after Fang 2006.
     LookInk in ink, needs "picture.style=ink" {
+        /// Form of lines and washes. `strokes` needs a package baked since it exists; otherwise `pixels` is drawn.
+        lines: LookLines = LookLines::Pixels;
         /// Threshold T1 of Fang 2006, §2: a line is drawn where the dot product of neighbouring normals is below it.
         /// The default is the cosine of 50°.
         threshold: f32 = 0.64, in 0.15..=1.0;
@@ -209,6 +211,28 @@ params! {
     }
 }
 
+params! {
+    /// `[brush]`: the brush strokes of the style `ink`.
+    LookBrush in brush, needs "ink.lines=strokes" {
+        /// Approximate number of strokes on an animal, without tufts of fur: 4 leaves most of the paper blank, 200
+        /// models every muscle.
+        strokes: f32 = 60.0, in 4.0..=200.0;
+        /// Factor on the density of the washes: 0 paints only lines, spots and tufts, 2 is as dark as wet ink.
+        wash: f32 = 1.0, in 0.0..=2.0;
+        /// Wetness of the washes: 0 keeps each stroke apart, 1 lets them run into each other and gathers pigment at
+        /// their edges.
+        wetness: f32 = 0.6, in 0.0..=1.0;
+        /// Dryness of the brush: 0 is full of ink to the end of a stroke, 1 breaks up early.
+        dryness: f32 = 0.5, in 0.0..=1.0;
+        /// Number of tufts of fur on an animal: 0 none, 200 a shaggy coat.
+        tufts: f32 = 45.0, in 0.0..=200.0;
+        /// Factor on the width of lines: 0 draws no lines, 4 is a thick brush.
+        line_width: f32 = 1.0, in 0.0..=4.0;
+        /// Share of the contour that is left out where washes already show it: 0 draws all of it.
+        omission: f32 = 1.0, in 0.0..=1.0;
+    }
+}
+
 tables! {
     /// Look of a picture. `Look::default()` is fur in the built-in studio, 834 × 424 pixels.
     pub struct Look, such as "shadow.penumbra=0.3", elsewhere laboratory_hint {
@@ -226,6 +250,8 @@ tables! {
         motion: LookMotion,
         /// Style `ink`.
         ink: LookInk,
+        /// Brush strokes of the style `ink`.
+        brush: LookBrush,
         /// Published forms of the papers' formulas.
         #[cfg(feature = "study")]
         study: LookStudy,

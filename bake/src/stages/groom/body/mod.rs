@@ -31,7 +31,8 @@ pub use input::Body;
 use parts::{PartGroom, Region};
 use pelage_formats::Animation;
 use pelage_import::mesh::RestPose;
-pub(super) use welded_mesh::WeldedMesh;
+pub(crate) use thickness::thickness;
+pub(crate) use welded_mesh::WeldedMesh;
 
 /// Width of the smoothing over the surface, in body radii.
 const SPREAD: f32 = 0.05;
@@ -93,7 +94,7 @@ impl BodyGroom {
         if !furred.contains(&true) {
             return None;
         }
-        let thickness = thickness::thickness(&skin);
+        let thickness = thickness(&skin);
         let thick = relative_thickness(&skin, &furred, &thickness);
         let parts = parts_of_places(body, &skin, |p| (p - center) / radius_m);
         let bare = bare::proximity(body, &skin);

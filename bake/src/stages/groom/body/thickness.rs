@@ -65,7 +65,7 @@ impl Facet {
 /// Returns the thickness of the body at each welded vertex, in mesh radii: the median length of rays inwards. A ray
 /// ends at the far side of its own connected component. The thickness is `None` if most rays hit nothing, for example
 /// on an open sheet.
-pub(super) fn thickness(skin: &WeldedMesh) -> Vec<Option<f32>> {
+pub(crate) fn thickness(skin: &WeldedMesh) -> Vec<Option<f32>> {
     let corners = |face: &[u32; 3]| face.map(|p| skin.positions[p as usize]);
     let facets: Vec<Facet> =
         skin.faces.iter().map(|f| Facet { corners: corners(f), piece: skin.pieces[f[0] as usize] }).collect();

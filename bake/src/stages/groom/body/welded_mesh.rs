@@ -15,7 +15,7 @@ const SOLVER: (usize, f64) = (100, 1e-4);
 /// Welded mesh at rest and its connectivity. Lengths are in mesh radii around the mesh's centre, so that constants suit
 /// all models.
 #[derive(Clone, Debug, Default)]
-pub(in crate::stages::groom) struct WeldedMesh {
+pub(crate) struct WeldedMesh {
     /// Welded vertex of each vertex of the mesh.
     pub place_of: Vec<u32>,
     /// Position of each welded vertex.
@@ -46,7 +46,7 @@ impl WeldedMesh {
     /// Welds a mesh in its rest pose, metres.
     ///
     /// * `center`, `radius_m`: origin and unit of lengths; the radius is above 0
-    pub(in crate::stages::groom) fn new(mesh: &Mesh, rest: &RestPose, center: Vec3, radius_m: f32) -> Self {
+    pub(crate) fn new(mesh: &Mesh, rest: &RestPose, center: Vec3, radius_m: f32) -> Self {
         let bits =
             |v: usize| rest.positions.get(v).map(|p| (*p + 0.0).to_array().map(f32::to_bits)).unwrap_or_default();
         let mut order: Vec<u32> = (0..rest.positions.len() as u32).collect();
@@ -127,7 +127,7 @@ impl WeldedMesh {
     }
 
     /// Returns the number of welded vertices.
-    pub(in crate::stages::groom) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.positions.len()
     }
 
@@ -136,13 +136,13 @@ impl WeldedMesh {
     }
 
     /// Returns the neighbours of a welded vertex.
-    pub(super) fn neighbors_of(&self, place: u32) -> impl Iterator<Item = u32> {
+    pub(crate) fn neighbors_of(&self, place: u32) -> impl Iterator<Item = u32> {
         self.around(place as usize).iter().map(|neighbor| neighbor.place)
     }
 
     /// Returns the distance of each welded vertex from the nearest of `seeds` along the edges (Dijkstra 1959). It is
     /// infinite beyond `reach`. Each seed has an initial distance.
-    pub(in crate::stages::groom) fn distances(&self, seeds: impl Iterator<Item = (u32, f32)>, reach: f32) -> Vec<f32> {
+    pub(crate) fn distances(&self, seeds: impl Iterator<Item = (u32, f32)>, reach: f32) -> Vec<f32> {
         let mut distances = vec![f32::INFINITY; self.len()];
         // For non-negative floats, the bit patterns sort like the values.
         let mut front: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
@@ -172,7 +172,7 @@ impl WeldedMesh {
     /// Smooths values over the surface by heat diffusion, with a Gaussian width of about `width`. It solves one
     /// implicit step (Desbrun et al. 1999), (A + t·L)·x = A·values with t = width² / 2, by conjugate gradients. The
     /// result stays within the range of the values.
-    pub(in crate::stages::groom) fn spread(&self, values: &[f32], width: f32) -> Vec<f32> {
+    pub(crate) fn spread(&self, values: &[f32], width: f32) -> Vec<f32> {
         let time = 0.5 * f64::from(width) * f64::from(width);
         // A vertex without area has no weight, but must get a value.
         let areas: Vec<f64> = self.areas.iter().map(|a| f64::from(*a).max(1e-12)).collect();
@@ -217,7 +217,7 @@ impl WeldedMesh {
     }
 
     /// Returns an area-weighted quantile: 0.5 is the median. `None` if no vertex has both an area and a value.
-    pub(in crate::stages::groom) fn quantile(&self, values: &[Option<f32>], share: f64) -> Option<f32> {
+    pub(crate) fn quantile(&self, values: &[Option<f32>], share: f64) -> Option<f32> {
         let mut found: Vec<(f32, f32)> =
             values.iter().zip(&self.areas).filter_map(|(v, area)| Some(((*v)?, *area))).collect();
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));

@@ -1,0 +1,219 @@
+//! Surface to be painted: welded mesh with its thickness, combing direction and darkness.
+
+use crate::sample::{Encoding, Wrap, bilinear};
+use crate::stages::cells::closest_barycentric;
+use crate::stages::groom::{Colors, WeldedMesh, thickness};
+use crate::stages::surface::Surface;
+use crate::stages::triangle_tree::TriangleTree;
+use glam::{Vec3, Vec3A};
+use obvhs::triangle::Triangle;
+use pelage_formats::meaning::{linear_to_srgb, luminance};
+use pelage_formats::{Bounds, StrokeAnchor};
+use pelage_import::mesh::Material;
+
+/// Display brightness of the surface from which it counts as white, and up to which it counts as black.
+const WHITE: f32 = 0.82;
+const BLACK: f32 = 0.20;
+/// Excess of red over the other components, linear, from which a colour is painted as a mineral pigment.
+const VIVID: f32 = 0.25;
+/// Number of smoothing steps of the combing direction.
+const COMB_ROUNDS: usize = 4;
+
+/// Surface to be painted. Lengths are in units of [`Canvas::size`].
+pub(super) struct Canvas {
+    /// Diagonal of the bounding box at rest, metres.
+    pub(super) size: f32,
+    /// Welded mesh; its lengths are in body radii. [`Canvas::unit`] converts them.
+    pub(super) skin: WeldedMesh,
+    /// Body radius in units of `size`.
+    pub(super) unit: f32,
+    /// Position of each welded vertex, in units of `size`, around the centre of the bounds.
+    pub(super) positions: Vec<Vec3>,
+    /// Mesh vertex that represents each welded vertex.
+    pub(super) vertex_of: Vec<u32>,
+    /// Thickness of the body at each welded vertex.
+    pub(super) thickness: Vec<f32>,
+    /// Unit combing direction at each welded vertex, tangential.
+    pub(super) comb: Vec<Vec3>,
+    /// Darkness of the colour at each welded vertex, 0 for white to 1 for black.
+    pub(super) darkness: Vec<f32>,
+    /// Mineral colour at each welded vertex, linear RGB, where the colour is vivid.
+    pub(super) pigment: Vec<Option<[f32; 3]>>,
+    /// Whether hair grows at each welded vertex.
+    pub(super) furred: Vec<bool>,
+    /// Whether each welded vertex belongs to an eye by the name of its material.
+    pub(super) eye: Vec<bool>,
+    tree: TriangleTree,
+}
+
+/// Point on the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) face: usize,
+    pub(super) weights: Vec3,
+    pub(super) position: Vec3,
+}
+
+impl Canvas {
+    pub(super) fn new(
+        surface: &Surface,
+        colors: &Colors,
+        bounds: &Bounds,
+        materials: &[Material],
+        furred: &[bool],
+        is_eye: impl Fn(&str) -> bool,
+    ) -> Self {
+        let Surface { mesh, rest, .. } = surface;
+        let center = Vec3::from(bounds.center);
+        let diagonal = Vec3::from(bounds.min).distance(Vec3::from(bounds.max));
+        let size = if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 };
+        let radius = if bounds.radius > 0.0 { bounds.radius } else { 1.0 };
+        let skin = WeldedMesh::new(mesh, rest, center, radius);
+        let unit = radius / size;
+        let positions: Vec<Vec3> = skin.positions.iter().map(|p| *p * unit).collect();
+        let count = positions.len();
+        let mut vertex_of = vec![u32::MAX; count];
+        for (v, place) in skin.place_of.iter().enumerate() {
+            let of = &mut vertex_of[*place as usize];
+            *of = (*of).min(v as u32);
+        }
+        let thickness = thickness(&skin).into_iter().map(|t| t.map_or(0.0, |t| t * unit)).collect();
+
+        let mut sums = vec![(Vec3::ZERO, 0.0_f32); count];
+        let mut hair = vec![false; count];
+        let mut eye = vec![false; count];
+        for part in &mesh.parts {
+            let color = colors.materials.get(part.material);
+            let image = color.and_then(|c| c.image).and_then(|i| colors.images.get(i));
+            let factor = color.map_or(Vec3::ONE, |c| Vec3::from_slice(&c.factor[..3]));
+            let named_eye = materials.get(part.material).is_some_and(|m| is_eye(&m.name));
+            for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
+                for v in triangle.map(|v| v as usize) {
+                    let place = skin.place_of[v] as usize;
+                    let own = colors
+                        .vertices
+                        .get(v)
+                        .map_or(Vec3::ONE, |c| Vec3::new(f32::from(c[0]), f32::from(c[1]), f32::from(c[2])) / 255.0);
+                    let texel = image.map_or(Vec3::ONE, |image| {
+                        bilinear(image, mesh.uvs[v], Wrap::Repeat, Encoding::Srgb).truncate()
+                    });
+                    sums[place].0 += factor * own * texel;
+                    sums[place].1 += 1.0;
+                    hair[place] |= furred.get(part.material).copied().unwrap_or(false);
+                    eye[place] |= named_eye;
+                }
+            }
+        }
+        let colors: Vec<Vec3> = sums.iter().map(|(sum, n)| (*sum / n.max(1.0)).clamp(Vec3::ZERO, Vec3::ONE)).collect();
+        let darkness = colors.iter().map(|color| {
+            let shown = f32::from(linear_to_srgb(luminance(color.as_dvec3()) as f32)) / 255.0;
+            ((WHITE - shown) / (WHITE - BLACK)).clamp(0.0, 1.0)
+        });
+        let vivid = |color: &Vec3| (color.x - color.y.max(color.z) > VIVID).then(|| color.to_array());
+        let corners = |f: &[u32; 3]| f.map(|p| Vec3A::from(positions[p as usize]));
+        let triangles: Vec<Triangle> =
+            skin.faces.iter().map(corners).map(|[v0, v1, v2]| Triangle { v0, v1, v2 }).collect();
+        let mut canvas = Self {
+            size,
+            unit,
+            vertex_of,
+            thickness,
+            comb: Vec::new(),
+            darkness: darkness.collect(),
+            pigment: colors.iter().map(vivid).collect(),
+            furred: hair,
+            eye,
+            tree: TriangleTree::new(&triangles),
+            positions,
+            skin,
+        };
+        canvas.comb = canvas.combed(surface);
+        canvas
+    }
+
+    /// Returns the combing direction at each welded vertex: that of the hair tile, smoothed.
+    fn combed(&self, surface: &Surface) -> Vec<Vec3> {
+        let Surface { mesh, rest, tangents, .. } = surface;
+        let mut comb = vec![Vec3::ZERO; self.positions.len()];
+        for (triangle, face) in mesh.triangles.iter().zip(&self.skin.faces) {
+            // Tangents are in the space of the mesh, so they are carried to the rest pose by the edges of the triangle.
+            let [p, q, r] = triangle.map(|v| mesh.positions[v as usize]);
+            let (e1, e2) = (q - p, r - p);
+            let (a, b, c) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
+            let det = a * c - b * b;
+            if det.is_nan() || det <= 0.0 {
+                continue;
+            }
+            let [p, q, r] = triangle.map(|v| rest.positions[v as usize]);
+            for (v, place) in triangle.iter().zip(face) {
+                let tangent = tangents[*v as usize];
+                let along = mesh.normals[*v as usize].cross(tangent.truncate()) * tangent.w;
+                let (x, y) = (along.dot(e1), along.dot(e2));
+                comb[*place as usize] += (q - p) * ((x * c - y * b) / det) + (r - p) * ((y * a - x * b) / det);
+            }
+        }
+        for _ in 0..COMB_ROUNDS {
+            let before = comb.clone();
+            for (place, along) in comb.iter_mut().enumerate() {
+                let around: Vec3 = self.skin.neighbors_of(place as u32).map(|n| before[n as usize]).sum();
+                let mean = before[place].normalize_or_zero() + 1.5 * around.normalize_or_zero();
+                let normal = self.skin.normals[place];
+                *along = (mean - normal * normal.dot(mean)).normalize_or_zero();
+            }
+        }
+        comb
+    }
+
+    /// Returns the value at a place of numbers per welded vertex.
+    pub(super) fn at(&self, values: &[f32], place: &Place) -> f32 {
+        let [a, b, c] = self.skin.faces[place.face].map(|p| values[p as usize]);
+        Vec3::new(a, b, c).dot(place.weights)
+    }
+
+    /// Returns the unit vector at a place of vectors per welded vertex; zero if they cancel out.
+    pub(super) fn vector_at(&self, values: &[Vec3], place: &Place) -> Vec3 {
+        let [a, b, c] = self.skin.faces[place.face].map(|p| values[p as usize]);
+        (a * place.weights.x + b * place.weights.y + c * place.weights.z).normalize_or_zero()
+    }
+
+    /// Returns the corners of a face.
+    pub(super) fn corners(&self, face: usize) -> [Vec3; 3] {
+        self.skin.faces[face].map(|p| self.positions[p as usize])
+    }
+
+    pub(super) fn place(&self, face: usize, weights: Vec3) -> Place {
+        let [a, b, c] = self.corners(face);
+        Place { face, weights, position: a * weights.x + b * weights.y + c * weights.z }
+    }
+
+    /// Returns the nearest point of the surface that faces about as `normal`; `None` if none does.
+    pub(super) fn nearest(&self, p: Vec3, normal: Vec3) -> Option<Place> {
+        let mut found = None;
+        self.tree.minimum(p, |face, best| {
+            let corners = self.corners(face as usize);
+            let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            if across.dot(normal) < 0.0 {
+                return f32::INFINITY;
+            }
+            let weights = closest_barycentric(p, corners);
+            let place = self.place(face as usize, weights);
+            let square = place.position.distance_squared(p);
+            if square < best {
+                found = Some(place);
+            }
+            square
+        });
+        found
+    }
+
+    pub(super) fn anchor(&self, place: &Place) -> StrokeAnchor {
+        let vertices = self.skin.faces[place.face].map(|p| self.vertex_of[p as usize]);
+        anchor(vertices, place.weights.y, place.weights.z)
+    }
+}
+
+/// Returns the anchor with the weights `b` and `c` of the second and third vertex.
+pub(super) fn anchor(vertices: [u32; 3], b: f32, c: f32) -> StrokeAnchor {
+    let [b, c] = [b, c].map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u16);
+    StrokeAnchor { vertices, weights: [b, c.min(65535 - b)] }
+}

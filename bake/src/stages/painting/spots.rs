@@ -1,0 +1,114 @@
+//! Small dark spots: eyes, noses, hooves. Each is painted with one stroke of full ink along its longer axis.
+
+use super::canvas::{Canvas, Place};
+use glam::Vec3;
+use pelage_formats::StrokeKind;
+
+/// Darkness from which a surface belongs to a spot, and the same for eyes by name.
+const DARK: f32 = 0.86;
+const DARK_EYE: f32 = 0.55;
+/// Area of a spot as a share of the body's.
+const AREA: [f32; 2] = [0.00006, 0.012];
+/// Largest area of an eye.
+const EYE_AREA: f32 = 0.004;
+/// Largest ratio of length to width.
+const LONGEST: f32 = 4.5;
+/// Share of the bordering surface that must be paler.
+const APART: f32 = 0.12;
+
+/// Spot: its stroke from end to end, and the half width at each place.
+pub(super) struct Spot {
+    pub(super) kind: StrokeKind,
+    pub(super) places: Vec<Place>,
+    pub(super) half_widths: Vec<f32>,
+    pub(super) vertices: Vec<u32>,
+}
+
+pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
+    let skin = &canvas.skin;
+    let total: f32 = skin.areas.iter().sum::<f32>().max(1e-12);
+    let is_dark = |p: usize| canvas.darkness[p] > DARK || canvas.eye[p] && canvas.darkness[p] > DARK_EYE;
+    let low = canvas.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+    let high = canvas.positions.iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
+    let mut seen = vec![false; canvas.positions.len()];
+    let mut spots = Vec::new();
+    for first in 0..canvas.positions.len() {
+        if seen[first] || !is_dark(first) {
+            continue;
+        }
+        let (mut of, mut stack) = (Vec::new(), vec![first as u32]);
+        let (mut beside, mut paler) = (0.0, 0.0);
+        seen[first] = true;
+        while let Some(place) = stack.pop() {
+            of.push(place);
+            for next in skin.neighbors_of(place) {
+                if is_dark(next as usize) {
+                    if !std::mem::replace(&mut seen[next as usize], true) {
+                        stack.push(next);
+                    }
+                } else {
+                    beside += 1.0;
+                    paler += f32::from(u8::from(canvas.darkness[next as usize] < DARK - 0.15));
+                }
+            }
+        }
+        let share = of.iter().map(|p| skin.areas[*p as usize]).sum::<f32>() / total;
+        if !(AREA[0]..=AREA[1]).contains(&share) || of.len() < 3 || beside > 0.0 && paler < APART * beside {
+            continue;
+        }
+        of.sort_unstable();
+        let weight = |p: u32| skin.areas[p as usize].max(1e-9);
+        let sum: f32 = of.iter().map(|p| weight(*p)).sum();
+        let center = of.iter().map(|p| canvas.positions[*p as usize] * weight(*p)).sum::<Vec3>() / sum;
+        let normal = of.iter().map(|p| skin.normals[*p as usize] * weight(*p)).sum::<Vec3>().normalize_or(Vec3::Z);
+        let (u, v) = normal.any_orthonormal_pair();
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for p in &of {
+            let d = canvas.positions[*p as usize] - center;
+            let (x, y) = (d.dot(u), d.dot(v));
+            xx += x * x * weight(*p);
+            xy += x * y * weight(*p);
+            yy += y * y * weight(*p);
+        }
+        let angle = 0.5 * libm::atan2f(2.0 * xy, xx - yy);
+        let (sin, cos) = libm::sincosf(angle);
+        let (mut long, side) = (u * cos + v * sin, v * cos - u * sin);
+        if long.y < 0.0 {
+            long = -long;
+        }
+        let range = |axis: Vec3| {
+            of.iter()
+                .map(|p| (canvas.positions[*p as usize] - center).dot(axis))
+                .fold((0.0_f32, 0.0_f32), |r, x| (r.0.min(x), r.1.max(x)))
+        };
+        let ((from, to), (left, right)) = (range(long), range(side));
+        let (reach, width) = (to - from, right - left);
+        if reach > LONGEST * width.max(1e-6) {
+            continue;
+        }
+        let named = of.iter().filter(|p| canvas.eye[**p as usize]).count() * 2 > of.len();
+        let is_high = center.y > low + 0.55 * (high - low);
+        let kind = if share < EYE_AREA && (named || is_high && reach < 2.6 * width) {
+            StrokeKind::Eye
+        } else {
+            StrokeKind::Spot
+        };
+        let half = 0.5 * width;
+        let inset = (0.55 * half).min(0.35 * reach);
+        let mut places = Vec::with_capacity(count);
+        let mut half_widths = Vec::with_capacity(count);
+        for i in 0..count {
+            let t = i as f32 / (count - 1) as f32;
+            let along = (to - inset) + (from - to + 2.0 * inset) * t;
+            let Some(place) = canvas.nearest(center + long * along, normal) else { break };
+            // An ellipse.
+            let share = (along - 0.5 * (from + to)) / (0.5 * reach).max(1e-6);
+            half_widths.push(half * (1.0 - 0.75 * share * share).max(0.1).sqrt());
+            places.push(place);
+        }
+        if places.len() == count {
+            spots.push(Spot { kind, places, half_widths, vertices: of });
+        }
+    }
+    spots
+}

@@ -1,0 +1,94 @@
+//! Strokes with which a model is painted, in GPU memory.
+
+use super::strands::SurfacePoint;
+use super::upload::Uploader;
+use crate::error::RuntimeError;
+use bytemuck::{Pod, Zeroable};
+use pelage_formats::{Package, PaintStroke, StrokeKind};
+
+/// Strokes of a model's surface.
+#[derive(Debug)]
+pub(crate) struct ModelPainting {
+    /// Buffer of [`PoolStroke`]s, sorted by kind.
+    pub(crate) strokes: wgpu::Buffer,
+    /// Buffer of [`PoolPoint`]s, [`PaintStroke::POINTS`] for each stroke.
+    pub(crate) points: wgpu::Buffer,
+    /// Number of strokes.
+    pub(crate) count: u32,
+    /// Number of washes, which come first.
+    pub(crate) washes: u32,
+    /// Number of strokes of kind [`StrokeKind::Dark`], and of tufts.
+    pub(crate) darks: u32,
+    pub(crate) tufts: u32,
+    /// Diagonal of the model's bounding box at rest, metres.
+    pub(crate) size_m: f32,
+}
+
+/// Stroke as declared in `painting/strokes.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct PoolStroke {
+    pub(crate) kind: u32,
+    pub(crate) rank: f32,
+    pub(crate) seed: u32,
+    /// Pigment, linear RGB, eight bits each; then 255 if there is one.
+    pub(crate) pigment: u32,
+}
+
+/// Point of a stroke as declared in `painting/strokes.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+pub(crate) struct PoolPoint {
+    pub(crate) sides: [SurfacePoint; 2],
+    /// Half width, metres; darkness of the surface; 1 for points along an axis; 0.
+    pub(crate) brush: [f32; 4],
+}
+
+fn is_wash(stroke: &PaintStroke) -> bool {
+    matches!(stroke.kind, StrokeKind::Pale | StrokeKind::Middle)
+}
+
+/// Uploads the strokes. Returns them with their size in bytes; `None` for a package without any.
+pub(super) fn load(
+    uploader: &Uploader<'_>,
+    package: &Package<'_>,
+) -> Result<Option<(ModelPainting, u64)>, RuntimeError> {
+    let Some(pool) = package.stroke_pool()?.filter(|pool| !pool.strokes.is_empty()) else { return Ok(None) };
+    let mut sorted: Vec<&PaintStroke> = pool.strokes.iter().collect();
+    sorted.sort_by_key(|stroke| stroke.kind as u32);
+    let count = |wanted: &dyn Fn(&PaintStroke) -> bool| sorted.iter().filter(|stroke| wanted(stroke)).count() as u32;
+    let byte = |share: f32| (share.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let strokes: Vec<PoolStroke> = sorted
+        .iter()
+        .map(|stroke| PoolStroke {
+            kind: stroke.kind as u32,
+            rank: stroke.rank,
+            seed: stroke.seed,
+            pigment: stroke.pigment.map_or(0, |[r, g, b]| u32::from_le_bytes([byte(r), byte(g), byte(b), 255])),
+        })
+        .collect();
+    let points: Vec<PoolPoint> = sorted
+        .iter()
+        .flat_map(|stroke| &stroke.points)
+        .map(|point| PoolPoint {
+            sides: point.sides.map(|side| SurfacePoint {
+                vertices: side.vertices,
+                // The bits of unsigned weights.
+                weights: side.weights.map(|w| w as i16),
+            }),
+            brush: [point.half_width_m, point.darkness, f32::from(u8::from(point.sides[0] != point.sides[1])), 0.0],
+        })
+        .collect();
+    use wgpu::BufferUsages as Usage;
+    let painting = ModelPainting {
+        strokes: uploader.buffer("strokes", bytemuck::cast_slice(&strokes), Usage::STORAGE)?,
+        points: uploader.buffer("points of strokes", bytemuck::cast_slice(&points), Usage::STORAGE)?,
+        count: strokes.len() as u32,
+        washes: count(&is_wash),
+        darks: count(&|stroke| stroke.kind == StrokeKind::Dark),
+        tufts: count(&|stroke| stroke.kind == StrokeKind::Tuft),
+        size_m: pool.size_m,
+    };
+    let bytes = painting.strokes.size() + painting.points.size();
+    Ok(Some((painting, bytes)))
+}

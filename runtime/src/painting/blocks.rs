@@ -1,0 +1,93 @@
+//! Uniform blocks of the painting passes.
+
+use crate::params::InkParams;
+use crate::shared::shader_struct::shader_struct;
+use crate::shared::srgb::encoded;
+use glam::{Mat3, Mat4, Vec3};
+
+shader_struct! {
+    /// Uniform block for a frame, in shader layout.
+    pub(crate) struct PaintingFrame {
+        pub(crate) ink: [f32; 3],
+        pub(crate) unit_px: f32,
+        pub(crate) paper: [f32; 3],
+        pub(crate) paper_grain: f32,
+        pub(crate) size: [f32; 2],
+        pub(crate) paper_period: f32,
+        pub(crate) far_depth: f32,
+        pub(crate) depth_rows: [f32; 4],
+        pub(crate) right_ws: [f32; 3],
+        pub(crate) wash: f32,
+        pub(crate) up_ws: [f32; 3],
+        pub(crate) wetness: f32,
+        pub(crate) back_ws: [f32; 3],
+        pub(crate) dryness: f32,
+        pub(crate) strokes: f32,
+        pub(crate) tufts: f32,
+        pub(crate) line_width: f32,
+        pub(crate) omission: f32,
+        pub(crate) mist_from: f32,
+        pub(crate) mist_to: f32,
+        pub(crate) reserved0: f32,
+        pub(crate) reserved1: f32,
+    }
+}
+
+shader_struct! {
+    /// Uniform block for an instance, in shader layout.
+    pub(crate) struct PaintedModel {
+        pub(crate) size: f32,
+        pub(crate) count: u32,
+        pub(crate) washes: f32,
+        pub(crate) darks: f32,
+        pub(crate) tufts: f32,
+        pub(crate) reserved0: f32,
+        pub(crate) reserved1: f32,
+        pub(crate) reserved2: f32,
+    }
+}
+
+/// Viewport, camera matrices and depth convention of a frame.
+pub(crate) struct PaintingView {
+    pub(crate) viewport: [u32; 2],
+    pub(crate) view_from_world: Mat4,
+    pub(crate) clip_from_view: Mat4,
+    pub(crate) reversed_depth: bool,
+}
+
+/// Height in pixels of the pictures for which pixel sizes are given.
+const UNIT_HEIGHT: f32 = 424.0;
+
+impl PaintingFrame {
+    pub(crate) fn new(params: &InkParams, view: &PaintingView) -> Self {
+        let brush = params.brush;
+        let rotation = Mat3::from_mat4(view.view_from_world);
+        let axis = |k: usize| rotation.row(k).normalize_or(Vec3::Z).to_array();
+        let clip = view.clip_from_view;
+        let [mist_from, mist_to] = params.mist_m.unwrap_or_default();
+        Self {
+            ink: encoded(params.ink).to_array(),
+            unit_px: view.viewport[1] as f32 / UNIT_HEIGHT,
+            paper: encoded(params.paper).to_array(),
+            paper_grain: params.paper_grain,
+            size: view.viewport.map(|n| n as f32),
+            paper_period: params.paper_period_px,
+            far_depth: if view.reversed_depth { 0.0 } else { 1.0 },
+            depth_rows: [clip.z_axis.z, clip.w_axis.z, clip.z_axis.w, clip.w_axis.w],
+            right_ws: axis(0),
+            wash: brush.wash,
+            up_ws: axis(1),
+            wetness: brush.wetness,
+            back_ws: axis(2),
+            dryness: brush.dryness,
+            strokes: brush.strokes,
+            tufts: brush.tufts,
+            line_width: brush.line_width,
+            omission: brush.omission,
+            mist_from,
+            mist_to,
+            reserved0: 0.0,
+            reserved1: 0.0,
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! Painted ink strokes: uniform blocks, buffers of posed strokes, and the WGSL that the painting passes share.
+
+mod blocks;
+mod buffers;
+
+pub(crate) use blocks::{PaintedModel, PaintingFrame, PaintingView};
+pub(crate) use buffers::{BrushPoint, PaintedStrokes};

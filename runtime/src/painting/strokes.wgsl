@@ -1,0 +1,43 @@
+// Strokes of a model, as stored and as posed for a frame.
+
+struct PoolStroke {
+    // 0 pale wash, 1 middle wash, 2 dark, 3 bone, 4 spot, 5 eye, 6 tuft.
+    kind: u32,
+    rank: f32,
+    seed: u32,
+    // Pigment, linear RGB, eight bits each; then 255 if there is one.
+    pigment: u32,
+}
+
+// Size: 32 bytes.
+struct BrushPoint {
+    // Pixel position, distance from the eye plane, and half width, pixels.
+    place: vec4<f32>,
+    // Density of the ink, dryness, distance along the stroke in pixels, and load of the brush's sides, -1..=1.
+    brush: vec4<f32>,
+}
+
+// Uniform block, one per instance.
+struct PaintedModel {
+    // Size of the model, metres.
+    size: f32,
+    // Number of strokes; then those of single kinds.
+    count: u32,
+    washes: f32,
+    darks: f32,
+    tufts: f32,
+    reserved0: f32,
+    reserved1: f32,
+    reserved2: f32,
+}
+
+// Number of points of a stroke.
+const STROKE_POINTS: u32 = 24u;
+
+const PALE: u32 = 0u;
+const MIDDLE: u32 = 1u;
+const DARK: u32 = 2u;
+const BONE: u32 = 3u;
+const SPOT: u32 = 4u;
+const EYE: u32 = 5u;
+const TUFT: u32 = 6u;

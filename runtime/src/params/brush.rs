@@ -1,0 +1,62 @@
+//! Parameters of painted ink strokes.
+
+use crate::error::RuntimeError;
+use std::ops::RangeInclusive;
+
+/// Parameters of the strokes in [`crate::InkLines::Strokes`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BrushParams {
+    /// Approximate number of brush strokes on an animal, without tufts of fur, 4..=200 (default 60). Few strokes leave
+    /// more paper.
+    pub strokes: f32,
+    /// Factor on the density of the washes, 0..=2 (default 1). With 0, only lines, spots and tufts are painted.
+    pub wash: f32,
+    /// Wetness of the washes, 0..=1 (default 0.6): how far pigment spreads within them, and how much of it gathers at
+    /// their edges.
+    pub wetness: f32,
+    /// Dryness of the brush, 0..=1 (default 0.5): how early a stroke breaks up into the marks of single bristles.
+    pub dryness: f32,
+    /// Number of tufts of fur on an animal, 0..=200 (default 45).
+    pub tufts: f32,
+    /// Factor on the width of lines, 0..=4 (default 1).
+    pub line_width: f32,
+    /// Share of the contour that is left out where the washes already show it, 0..=1 (default 1). With 0, the contour
+    /// is complete.
+    pub omission: f32,
+}
+
+impl Default for BrushParams {
+    fn default() -> Self {
+        Self { strokes: 60.0, wash: 1.0, wetness: 0.6, dryness: 0.5, tufts: 45.0, line_width: 1.0, omission: 1.0 }
+    }
+}
+
+impl BrushParams {
+    /// Returns the parameters with changes: `BrushParams::default().with(|b| b.strokes = 30.0)`.
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
+    }
+
+    pub(super) fn check(&self) -> Result<(), RuntimeError> {
+        let ranges: [(&str, f32, RangeInclusive<f32>); 7] = [
+            ("BrushParams::strokes", self.strokes, 4.0..=200.0),
+            ("BrushParams::wash", self.wash, 0.0..=2.0),
+            ("BrushParams::wetness", self.wetness, 0.0..=1.0),
+            ("BrushParams::dryness", self.dryness, 0.0..=1.0),
+            ("BrushParams::tufts", self.tufts, 0.0..=200.0),
+            ("BrushParams::line_width", self.line_width, 0.0..=4.0),
+            ("BrushParams::omission", self.omission, 0.0..=1.0),
+        ];
+        // NaN is in no range.
+        match ranges.into_iter().find(|(_, value, range)| !range.contains(value)) {
+            Some((field, value, range)) => Err(RuntimeError::Params {
+                field,
+                found: value.to_string(),
+                expected: format!("{}..={}", range.start(), range.end()),
+            }),
+            None => Ok(()),
+        }
+    }
+}

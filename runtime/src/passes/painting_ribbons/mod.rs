@@ -1,0 +1,129 @@
+//! `painting_ribbons`: draws the strokes of the models as ribbons into two textures, one of washes and one of full ink.
+
+use super::{Outcome, Pass, PassId, PassStage, painting_depth};
+use crate::gpu::{
+    BindingResource, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture, record, sampler,
+    storage, texture, uniform,
+};
+use crate::model::PoolStroke;
+use crate::painting::{BrushPoint, PaintedModel, PaintingFrame};
+use crate::params::{InkLines, StyleKind};
+use crate::scene::Recording;
+use pelage_formats::PaintStroke;
+use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
+
+pub(crate) const SHADER: Shader = Shader {
+    name: "pelage painting ribbons",
+    parts: &[
+        include_str!("../../painting/frame.wgsl"),
+        include_str!("../../painting/strokes.wgsl"),
+        include_str!("painting_ribbons.wgsl"),
+    ],
+};
+
+/// Washes: greatest density, coverage, nothing, and the sum of densities.
+pub(crate) const WASH: Target = Target::new("pelage painting wash", wgpu::TextureFormat::Rgba16Float);
+/// Full ink: densities of wet lines, of dry strokes and of dark wet strokes; light spared in eyes.
+pub(crate) const INK: Target = Target::new("pelage painting ink", wgpu::TextureFormat::Rgba16Float);
+
+const GREATEST: BlendComponent =
+    BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation: BlendOperation::Max };
+const SUM: BlendComponent =
+    BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation: BlendOperation::Add };
+
+/// Blending of [`WASH`] and [`INK`].
+pub(crate) const BLENDS: [BlendState; 2] =
+    [BlendState { color: GREATEST, alpha: SUM }, BlendState { color: GREATEST, alpha: GREATEST }];
+
+impl PassId {
+    /// Painted strokes: ribbons of washes and full ink.
+    pub const PAINTING_RIBBONS: Self = Self(&PASS);
+}
+
+pub(crate) const PASS: Pass = Pass {
+    name: "painting_ribbons",
+    place: PassStage::Before,
+    styles: &[StyleKind::Ink],
+    lines: Some(InkLines::Strokes),
+    does: "draws the strokes of the models as ribbons into two textures, one of washes and one of full ink",
+    runs_when: "ink is painted with strokes",
+    shaders: &[SHADER],
+    targets: &[WASH, INK],
+    run,
+};
+
+/// Vertices of a ribbon, a strip: two for each point, and two beyond each end.
+const VERTICES: u32 = 2 * (PaintStroke::POINTS as u32 + 2);
+
+fn run(frame: &mut Recording<'_>) -> Outcome {
+    let Some(scene) = frame.painting.clone() else { return Outcome::Skipped("nothing is painted") };
+    let targets = frame.targets.clone();
+    let [Some(wash), Some(ink), Some(depth)] = [WASH, INK, painting_depth::DEPTH].map(|t| targets.view(&t)) else {
+        return Outcome::Skipped("no targets");
+    };
+    let d2 = wgpu::TextureViewDimension::D2;
+    let layout = frame.cache.layouts.get(frame.gpu, SHADER.name, || {
+        vec![
+            uniform::<PaintingFrame>(0, false),
+            storage::<PoolStroke>(1, wgpu::ShaderStages::VERTEX),
+            storage::<BrushPoint>(2, wgpu::ShaderStages::VERTEX),
+            depth_texture(3, d2),
+            texture(4, d2),
+            sampler(5),
+            uniform::<PaintedModel>(6, false),
+        ]
+    });
+    let repeat = SamplerSettings::new("pelage ink", wgpu::AddressMode::Repeat);
+    let repeat = frame.cache.layouts.sampler(frame.gpu, repeat);
+    let paper = frame.paper();
+    let instances = frame.instances.clone();
+    let [mut washes, mut inks] = [Vec::new(), Vec::new()];
+    for (seen, painted) in instances.iter().filter_map(|seen| Some((seen, seen.painted.as_ref()?))) {
+        let Some(model) = seen.model.painting() else { continue };
+        let block = frame.uniforms.put(frame.gpu, &[seen.painted_model(model)]);
+        let entries = vec![
+            (0, BindingResource::block::<PaintingFrame>(&scene.buffer, scene.offset)),
+            (1, BindingResource::all(&model.strokes)),
+            (2, BindingResource::all(&painted.points)),
+            (3, BindingResource::View(depth.clone())),
+            (4, BindingResource::View(paper.clone())),
+            (5, BindingResource::Sampler(repeat.clone())),
+            (6, BindingResource::block::<PaintedModel>(&block.buffer, block.offset)),
+        ];
+        let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
+        let mut draw = |fragment, target: &Target, blend, of| {
+            let color = wgpu::ColorTargetState {
+                format: target.format,
+                blend: Some(blend),
+                write_mask: wgpu::ColorWrites::ALL,
+            };
+            let spec = RenderSpec::screen(SHADER, ["vs_ribbon", fragment], layout.clone(), target.format);
+            let topology = wgpu::PrimitiveTopology::TriangleStrip;
+            let primitive = wgpu::PrimitiveState { topology, ..Default::default() };
+            let pipeline = frame.pipeline(RenderSpec { colors: vec![color], primitive, ..spec });
+            Draw {
+                groups: [DrawBindGroup::of(&group), None, None, None],
+                range: 0..VERTICES,
+                instances: of,
+                ..Draw::screen(pipeline, &group)
+            }
+        };
+        washes.push(draw("fs_wash", &WASH, BLENDS[0], 0..model.washes));
+        inks.push(draw("fs_ink_ribbon", &INK, BLENDS[1], model.washes..model.count));
+    }
+    for (view, draws) in [(wash, &washes), (ink, &inks)] {
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(SHADER.name),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops,
+            })],
+            ..Default::default()
+        });
+        record(&mut pass, draws);
+    }
+    Outcome::recorded(format!("strokes of {} instances", washes.len()))
+}
