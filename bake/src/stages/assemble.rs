@@ -3,8 +3,9 @@
 use super::slice::ShellTextures;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
-    Animation, FibreInfo, FinData, FormatError, Gloss, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs,
-    Package, PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry, VisibilityInfo,
+    Animation, ContourMesh, FibreInfo, FinData, FormatError, Gloss, HairGroup, HairMotion, InkData, Manifest, MeshData,
+    Morphs, Package, PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, Tag, TextureEntry,
+    VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -22,6 +23,8 @@ pub enum Content<'a> {
     Fins(FinData),
     /// Ink style.
     Ink(InkData),
+    /// Contour mesh of the ink style.
+    Contours(Arc<ContourMesh>),
     /// Simplified index lists.
     Simplified(Arc<[SimplifiedLevel]>),
     /// Strands of the tile.
@@ -78,6 +81,7 @@ pub fn assemble<'a>(
         Content::Morphs(morphs) => writer.morphs(&morphs),
         Content::Fins(fins) => writer.fins(&fins),
         Content::Ink(ink) => writer.ink(&ink),
+        Content::Contours(contours) => writer.contours(&contours),
         Content::Simplified(levels) => writer.simplified(&levels),
         Content::Strands(strands) => writer.strands(&strands),
         Content::StoredStrands(strands) => writer.stored_strands(&strands),
