@@ -29,6 +29,8 @@ pub(crate) const PASSES: &[&Pass] = &[
     &ink_trace::PASS,
     &ink_dilate::PASS,
     &ink_stroke::PASS,
+    &ink_contours::PASS,
+    &ink_lines::PASS,
     &skin::PASS,
     &strands::PASS,
     &fins::PASS,

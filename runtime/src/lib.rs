@@ -38,6 +38,7 @@
 
 mod bounds;
 mod camera;
+mod contours;
 mod debug;
 mod error;
 mod frame;

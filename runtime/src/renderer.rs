@@ -37,6 +37,7 @@ impl Renderer {
             states: OwnerStates::default(),
             shadows: Pool::default(),
             ribbons: Pool::default(),
+            contours: Pool::default(),
             nearest: Pool::default(),
             skies: EnvironmentCache::default(),
             ring: UniformRing::default(),

@@ -3,7 +3,7 @@
 use super::bounds::ModelBounds;
 use super::resources::{Fins, Model, MorphBuffers, Part, Resources, VaryingAttributes};
 use super::upload::Uploader;
-use super::{ink, strands};
+use super::{contours, ink, strands};
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, SamplerSettings};
 use crate::params::RendererOptions;
@@ -184,6 +184,8 @@ pub(crate) fn load(
 
     let (ink, ink_bytes) = ink::load(&uploader, package, &mesh)?.unzip();
     gpu_bytes += ink_bytes.unwrap_or(0);
+    let contours = contours::load(&uploader, package, &mesh)?;
+    gpu_bytes += contours.as_ref().map_or(0, |contours| contours.mesh.size());
     let varies = VaryingAttributes::of(&mesh, manifest.fur.height_m);
     let has_skeleton = animation.is_some();
     let resources = Resources {
@@ -207,6 +209,7 @@ pub(crate) fn load(
         deviations_m: simplified.iter().flat_map(SimplifiedView::deviations).collect(),
         layer_opacities: layer_opacities(package)?,
         ink,
+        contours,
         gpu_bytes,
     };
     Ok(Model { manifest: Arc::new(manifest.clone()), resources: Arc::new(resources) })

@@ -1,12 +1,14 @@
 //! Package in GPU memory.
 
 mod bounds;
+mod contours;
 mod ink;
 mod load;
 mod resources;
 mod strands;
 mod upload;
 
+pub(crate) use contours::ModelContours;
 pub(crate) use ink::ModelInk;
 pub(crate) use load::load;
 pub use resources::Model;

@@ -1,6 +1,7 @@
 //! Package in GPU memory.
 
 use super::bounds::ModelBounds;
+use super::contours::ModelContours;
 use super::ink::ModelInk;
 use super::strands::StrandSet;
 use crate::error::RuntimeError;
@@ -43,6 +44,7 @@ pub(super) struct Resources {
     pub(super) layer_opacities: Vec<f32>,
     pub(super) extent: ModelBounds,
     pub(super) ink: Option<ModelInk>,
+    pub(super) contours: Option<ModelContours>,
     pub(super) gpu_bytes: u64,
 }
 
@@ -249,6 +251,11 @@ impl Model {
             what: "ink style".into(),
             reason: "there is none, expected one: bake the model again with ink.enabled = true in its recipe".into(),
         })
+    }
+
+    /// Returns the contour mesh of the ink style, if the package has one.
+    pub(crate) fn contours(&self) -> Option<&ModelContours> {
+        self.resources.contours.as_ref()
     }
 
     pub(crate) fn ink(&self) -> Option<&ModelInk> {

@@ -5,8 +5,9 @@ use super::ink::{InkScene, InkView};
 use super::nearest::{NearestSegments, area, has_ribbons, with_supported_edges};
 use super::recording::{Recording, RendererState};
 use super::ribbons::Ribbons;
-use super::visible_instance::{VisibleInstance, VisibleStrandSet};
+use super::visible_instance::{VisibleContours, VisibleInstance, VisibleStrandSet};
 use crate::bounds::Hull;
+use crate::contours::{ContourBlock, ContourBuffers, ContourView};
 use crate::error::RuntimeError;
 use crate::gpu::{BindingResource, Pool, Target, UniformRange, take_targets};
 use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
@@ -71,6 +72,7 @@ pub(crate) fn begin<'f>(
     kept.cache.targets.next_frame();
     kept.shadows.next_frame();
     kept.ribbons.next_frame();
+    kept.contours.next_frame();
     kept.nearest.next_frame();
     let view_from_world = params.camera.view_from_world;
     let clip_from_world = clip_from_view * view_from_world;
@@ -146,6 +148,13 @@ pub(crate) fn begin<'f>(
     let light_places = from_light.as_ref().map(|(_, places)| places.clone());
 
     let blended = params_drawn.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended);
+    let contour_view = params.style.ink().map(|_| ContourView {
+        viewport: params.viewport,
+        view_from_world,
+        clip_from_view,
+        eye_ws,
+        brush: [1.0; 2],
+    });
     let all = instances.iter().zip(moved).zip(drawings).zip(&drawn_sets).enumerate();
     let seen = all.map(|(index, (((instance, moved), drawing), drawn))| {
         let offset = |place: &UniformRange| place.offset + index as u64 * place.stride;
@@ -158,8 +167,14 @@ pub(crate) fn begin<'f>(
                 ribbons: drawing.detail.in_picture.then(take),
             }
         };
+        let lines = contour_view.as_ref().zip(instance.model.contours()).filter(|_| drawing.detail.in_picture);
+        let contours = lines.map(|(view, model)| VisibleContours {
+            buffers: ContourBuffers::take(&mut kept.contours, gpu, model),
+            block: uniforms.put(gpu, &[ContourBlock::new(model, instance.transform, &moved.hull, view)]),
+        });
         VisibleInstance {
             model: instance.model.clone(),
+            contours,
             look: {
                 let first = broad.as_ref().map_or(0, |(_, firsts)| firsts[index]);
                 Variant::new(instance, params, &drawing, drawn, maps.as_ref().map(|maps| &maps.key), first)

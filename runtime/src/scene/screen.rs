@@ -83,7 +83,7 @@ impl Recording<'_> {
     }
 
     /// Returns the paper texture of the first instance with ink data.
-    fn paper(&self) -> wgpu::TextureView {
+    pub(crate) fn paper(&self) -> wgpu::TextureView {
         let ink = self.instances.iter().find_map(|seen| seen.model.ink());
         ink.map_or(&self.surfaces.white, |ink| &ink.paper).clone()
     }
