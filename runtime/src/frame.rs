@@ -120,6 +120,16 @@ pub(crate) fn prepare(
 }
 
 impl Frame {
+    #[cfg(test)]
+    pub(crate) fn instances(&self) -> &[VisibleInstance] {
+        &self._instances
+    }
+
+    #[cfg(test)]
+    pub(crate) fn targets(&self) -> &TargetSet {
+        &self._targets
+    }
+
     /// Records every pass into the application's render pass. Its targets must match [`crate::RendererOptions`].
     ///
     /// Leaves pipeline, bind groups 0..=3, vertex buffers 0 and 1 and the index buffer changed.
