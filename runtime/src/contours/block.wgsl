@@ -68,7 +68,7 @@ struct LineNode {
 const NO_NODE: u32 = 0xffffffffu;
 // Words of the counts before those of the edges: arguments of the draw, number of nodes, number of crossed edges.
 const COUNTS_HEAD: u32 = 8u;
-// Greatest distance from the end of a stroke that is told apart, as a share of the model's diagonal.
+// Limit of distances from the ends of strokes, as a share of the model's diagonal.
 const REACH: f32 = 0.3;
 
 // Returns a hash of three whole numbers and a seed, 0..1.

@@ -2,6 +2,7 @@
 
 use super::upload::Uploader;
 use crate::error::RuntimeError;
+use crate::gpu::largest_buffer;
 use pelage_formats::{CreasePoint, MeshView, Package};
 
 /// Contour mesh of a model.
@@ -33,7 +34,7 @@ impl ModelContours {
     }
 }
 
-/// Uploads the contour mesh; `None` for a package without one.
+/// Uploads the contour mesh; `None` for a package without one, or with one too large for the device.
 pub(super) fn load(
     uploader: &Uploader<'_>,
     package: &Package<'_>,
@@ -47,6 +48,9 @@ pub(super) fn load(
         }
     }
     let words = [view.edges, view.faces, view.creases, bytemuck::cast_slice(&previous), view.marks].concat();
+    if words.len() as u64 > largest_buffer(&uploader.gpu.device.limits()) {
+        return Ok(None);
+    }
     let mut least = glam::Vec3::INFINITY;
     let mut most = glam::Vec3::NEG_INFINITY;
     for vertex in mesh.geometry() {

@@ -184,7 +184,7 @@ pub(crate) fn load(
 
     let (ink, ink_bytes) = ink::load(&uploader, package, &mesh)?.unzip();
     gpu_bytes += ink_bytes.unwrap_or(0);
-    let contours = contours::load(&uploader, package, &mesh)?;
+    let contours = if surfaces.contours { contours::load(&uploader, package, &mesh)? } else { None };
     gpu_bytes += contours.as_ref().map_or(0, |contours| contours.mesh.size());
     let varies = VaryingAttributes::of(&mesh, manifest.fur.height_m);
     let has_skeleton = animation.is_some();

@@ -1,6 +1,6 @@
 //! Static lines of the ink style: sharp edges and open boundaries, joined into lines of evenly spaced points.
 
-use super::ContourTarget;
+use super::target::ContourTarget;
 use super::weld::Weld;
 use glam::Vec3;
 use pelage_formats::{ContourMesh, CreasePoint};

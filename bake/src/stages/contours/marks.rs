@@ -1,6 +1,6 @@
 //! Marks of vertices: amount of lines, emphasis of the head, darkness of the surface.
 
-use super::ContourTarget;
+use super::target::ContourTarget;
 use super::weld::Weld;
 use crate::sample::{Encoding, Wrap, bilinear};
 use glam::{Vec2, Vec3};

@@ -8,32 +8,16 @@
 mod creases;
 mod edges;
 mod marks;
+mod target;
 mod weld;
 
-use crate::stages::groom::{Colors, are_joints_of_head};
+use crate::stages::groom::are_joints_of_head;
 use creases::crease_points;
 use edges::{FaceEdges, most_nodes};
 use marks::marks;
-use pelage_formats::{Animation, ContourMesh};
-use pelage_import::mesh::{Mesh, RestPose};
+use pelage_formats::ContourMesh;
+pub use target::ContourTarget;
 use weld::Weld;
-
-/// Model whose contour lines are drawn.
-#[derive(Clone, Copy, Debug)]
-pub struct ContourTarget<'a> {
-    /// Mesh as stored in the package.
-    pub mesh: &'a Mesh,
-    /// Rest pose of `mesh`.
-    pub rest: &'a RestPose,
-    /// Radius of the bounding sphere, metres.
-    pub radius: f32,
-    /// Colours of materials and vertices.
-    pub colors: &'a Colors,
-    /// Whether hair grows on each material.
-    pub furred: &'a [bool],
-    /// Skeleton, whose joints tell where the head is.
-    pub animation: Option<&'a Animation>,
-}
 
 /// Returns the contour mesh of a model. The result does not depend on the number of threads.
 pub fn contour_mesh(target: &ContourTarget<'_>) -> ContourMesh {

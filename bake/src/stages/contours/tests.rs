@@ -1,7 +1,9 @@
 use super::*;
 use crate::stages::fixtures::{ball, on_threads, part};
+use crate::stages::groom::Colors;
 use glam::{Vec2, Vec3};
 use pelage_formats::{ContourMark, CreasePoint};
+use pelage_import::mesh::{Mesh, RestPose};
 use std::collections::BTreeMap;
 
 fn contours_of(mesh: &Mesh) -> ContourMesh {

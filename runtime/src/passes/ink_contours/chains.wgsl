@@ -123,8 +123,9 @@ fn smooth_lines(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
         let s = f32(k) * step;
         ahead = walk_to(ahead, s, true);
         behind = walk_to(behind, s, false);
-        let ends = (ahead.there == NO_NODE && s > ahead.low + 1e-3) || (behind.there == NO_NODE && s > behind.low + 1e-3);
-        if ends {
+        let ends_ahead = ahead.there == NO_NODE && s > ahead.low + 1e-3;
+        let ends_behind = behind.there == NO_NODE && s > behind.low + 1e-3;
+        if ends_ahead || ends_behind {
             break;
         }
         let off = s / (SMOOTHING * contours.unit);
@@ -191,6 +192,25 @@ fn angle_between(a: vec2<f32>, b: vec2<f32>) -> f32 {
 }
 
 
+// Returns the length of a short closed line through a node; a large number if the line is open or long.
+fn loop_length(i: u32, most: f32) -> f32 {
+    var walk = begin_walk(i, true);
+    for (var k = 0u; k < STEPS; k++) {
+        if walk.there == NO_NODE || walk.high > most {
+            break;
+        }
+        if walk.there == i {
+            return walk.high;
+        }
+        let next = neighbor(walk.there, true);
+        if next != NO_NODE {
+            walk.high += distance(before[2u * walk.there].xy, before[2u * next].xy);
+        }
+        walk.there = next;
+    }
+    return 1e9;
+}
+
 // Begins the search for the ends of strokes, and writes all of a drawn node that does not depend on them.
 @compute @workgroup_size(64)
 fn begin_strokes(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -220,7 +240,8 @@ fn begin_strokes(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let weight = here.z * (1.0 - smoothstep(CORNER.x, CORNER.y, turn)) * need;
 
     let most = REACH * contours.diagonal;
-    let own = most * weight;
+    // A closed line has no ends, so a short one is recognised by its length.
+    let own = min(most * weight, 0.5 * loop_length(i, 0.08 * contours.diagonal));
     var previous_px = 0.0;
     var next_px = 0.0;
     if node.previous != NO_NODE {

@@ -7,7 +7,7 @@
 @group(0) @binding(2) var<storage, read> rest: array<GeometryVertex>;
 // Edges, faces, crease points, their predecessors and marks.
 @group(0) @binding(3) var<storage, read> contour_mesh: array<u32>;
-// One bit per edge: whether a contour crosses it.
+// Bit mask of the edges that contours cross.
 @group(0) @binding(4) var<storage, read_write> crossed: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 // For each edge, the next and the previous crossed edge along the contour, plus 1; 0 for none.

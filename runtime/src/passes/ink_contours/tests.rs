@@ -10,7 +10,8 @@ use crate::renderer::Renderer;
 use crate::swing_tests::read;
 use glam::{Mat4, Vec2, Vec3};
 use pelage_formats::{
-    ContourFace, ContourMark, ContourMesh, Limits, MeshView, Package, PackageWriter, Tag,
+    AttributeVertex, ContourFace, ContourMark, ContourMesh, CreasePoint, GeometryVertex, InkData, InkVertex, Limits,
+    Manifest, MeshData, Package, PackageWriter, Part, Tag,
 };
 use pelage_stage::Gpu;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -22,16 +23,16 @@ mod support;
 const NO_NODE: u32 = u32::MAX;
 
 /// Returns the contour mesh of a mesh whose equal positions are one vertex.
-fn contour_mesh(mesh: &MeshView<'_>) -> ContourMesh {
-    let geometry: Vec<_> = mesh.geometry().collect();
+fn contour_mesh(mesh: &MeshData) -> ContourMesh {
     let mut first = HashMap::new();
-    let key = |p: [f32; 3]| p.map(|x| (x * 1e5).round() as i32);
-    let vertices: Vec<u32> =
-        geometry.iter().zip(0..).map(|(v, i)| *first.entry(key(v.position)).or_insert(i)).collect();
+    // Vertices with other normals are separate.
+    let key = |v: &GeometryVertex| {
+        [v.position, v.normal.map(|x| 0.1 * x.round())].map(|p| p.map(|x| (x * 1e5).round() as i32))
+    };
+    let vertices: Vec<u32> = mesh.geometry.iter().zip(0..).map(|(v, i)| *first.entry(key(v)).or_insert(i)).collect();
     let mut made = ContourMesh { most_nodes: 2048, ..ContourMesh::default() };
     let mut known = HashMap::new();
-    let indices: Vec<u32> = mesh.indices.chunks_exact(4).map(bytemuck::pod_read_unaligned).collect();
-    for triangle in indices.chunks_exact(3) {
+    for triangle in mesh.indices.chunks_exact(3) {
         let corners: [u32; 3] = std::array::from_fn(|k| vertices[triangle[k] as usize]);
         let mut face = ContourFace::default();
         for k in 0..3 {
@@ -44,20 +45,61 @@ fn contour_mesh(mesh: &MeshView<'_>) -> ContourMesh {
         }
         made.faces.push(face);
     }
-    made.marks = vec![ContourMark { line: 255, ..ContourMark::default() }; geometry.len()];
+    made.marks = vec![ContourMark { line: 255, ..ContourMark::default() }; mesh.geometry.len()];
     made
 }
 
-/// Returns a sphere of radius 0.1 m with the ink style and a contour mesh.
-fn sphere(quads: u32) -> Vec<u8> {
-    let params = support::sphere::SphereParams { quads, texels: 8, layers: 2, ink: true, ..Default::default() };
+/// Returns a package of a mesh with the ink style. Its contour mesh has no creases.
+fn package_of(mesh: &MeshData, creases: Vec<CreasePoint>) -> Vec<u8> {
+    let params = support::sphere::SphereParams { texels: 8, layers: 2, ink: true, ..Default::default() };
     let bytes = support::sphere::package(&params);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
-    let mut writer = PackageWriter::new(package.manifest().clone());
-    for (index, section) in package.sections().iter().enumerate().filter(|(_, s)| s.tag != Tag::MANIFEST) {
+    let parts = vec![Part { material: 1, first_index: 0, index_count: mesh.indices.len() as u32 }];
+    let manifest = Manifest { parts, ..package.manifest().clone() };
+    let ink = package.ink().unwrap().unwrap().to_data();
+    let ink = InkData { vertices: vec![InkVertex::default(); mesh.geometry.len()], ..ink };
+    let contours = ContourMesh { creases, ..contour_mesh(mesh) };
+    let mut writer = PackageWriter::new(manifest).mesh(mesh).ink(&ink).contours(&contours);
+    for (index, section) in package.sections().iter().enumerate().filter(|(_, s)| s.tag == Tag::TEXTURE) {
         writer = writer.section(section.tag, package.section_bytes(index).unwrap().to_vec());
     }
-    writer.contours(&contour_mesh(&package.mesh().unwrap().unwrap())).finish().unwrap()
+    writer.finish().unwrap()
+}
+
+fn vertex(position: Vec3, normal: Vec3) -> GeometryVertex {
+    let tangent = normal.any_orthonormal_vector().extend(1.0).to_array();
+    GeometryVertex { position: position.into(), normal: normal.into(), tangent, ..GeometryVertex::default() }
+}
+
+fn mesh_of(geometry: Vec<GeometryVertex>, indices: Vec<u32>) -> MeshData {
+    let attributes = vec![AttributeVertex { color: [255; 4], ..AttributeVertex::default() }; geometry.len()];
+    MeshData { geometry, attributes, indices, ..MeshData::default() }
+}
+
+/// Adds a ball of 2 · `rings` meridians.
+fn add_ball(mesh: &mut MeshData, center: Vec3, radius: f32, rings: u32) {
+    let (first, sides) = (mesh.geometry.len() as u32, 2 * rings);
+    for (i, j) in (0..=rings).flat_map(|i| (0..sides).map(move |j| (i, j))) {
+        let (a, b) = (std::f32::consts::PI * i as f32 / rings as f32, std::f32::consts::PI * j as f32 / rings as f32);
+        let ring = if i == 0 || i == rings { 0.0 } else { a.sin() };
+        let normal = Vec3::new(ring * b.sin(), a.cos(), ring * b.cos());
+        mesh.geometry.push(vertex(center + radius * normal, normal));
+        let at = |i: u32, j: u32| first + i * sides + j % sides;
+        if i > 0 && i < rings {
+            mesh.indices.extend([at(i, j), at(i + 1, j), at(i, j + 1)]);
+        }
+        if i + 1 < rings {
+            mesh.indices.extend([at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]);
+        }
+    }
+    *mesh = mesh_of(std::mem::take(&mut mesh.geometry), std::mem::take(&mut mesh.indices));
+}
+
+/// Returns a sphere of radius 0.1 m with the ink style and a contour mesh.
+fn sphere(rings: u32) -> Vec<u8> {
+    let mut mesh = MeshData::default();
+    add_ball(&mut mesh, Vec3::ZERO, 0.1, rings);
+    package_of(&mesh, Vec::new())
 }
 
 /// Lines of the first instance of a frame.
@@ -114,11 +156,11 @@ fn camera() -> Camera {
 #[test]
 fn sphere_has_one_closed_contour_on_its_outline() {
     let Some(gpu) = gpu("sphere_has_one_closed_contour_on_its_outline") else { return };
-    for (quads, tolerance) in [(8, 2.0), (30, 0.6)] {
-        let (_, lines) = draw(&gpu, &sphere(quads), camera(), SIZE, Mat4::IDENTITY);
+    for (rings, tolerance) in [(12, 3.2), (60, 0.6)] {
+        let (_, lines) = draw(&gpu, &sphere(rings), camera(), SIZE, Mat4::IDENTITY);
         assert_eq!(lines.crossed as usize, lines.nodes.len());
         let chains = chains(&lines.nodes);
-        assert_eq!((chains.len(), chains[0].1, chains[0].0.len()), (1, true, lines.nodes.len()), "{quads} quads");
+        assert_eq!((chains.len(), chains[0].1, chains[0].0.len()), (1, true, lines.nodes.len()), "{rings} rings");
         // The outline of a sphere is a circle: its radius is that of the tangent cone.
         let camera = camera();
         let center = Vec2::from(SIZE.map(|n| n as f32)) / 2.0;
@@ -130,15 +172,18 @@ fn sphere_has_one_closed_contour_on_its_outline() {
             let (px, smooth) = (Vec2::from(node.px), Vec2::from(drawn.px));
             for (what, place, off) in [("raw", px, tolerance), ("smooth", smooth, tolerance)] {
                 let found = place.distance(center);
-                assert!((found - radius).abs() < off, "{quads} quads, {what}: {found}, expected {radius}");
+                assert!((found - radius).abs() < off, "{rings} rings, {what}: {found}, expected {radius}");
             }
             assert!(Vec2::from(node.outward).dot((px - center) / radius) > 0.97, "{node:?}");
             assert!(node.weight > 0.99, "{node:?}");
             length += smooth.distance(lines.drawn[node.next as usize].px.into());
-            assert_eq!(lines.nodes[node.next as usize].previous as usize, lines.nodes.iter().position(|n| std::ptr::eq(n, node)).unwrap());
+            assert_eq!(
+                lines.nodes[node.next as usize].previous as usize,
+                lines.nodes.iter().position(|n| std::ptr::eq(n, node)).unwrap()
+            );
         }
         let expected = std::f32::consts::TAU * radius;
-        assert!((length / expected - 1.0).abs() < 0.02, "{quads} quads: length {length}, expected {expected}");
+        assert!((length / expected - 1.0).abs() < 0.02, "{rings} rings: length {length}, expected {expected}");
     }
 }
 
@@ -193,5 +238,76 @@ fn contours_are_the_same_each_time_and_do_not_depend_on_the_transform() {
     assert!(mirrored.nodes.iter().all(|node| node.weight > 0.99));
 }
 
-#[cfg(test)]
-mod dev;
+#[test]
+fn line_of_a_hidden_ball_is_hidden() {
+    let Some(gpu) = gpu("line_of_a_hidden_ball_is_hidden") else { return };
+    let mut mesh = MeshData::default();
+    add_ball(&mut mesh, Vec3::ZERO, 0.1, 40);
+    // The second ball is behind the first, except for its upper part.
+    add_ball(&mut mesh, Vec3::new(0.0, 0.12, -0.2), 0.06, 40);
+    let camera = Camera::framing(Vec3::ZERO, 0.16, Vec3::Z, 0.6, SIZE[0] as f32 / SIZE[1] as f32);
+    let (_, lines) = draw(&gpu, &package_of(&mesh, Vec::new()), camera, SIZE, Mat4::IDENTITY);
+    let chains = chains(&lines.nodes);
+    assert_eq!(chains.len(), 2);
+    let top = |chain: &[usize]| chain.iter().map(|i| lines.nodes[*i].depth).sum::<f32>() / chain.len() as f32;
+    let far = chains.iter().max_by(|a, b| top(&a.0).total_cmp(&top(&b.0))).unwrap();
+    let front = chains.iter().min_by(|a, b| top(&a.0).total_cmp(&top(&b.0))).unwrap();
+    assert!(front.0.iter().all(|i| lines.nodes[*i].weight > 0.99));
+    let (width, center) = (SIZE[1] as f32, Vec2::from(SIZE.map(|n| n as f32)) / 2.0);
+    let radius = front.0.iter().map(|i| Vec2::from(lines.nodes[*i].px).distance(center)).fold(0.0, f32::max);
+    let mut counts = [0; 2];
+    for node in far.0.iter().map(|i| lines.nodes[*i]) {
+        let out = Vec2::from(node.px).distance(center) - radius;
+        // Depth is compared up to four units outside the line.
+        if out.abs() > 5.0 * width / 424.0 {
+            let expected = if out > 0.0 { 1.0 } else { 0.0 };
+            assert!((node.weight - expected).abs() < 0.01, "{node:?}, {out} px outside");
+            counts[usize::from(out > 0.0)] += 1;
+        }
+    }
+    assert!(counts[0] > 20 && counts[1] > 20, "{counts:?}");
+}
+
+#[test]
+fn cube_has_creases_and_no_contours() {
+    let Some(gpu) = gpu("cube_has_creases_and_no_contours") else { return };
+    const PARTS: u32 = 20;
+    let (mut geometry, mut indices, mut creases) = (Vec::new(), Vec::new(), Vec::new());
+    let mut known = BTreeSet::new();
+    for normal in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z] {
+        let u = Vec3::new(normal.y.abs(), normal.z.abs(), normal.x.abs());
+        let v = normal.cross(u);
+        let first = geometry.len() as u32;
+        let corners = [-u - v, u - v, u + v, v - u].map(|p| 0.1 * (normal + p));
+        geometry.extend(corners.map(|p| vertex(p, normal)));
+        indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+        for k in 0..4 {
+            let [a, b] = [corners[k], corners[(k + 1) % 4]];
+            if !known.insert(((a + b) * 100.0).round().as_ivec3().to_array()) {
+                continue;
+            }
+            let vertices = [first + k as u32, first + (k as u32 + 1) % 4];
+            creases.extend((0..=PARTS).map(|i| CreasePoint {
+                vertices,
+                share: (65_535 * i / PARTS) as u16,
+                kind: CreasePoint::SHARP,
+                next: if i == PARTS { CreasePoint::NONE } else { 0 },
+            }));
+        }
+    }
+    for (point, next) in creases.iter_mut().zip(1..) {
+        point.next = if point.next == 0 { next } else { point.next };
+    }
+    let package = package_of(&mesh_of(geometry, indices), creases);
+    let towards = Vec3::new(0.5, 0.4, 1.0);
+    let camera = Camera::framing(Vec3::ZERO, 0.2, towards, 0.6, SIZE[0] as f32 / SIZE[1] as f32);
+    let (_, lines) = draw(&gpu, &package, camera, SIZE, Mat4::IDENTITY);
+    assert_eq!((lines.crossed, lines.nodes.len()), (0, 12 * (PARTS as usize + 1)));
+    let chains = chains(&lines.nodes);
+    assert!(chains.len() == 12 && chains.iter().all(|(_, is_closed)| !is_closed));
+    // Three edges are at the corner away from the eye.
+    let middle = |chain: &[usize]| lines.nodes[chain[chain.len() / 2]].weight;
+    let hidden = chains.iter().filter(|(chain, _)| middle(chain) < 0.01).count();
+    let shown = chains.iter().filter(|(chain, _)| middle(chain) > 0.99).count();
+    assert_eq!((hidden, shown), (3, 9));
+}

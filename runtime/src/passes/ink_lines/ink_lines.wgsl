@@ -19,10 +19,10 @@ const PARTS: f32 = 4.0;
 // Width of the ribbon over that of the line: rough edges extend beyond it.
 const BEYOND: f32 = 1.3;
 // Length over which a stroke reaches its width, and over which it lifts, as shares of the model's diagonal.
-const ONSET: f32 = 0.012;
+const ONSET: f32 = 0.022;
 const LIFT: f32 = 0.07;
 // Lengths of onset and lift as shares of the stroke.
-const ONSET_SHARE: f32 = 0.14;
+const ONSET_SHARE: f32 = 0.16;
 const LIFT_SHARE: f32 = 0.35;
 // Period of the paper's tile, pixels.
 const PAPER_PERIOD: f32 = 768.0;
@@ -37,11 +37,11 @@ fn line_pressure(from_start: f32, to_end: f32, tangent_y: f32) -> vec2<f32> {
     let begun = vec2(from_start, to_end) / vec2(mix(lift, onset, down), mix(onset, lift, down));
     let t = clamp(begun, vec2(0.0), vec2(1.0));
     // A blunt end is round, a lifted one tapers.
-    let blunt = sqrt(1.0 - (1.0 - t) * (1.0 - t));
+    let blunt = pow(1.0 - (1.0 - t) * (1.0 - t), vec2(0.6));
     let tapered = pow(t, vec2(0.75));
     let shape = mix(vec2(tapered.x, blunt.y), vec2(blunt.x, tapered.y), down);
     let start = mix(to_end, from_start, down) / onset;
-    let press = 1.0 + 0.3 * exp(-(start - 1.2) * (start - 1.2));
+    let press = 1.0 + 0.25 * exp(-(start - 1.3) * (start - 1.3));
     let lifted = 1.0 - mix(t.x, t.y, down);
     return vec2(shape.x * shape.y * press, lifted);
 }
