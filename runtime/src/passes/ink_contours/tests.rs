@@ -6,8 +6,9 @@ use crate::frame::Frame;
 use crate::frame_tests::gpu;
 use crate::instance::Instance;
 use crate::params::{FrameParams, InkParams, RendererOptions};
+use crate::passes::ink_lines;
 use crate::renderer::Renderer;
-use crate::swing_tests::read;
+use crate::swing_tests::{read, read_texels};
 use glam::{Mat4, Vec2, Vec3};
 use pelage_formats::{
     AttributeVertex, ContourFace, ContourMark, ContourMesh, CreasePoint, GeometryVertex, InkData, InkVertex, Limits,
@@ -310,4 +311,31 @@ fn cube_has_creases_and_no_contours() {
     let hidden = chains.iter().filter(|(chain, _)| middle(chain) < 0.01).count();
     let shown = chains.iter().filter(|(chain, _)| middle(chain) > 0.99).count();
     assert_eq!((hidden, shown), (3, 9));
+}
+
+/// Returns density of wet and of dry lines of each pixel.
+fn densities(gpu: &Gpu, frame: &Frame) -> Vec<[f32; 2]> {
+    let texels: Vec<[u16; 4]> = read_texels(gpu, frame.targets().view(&ink_lines::LINES).unwrap().texture());
+    // Densities are not negative, so the bits are those of a small f32 with another bias.
+    let half = |bits: u16| f32::from_bits(u32::from(bits) << 13) * 2f32.powi(112);
+    texels.into_iter().map(|[wet, dry, ..]| [half(wet), half(dry)]).collect()
+}
+
+#[test]
+fn strokes_are_on_the_outline_and_heavier_in_shadow() {
+    let Some(gpu) = gpu("strokes_are_on_the_outline_and_heavier_in_shadow") else { return };
+    let (frame, lines) = draw(&gpu, &sphere(30), camera(), SIZE, Mat4::IDENTITY);
+    let center = Vec2::from(SIZE.map(|n| n as f32)) / 2.0;
+    let radius = lines.nodes.iter().map(|n| Vec2::from(n.px).distance(center)).sum::<f32>() / lines.nodes.len() as f32;
+    let (mut all, mut beside, mut sides) = (0.0, 0.0, [0.0; 2]);
+    for (i, [wet, dry]) in densities(&gpu, &frame).into_iter().enumerate() {
+        let off = Vec2::new((i as u32 % SIZE[0]) as f32 + 0.5, (i as u32 / SIZE[0]) as f32 + 0.5) - center;
+        let density = wet + dry;
+        assert!((0.0..4.0).contains(&density), "{density}");
+        all += density;
+        beside += if (off.length() - radius).abs() > 8.0 { density } else { 0.0 };
+        sides[usize::from(off.dot(Vec2::new(-0.57, -0.82)) < 0.0)] += density;
+    }
+    assert!(all > 500.0 && beside < 0.001 * all, "{beside} of {all}");
+    assert!(sides[1] > 2.0 * sides[0], "lit and shadow: {sides:?}");
 }
