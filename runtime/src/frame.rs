@@ -125,6 +125,15 @@ impl Frame {
         &self._instances
     }
 
+    /// Returns, for each instance with contour lines, the buffers of counts and of nodes, which can be copied. The fifth
+    /// count is the number of nodes. A node has 64 bytes; the first four numbers are its pixel position, its distance
+    /// from the eye, and its visibility, and word 6 has 255 in its highest byte on creases.
+    #[cfg(feature = "study")]
+    pub fn contour_buffers(&self) -> impl Iterator<Item = [&wgpu::Buffer; 2]> {
+        let buffers = self._instances.iter().filter_map(|seen| Some(&seen.contours.as_ref()?.buffers));
+        buffers.map(|buffers| [&buffers.counts, &buffers.nodes])
+    }
+
     #[cfg(test)]
     pub(crate) fn targets(&self) -> &TargetSet {
         &self._targets

@@ -365,6 +365,12 @@ fn workgroup_sizes_match_wgsl() {
             assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
         }
     }
+    for source in [&ink_contours::SHADER.wgsl(), &ink_contours::CHAINS.wgsl()] {
+        for entry in &parse("contours", source).entry_points {
+            let expected = if entry.name == "count_crossed" { SCAN_WORKGROUP } else { WORKGROUP };
+            assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
+        }
+    }
     let gather = parse("gather", &strand_gather::SHADER.wgsl());
     assert!(gather.entry_points.iter().all(|entry| entry.workgroup_size == [WORKGROUP, 1, 1]));
     assert_eq!(WORKGROUP, TILE * TILE, "a workgroup is a tile of pixels");

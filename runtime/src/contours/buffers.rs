@@ -71,7 +71,7 @@ impl ContourBuffers {
         let set = shelf.take(fits).unwrap_or_else(|| {
             use wgpu::BufferUsages as Usage;
             // Tests read the results.
-            let read = if cfg!(test) { Usage::COPY_SRC } else { Usage::empty() };
+            let read = if cfg!(any(test, feature = "study")) { Usage::COPY_SRC } else { Usage::empty() };
             let make = |label, size, usage| gpu.buffer(label, size, Usage::STORAGE | read | usage);
             let [crossed, counts, links, nodes, state, lines] = sizes;
             Self {

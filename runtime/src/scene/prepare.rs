@@ -168,9 +168,11 @@ pub(crate) fn begin<'f>(
             }
         };
         let lines = contour_view.as_ref().zip(instance.model.contours()).filter(|_| drawing.detail.in_picture);
-        let contours = lines.map(|(view, model)| VisibleContours {
-            buffers: ContourBuffers::take(&mut kept.contours, gpu, model),
-            block: uniforms.put(gpu, &[ContourBlock::new(model, instance.transform, &moved.hull, view)]),
+        let contours = lines.map(|(view, model)| {
+            let radius_m = instance.scale() * instance.model.manifest().bounds.radius;
+            let block = ContourBlock::new(model, instance.transform, radius_m, &moved.hull, view);
+            let buffers = ContourBuffers::take(&mut kept.contours, gpu, model);
+            VisibleContours { buffers, block: uniforms.put(gpu, &[block]) }
         });
         VisibleInstance {
             model: instance.model.clone(),

@@ -134,6 +134,8 @@ fn view_distance(depth: f32) -> f32 {
 // sampled on its outer side, because the surface itself hides the contour of a coarse mesh on its inner side.
 fn seen_share(px: vec2<f32>, outward: vec2<f32>, depth: f32, is_crease: bool) -> f32 {
     let last = vec2<i32>(contours.size) - 1;
+    // Surfaces at a crease may be seen at a grazing angle.
+    let tolerance = contours.tolerance * select(1.0, 2.0, is_crease);
     var sum = 0.0;
     for (var k = 0u; k < 5u; k++) {
         var off = f32(k);
@@ -142,7 +144,7 @@ fn seen_share(px: vec2<f32>, outward: vec2<f32>, depth: f32, is_crease: bool) ->
         }
         let at = clamp(vec2<i32>(floor(px + outward * (off * contours.unit))), vec2(0), last);
         let behind = view_distance(textureLoad(depths, at, 0)) - depth;
-        sum += smoothstep(-1.0, -0.5, behind / contours.tolerance);
+        sum += smoothstep(-1.0, -0.5, behind / tolerance);
     }
     return smoothstep(0.2, 0.6, sum / 5.0);
 }

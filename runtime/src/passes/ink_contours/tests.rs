@@ -11,8 +11,8 @@ use crate::renderer::Renderer;
 use crate::swing_tests::{read, read_texels};
 use glam::{Mat4, Vec2, Vec3};
 use pelage_formats::{
-    AttributeVertex, ContourFace, ContourMark, ContourMesh, CreasePoint, GeometryVertex, InkData, InkVertex, Limits,
-    Manifest, MeshData, Package, PackageWriter, Part, Tag,
+    AttributeVertex, Bounds, ContourFace, ContourMark, ContourMesh, CreasePoint, GeometryVertex, InkData, InkVertex,
+    Limits, Manifest, MeshData, Package, PackageWriter, Part, Tag,
 };
 use pelage_stage::Gpu;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -56,7 +56,9 @@ fn package_of(mesh: &MeshData, creases: Vec<CreasePoint>) -> Vec<u8> {
     let bytes = support::sphere::package(&params);
     let package = Package::open(&bytes, &Limits::default()).unwrap();
     let parts = vec![Part { material: 1, first_index: 0, index_count: mesh.indices.len() as u32 }];
-    let manifest = Manifest { parts, ..package.manifest().clone() };
+    let radius = mesh.geometry.iter().map(|v| Vec3::from(v.position).length()).fold(0.0, f32::max);
+    let bounds = Bounds { radius, ..package.manifest().bounds };
+    let manifest = Manifest { parts, bounds, ..package.manifest().clone() };
     let ink = package.ink().unwrap().unwrap().to_data();
     let ink = InkData { vertices: vec![InkVertex::default(); mesh.geometry.len()], ..ink };
     let contours = ContourMesh { creases, ..contour_mesh(mesh) };
