@@ -125,7 +125,7 @@ impl Frame {
         &self._instances
     }
 
-    /// Returns, for each instance with contour lines, the buffers of counts and of nodes, which can be copied. The fifth
+    /// Returns the buffers of counts and of nodes of each instance with contour lines, which can be copied. The fifth
     /// count is the number of nodes. A node has 64 bytes; the first four numbers are its pixel position, its distance
     /// from the eye, and its visibility, and word 6 has 255 in its highest byte on creases.
     #[cfg(feature = "study")]

@@ -130,23 +130,40 @@ fn view_distance(depth: f32) -> f32 {
     return (depth * rows.w - rows.y) / select(below, 1e-9, abs(below) < 1e-9);
 }
 
-// Returns how visible a point is: the share of the depths nearby that are not in front of it. For a contour they are
-// sampled on its outer side, because the surface itself hides the contour of a coarse mesh on its inner side.
+// Returns whether the surface at a pixel is not in front of a distance from the eye: 0 or 1, and between them within
+// the tolerance.
+fn open_at(pixel: vec2<i32>, depth: f32, tolerance: f32) -> f32 {
+    let at = clamp(pixel, vec2(0), vec2<i32>(contours.size) - 1);
+    return smoothstep(-1.0, -0.5, (view_distance(textureLoad(depths, at, 0)) - depth) / tolerance);
+}
+
+// Returns how visible a point is: the share of the surface nearby that is not in front of it. For a contour it is
+// sampled on the outer side, because the surface itself hides the contour of a coarse mesh on its inner side. Samples
+// are interpolated between pixels, so that the result has no steps while the point moves.
 fn seen_share(px: vec2<f32>, outward: vec2<f32>, depth: f32, is_crease: bool) -> f32 {
-    let last = vec2<i32>(contours.size) - 1;
     // Surfaces at a crease may be seen at a grazing angle.
     let tolerance = contours.tolerance * select(1.0, 2.0, is_crease);
+    let along = vec2(-outward.y, outward.x);
     var sum = 0.0;
-    for (var k = 0u; k < 5u; k++) {
-        var off = f32(k);
+    for (var k = 0u; k < 15u; k++) {
+        let row = k / 3u;
+        var off = f32(row);
         if is_crease {
-            off = 0.5 * f32(k) * select(1.0, -1.0, (k & 1u) == 1u);
+            off = 0.5 * f32(row) * select(1.0, -1.0, (row & 1u) == 1u);
         }
-        let at = clamp(vec2<i32>(floor(px + outward * (off * contours.unit))), vec2(0), last);
-        let behind = view_distance(textureLoad(depths, at, 0)) - depth;
-        sum += smoothstep(-1.0, -0.5, behind / tolerance);
+        let aside = 1.3 * (f32(k % 3u) - 1.0);
+        let at = px + (outward * off + along * aside) * contours.unit - 0.5;
+        let corner = vec2<i32>(floor(at));
+        let share = at - floor(at);
+        let upper = mix(open_at(corner, depth, tolerance), open_at(corner + vec2(1, 0), depth, tolerance), share.x);
+        let lower = mix(
+            open_at(corner + vec2(0, 1), depth, tolerance),
+            open_at(corner + vec2(1, 1), depth, tolerance),
+            share.x,
+        );
+        sum += mix(upper, lower, share.y);
     }
-    return smoothstep(0.2, 0.6, sum / 5.0);
+    return smoothstep(0.15, 0.65, sum / 15.0);
 }
 
 // Writes a node between two vertices. `share`: that of the second vertex.

@@ -71,6 +71,9 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             ..Draw::screen(pipeline, &group)
         });
     }
+    if draws.is_empty() {
+        return Outcome::Skipped("no package has a contour mesh");
+    }
     let targets = frame.targets.clone();
     let Some(view) = targets.view(&LINES) else { return Outcome::Skipped("no targets") };
     let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
