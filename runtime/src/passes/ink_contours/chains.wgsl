@@ -237,7 +237,9 @@ fn begin_strokes(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let lit = dot(node.outward, LIT_FROM);
     let noise = (space_noise(9.0 * node.rest, 1u) - 0.5) * 1.6;
     let need = line_need(0.0, 0.0, lit, marks.y, noise);
-    let weight = here.z * (1.0 - smoothstep(CORNER.x, CORNER.y, turn)) * need;
+    let shown = here.z * (1.0 - smoothstep(CORNER.x, CORNER.y, turn)) * need;
+    // Squared, so that strokes grow over a wide range of visibility.
+    let weight = shown * shown;
 
     let most = REACH * contours.diagonal;
     // A closed line has no ends, so a short one is recognised by its length.
