@@ -271,6 +271,24 @@ fn line_of_a_hidden_ball_is_hidden() {
     assert!(counts[0] > 20 && counts[1] > 20, "{counts:?}");
 }
 
+/// A ball rises from behind another. Its line grows from a point and never jumps.
+#[test]
+fn strokes_grow_without_jumps() {
+    let Some(gpu) = gpu("strokes_grow_without_jumps") else { return };
+    let camera = Camera::framing(Vec3::ZERO, 0.16, Vec3::Z, 0.6, SIZE[0] as f32 / SIZE[1] as f32);
+    let total = |step: u16| {
+        let mut mesh = MeshData::default();
+        add_ball(&mut mesh, Vec3::ZERO, 0.1, 40);
+        add_ball(&mut mesh, Vec3::new(0.0, 0.06 + 0.001 * f32::from(step), -0.2), 0.06, 40);
+        let (frame, _) = draw(&gpu, &package_of(&mesh, Vec::new()), camera, SIZE, Mat4::IDENTITY);
+        densities(&gpu, &frame).into_iter().map(|[wet, dry]| wet + dry).sum::<f32>()
+    };
+    let totals: Vec<f32> = (0..60).map(total).collect();
+    let (first, last) = (totals[0], totals[59]);
+    let largest = totals.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
+    assert!(last > 1.1 * first && largest < 0.15 * (last - first), "{first} to {last}, largest step {largest}");
+}
+
 #[test]
 fn cube_has_creases_and_no_contours() {
     let Some(gpu) = gpu("cube_has_creases_and_no_contours") else { return };
