@@ -61,7 +61,7 @@ struct LineNode {
     brush: vec4<f32>,
     rest: vec3<f32>,
     next: u32,
-    // Distances from both ends of the stroke along the line, at most REACH of the diagonal; turn in radians; depth.
+    // Distances from both ends of the stroke along the line, at most END_REACH of the diagonal; turn in radians; depth.
     ends: vec4<f32>,
 }
 
@@ -69,7 +69,7 @@ const NO_NODE: u32 = 0xffffffffu;
 // Words of the counts before those of the edges: arguments of the draw, number of nodes, number of crossed edges.
 const COUNTS_HEAD: u32 = 8u;
 // Limit of distances from the ends of strokes, as a share of the model's diagonal.
-const REACH: f32 = 0.3;
+const END_REACH: f32 = 0.3;
 
 // Returns a hash of three whole numbers and a seed, 0..1.
 fn lattice_hash(p: vec3<i32>, seed: u32) -> f32 {

@@ -241,7 +241,7 @@ fn begin_strokes(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     // Squared, so that strokes grow over a wide range of visibility.
     let weight = shown * shown;
 
-    let most = REACH * contours.diagonal;
+    let most = END_REACH * contours.diagonal;
     // A closed line has no ends, so a short one is recognised by its length.
     let own = min(most * weight, 0.5 * loop_length(i, 0.08 * contours.diagonal));
     var previous_px = 0.0;

@@ -19,11 +19,11 @@ const PARTS: f32 = 4.0;
 // Width of the ribbon over that of the line: rough edges extend beyond it.
 const BEYOND: f32 = 1.3;
 // Length over which a stroke reaches its width, and over which it lifts, as shares of the model's diagonal.
-const ONSET: f32 = 0.022;
-const LIFT: f32 = 0.07;
+const LINE_ONSET: f32 = 0.022;
+const LINE_LIFT: f32 = 0.07;
 // Lengths of onset and lift as shares of the stroke.
-const ONSET_SHARE: f32 = 0.16;
-const LIFT_SHARE: f32 = 0.35;
+const LINE_ONSET_SHARE: f32 = 0.16;
+const LINE_LIFT_SHARE: f32 = 0.35;
 // Period of the paper's tile, pixels.
 const PAPER_PERIOD: f32 = 768.0;
 
@@ -32,8 +32,8 @@ const PAPER_PERIOD: f32 = 768.0;
 fn line_pressure(from_start: f32, to_end: f32, tangent_y: f32) -> vec2<f32> {
     let down = smoothstep(-0.5, 0.5, tangent_y);
     let long = max(from_start + to_end, 1e-3);
-    let onset = min(ONSET * contours.diagonal, ONSET_SHARE * long);
-    let lift = min(LIFT * contours.diagonal, LIFT_SHARE * long);
+    let onset = min(LINE_ONSET * contours.diagonal, LINE_ONSET_SHARE * long);
+    let lift = min(LINE_LIFT * contours.diagonal, LINE_LIFT_SHARE * long);
     let begun = vec2(from_start, to_end) / vec2(mix(lift, onset, down), mix(onset, lift, down));
     let t = clamp(begun, vec2(0.0), vec2(1.0));
     // A blunt end is round, a lifted one tapers.
