@@ -26,8 +26,8 @@ use pelage_import::mesh::Model;
 use pelage_params::{Knob, Tables as _};
 
 /// Stages after `import`, in the order of their first steps. They overlap.
-pub const STAGES: [&str; 10] =
-    ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "textures", "scatter", "pack"];
+pub const STAGES: [&str; 11] =
+    ["surface", "simulate", "visibility", "slice", "groom", "fins", "ink", "contours", "textures", "scatter", "pack"];
 
 use Output::*;
 
@@ -109,6 +109,13 @@ pub const STEPS: &[Step] = &[
         run: run_step::ink_textures,
     },
     Step {
+        stage: "contours",
+        makes: Contours,
+        reads: &[Model, Layout, Groomed],
+        tables: &["ink"],
+        run: run_step::contours,
+    },
+    Step {
         stage: "textures",
         makes: Skin,
         reads: &[Model, Layout, Hair, Groomed],
@@ -125,7 +132,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "pack",
         makes: Package,
-        reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, Painting, InkTextures, Skin],
+        reads: &[Hair, Shells, Single, Guided, Fins, FinTextures, Fibres, Ink, Painting, InkTextures, Contours, Skin],
         // The package records the whole recipe, so this step depends on all tables.
         tables: ALL_TABLES,
         run: run_step::pack,

@@ -19,6 +19,7 @@ use crate::strands::tile_hair;
 use pelage_formats::{FormatError, InkInfo, Manifest, Package, Tag};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
+use std::sync::Arc;
 
 /// Returns the mesh data of the package. All of it is copied except the simplified index lists, which are made again or
 /// left out, as `recipe` says.
@@ -33,7 +34,7 @@ fn skin<'a>(package: &Package<'a>, recipe: &Recipe) -> Result<ModelPart<'a>, For
             images.push(copied_texture(package, old)?);
         }
     }
-    let look = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::STROKES, Tag::VISIBILITY, Tag::SIMPLIFIED];
+    let look = [Tag::TEXTURE, Tag::FINS, Tag::INK, Tag::STROKES, Tag::CONTOURS, Tag::VISIBILITY, Tag::SIMPLIFIED];
     let hair = [Tag::STRANDS, Tag::HAIR, Tag::FIBRES, Tag::MEDULLAE];
     let mut sections = copied_sections(package, |tag| !look.contains(&tag) && !hair.contains(&tag))?;
     if let Some(mesh) = package.mesh()?.filter(|_| recipe.detail.has_lists()) {
@@ -105,6 +106,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
             warnings: Vec::new(),
         });
     }
+    let contours = package.contours().map_err(fault)?.map(|view| Arc::new(view.to_data()));
     // The motion of guided hair is not needed here, because its section is copied.
     let guided = GuidedHair { groups: package.hair_groups().map_err(fault)?.to_vec(), ..GuidedHair::default() };
     let mut outputs = Outputs {
@@ -114,6 +116,7 @@ pub fn reslice(file: &str, package: &Package<'_>, recipe: &Recipe) -> Result<Vec
         ink: ink.into(),
         painting: package.stroke_pool().map_err(fault)?.into(),
         ink_textures: ink_textures.into(),
+        contours: contours.into(),
         skin: skin(package, recipe).map_err(fault)?.into(),
         ..Outputs::default()
     };

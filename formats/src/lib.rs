@@ -57,6 +57,7 @@ pub use sections::animation::{
     Animation, Channel, Clip, Interpolation, Joint, MorphChannel, MorphMotion, MorphTarget, Node, Property,
 };
 pub use sections::bare_normals::stored_bare_normals;
+pub use sections::contours::{ContourEdge, ContourFace, ContourMark, ContourMesh, ContourView, CreasePoint};
 pub use sections::fibres::{FIBRE_LAYERS, FibreInfo, FibreOptics};
 pub use sections::fins::{Fin, FinData, FinsView};
 pub use sections::gloss::Gloss;

@@ -96,6 +96,7 @@ impl<'a> Package<'a> {
             self.hair_groups().err(),
             self.fibre_tables().err(),
             self.ink().err(),
+            self.contours().err(),
             self.fur_textures().err(),
             self.wet_textures().err(),
             self.check_wet_matches_dry().err(),

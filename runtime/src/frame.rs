@@ -33,6 +33,8 @@ pub(crate) const PASSES: &[&Pass] = &[
     &painting_strokes::PASS,
     &painting_ribbons::PASS,
     &painting_wet::PASS,
+    &ink_contours::PASS,
+    &ink_lines::PASS,
     &skin::PASS,
     &strands::PASS,
     &fins::PASS,
@@ -130,6 +132,25 @@ pub(crate) fn prepare(
 }
 
 impl Frame {
+    #[cfg(test)]
+    pub(crate) fn instances(&self) -> &[VisibleInstance] {
+        &self._instances
+    }
+
+    /// Returns the buffers of counts and of nodes of each instance with contour lines, which can be copied. The fifth
+    /// count is the number of nodes. A node has 64 bytes; the first four numbers are its pixel position, its distance
+    /// from the eye, and its visibility, and word 6 has 255 in its highest byte on creases.
+    #[cfg(feature = "study")]
+    pub fn contour_buffers(&self) -> impl Iterator<Item = [&wgpu::Buffer; 2]> {
+        let buffers = self._instances.iter().filter_map(|seen| Some(&seen.contours.as_ref()?.buffers));
+        buffers.map(|buffers| [&buffers.counts, &buffers.nodes])
+    }
+
+    #[cfg(test)]
+    pub(crate) fn targets(&self) -> &TargetSet {
+        &self._targets
+    }
+
     /// Records every pass into the application's render pass. Its targets must match [`crate::RendererOptions`].
     ///
     /// Leaves pipeline, bind groups 0..=3, vertex buffers 0 and 1 and the index buffer changed.

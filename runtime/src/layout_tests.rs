@@ -1,5 +1,6 @@
 //! Tests that all shaders are valid, and that their structs match the Rust structs byte for byte.
 
+use crate::contours::{ContourBlock, ContourNode, LineNode};
 use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
 use crate::guide_motion::WindBlock;
@@ -9,8 +10,8 @@ use crate::passes::fur_motion::FurMotion;
 use crate::passes::hair_motion::HairMotion;
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{
-    fins, fur_motion, hair_motion, ink_fur, ink_normals, ink_stroke, pose, shadow_width, shells, skin, strand_blend,
-    strand_gather, strand_light, strand_pose, strand_shadow, strands,
+    fins, fur_motion, hair_motion, ink_contours, ink_fur, ink_lines, ink_normals, ink_stroke, pose, shadow_width,
+    shells, skin, strand_blend, strand_gather, strand_light, strand_pose, strand_shadow, strands,
 };
 use crate::scene::{NEAREST, NearestHairBlock, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
@@ -205,6 +206,11 @@ fn struct_fields<T: ShaderStruct>() -> (Vec<(String, u32, u32)>, u32) {
 fn uniform_structs_match_wgsl() {
     assert_eq!(members(frame::WGSL, "Frame"), struct_fields::<frame::Frame>());
     assert_eq!(members(&ink_stroke::SHADER.wgsl(), "InkFrame"), struct_fields::<InkFrame>());
+    for source in [&ink_contours::SHADER.wgsl(), &ink_contours::CHAINS.wgsl(), &ink_lines::SHADER.wgsl()] {
+        assert_eq!(members(source, "Contours"), struct_fields::<ContourBlock>());
+        assert_eq!(members(source, "ContourNode"), struct_fields::<ContourNode>());
+        assert_eq!(members(source, "LineNode"), struct_fields::<LineNode>());
+    }
     let (wgsl, size) = members(&ink_fur::SHADER.wgsl(), "InkModel");
     let (fields, rust_size) = struct_fields::<InkModel>();
     assert_eq!((&wgsl[..16], wgsl[16].1, size), (&fields[..16], fields[16].1, rust_size));
@@ -356,6 +362,12 @@ fn workgroup_sizes_match_wgsl() {
     for source in [&strand_pose::SHADER.wgsl(), &strand_shadow::SHADER.wgsl(), &strand_light::SHADER.wgsl()] {
         for entry in &parse("strands", source).entry_points {
             let expected = if entry.name == "scan_strands" { SCAN_WORKGROUP } else { WORKGROUP };
+            assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
+        }
+    }
+    for source in [&ink_contours::SHADER.wgsl(), &ink_contours::CHAINS.wgsl()] {
+        for entry in &parse("contours", source).entry_points {
+            let expected = if entry.name == "count_crossed" { SCAN_WORKGROUP } else { WORKGROUP };
             assert_eq!(entry.workgroup_size, [expected, 1, 1], "{}", entry.name);
         }
     }

@@ -38,6 +38,7 @@
 
 mod bounds;
 mod camera;
+mod contours;
 mod debug;
 mod error;
 mod frame;
@@ -61,6 +62,9 @@ pub mod shared;
 mod study;
 mod surface;
 
+// Files that tests share with the examples name the crate.
+#[cfg(test)]
+extern crate self as pelage_runtime;
 #[cfg(test)]
 mod frame_tests;
 #[cfg(test)]

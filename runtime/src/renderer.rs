@@ -37,6 +37,7 @@ impl Renderer {
             states: OwnerStates::default(),
             shadows: Pool::default(),
             ribbons: Pool::default(),
+            contours: Pool::default(),
             nearest: Pool::default(),
             painted: Pool::default(),
             skies: EnvironmentCache::default(),

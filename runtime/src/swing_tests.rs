@@ -36,6 +36,24 @@ pub fn read<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&gpu.read_buffer(&copy).unwrap())
 }
 
+/// Returns the texels of a texture with one layer; `T` has the size of a texel.
+pub fn read_texels<T: bytemuck::Pod>(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<T> {
+    let (size, texel) = (texture.size(), size_of::<T>() as u32);
+    let row = (texel * size.width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+    let bytes = u64::from(row * size.height);
+    let copy = wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false };
+    let copy = gpu.device.create_buffer(&copy);
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: Some(size.height) };
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let to = wgpu::TexelCopyBufferInfo { buffer: &copy, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, size);
+    gpu.queue.submit([encoder.finish()]);
+    let bytes = gpu.read_buffer(&copy).unwrap();
+    let rows = bytes.chunks_exact(row as usize).map(|line| &line[..(texel * size.width) as usize]);
+    rows.flat_map(bytemuck::pod_collect_to_vec::<u8, T>).collect()
+}
+
 /// Returns a white material without hair.
 pub fn white_skin() -> Material {
     Material {

@@ -13,7 +13,7 @@ use crate::stages::simulate::TileHair;
 use crate::stages::slice::{self, FinTextures, ShellTextures};
 use crate::stages::surface::Surface;
 use crate::stages::visibility::Visibility;
-use pelage_formats::{RootsInfo, StrandsData, StrokePool};
+use pelage_formats::{ContourMesh, RootsInfo, StrandsData, StrokePool};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
 use std::sync::{Arc, OnceLock};
@@ -100,6 +100,8 @@ outputs! {
     Painting painting: Option<Arc<StrokePool>>,
     /// Textures of the ink style; `None` without the style.
     InkTextures ink_textures: Option<InkFiles<'a>>,
+    /// Contour mesh of the ink style; `None` without the style.
+    Contours contours: Option<Arc<ContourMesh>>,
     /// Mesh with its textures in the package's formats.
     Skin skin: ModelPart<'a>,
     /// Scattering of light by the hair's fibres; `None` if the shading model does not use it.

@@ -6,6 +6,7 @@ use super::outputs::{
     Groomed, Output, Outputs, PackageBytes, Shells, SkinFiles, SkinImages, StrandVisibility, required, store,
 };
 use crate::recipe::{ColorParams, HairColors, Recipe};
+use crate::stages::contours::{ContourTarget, contour_mesh};
 use crate::stages::groom::{self, Atlas, BareDistances, Lengths, Pattern, RootAtlas, RootColorInput, Vertices};
 use crate::stages::ink::{self, InkTarget, VertexInk};
 use crate::stages::pack::{self, ModelResults, PackInput};
@@ -210,6 +211,22 @@ pub(super) fn ink_textures(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Resu
     store(&outputs.ink_textures, InkTextures, required(&outputs.ink, Ink)?.as_ref().map(paint).transpose()?)
 }
 
+pub(super) fn contours(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
+    let laid = required(&outputs.laid, Layout)?;
+    let model = laid.model(required(&outputs.model, Model)?);
+    let self::Groomed { surface, colors, .. } = &**required(&outputs.groomed, Groomed)?;
+    let target = ContourTarget {
+        mesh: &surface.mesh,
+        rest: &surface.rest,
+        radius: laid.bounds.radius,
+        colors,
+        furred: &laid.furred,
+        animation: model.animation.as_ref(),
+    };
+    let made = input.recipe.ink.enabled.then(|| Arc::new(contour_mesh(&target)));
+    store(&outputs.contours, Contours, made)
+}
+
 pub(super) fn skin(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let laid = required(&outputs.laid, Layout)?;
     let model = laid.model(required(&outputs.model, Model)?);
@@ -267,6 +284,7 @@ pub(super) fn pack(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), B
         fibres: required(&outputs.fibres, Fibres)?.as_ref(),
         ink,
         painting: required(&outputs.painting, Painting)?.as_ref(),
+        contours: required(&outputs.contours, Contours)?.as_ref(),
     });
     let (bytes, warnings) = packed.map_err(|error| match error {
         BakeError::Params { what, reason } => BakeError::Input {

@@ -3,9 +3,9 @@
 use super::slice::ShellTextures;
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::{
-    Animation, FibreInfo, FinData, FormatError, Gloss, HairGroup, HairMotion, InkData, Manifest, MeshData, Morphs,
-    Package, PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, StrokePool, Tag, TextureEntry,
-    VisibilityInfo,
+    Animation, ContourMesh, FibreInfo, FinData, FormatError, Gloss, HairGroup, HairMotion, InkData, Manifest, MeshData,
+    Morphs, Package, PackageWriter, RootsInfo, SimplifiedLevel, StoredStrands, StrandsData, StrokePool, Tag,
+    TextureEntry, VisibilityInfo,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -25,6 +25,8 @@ pub enum Content<'a> {
     Ink(InkData),
     /// Strokes of a painted model.
     Strokes(Arc<StrokePool>),
+    /// Contour mesh of the ink style.
+    Contours(Arc<ContourMesh>),
     /// Simplified index lists.
     Simplified(Arc<[SimplifiedLevel]>),
     /// Strands of the tile.
@@ -82,6 +84,7 @@ pub fn assemble<'a>(
         Content::Fins(fins) => writer.fins(&fins),
         Content::Ink(ink) => writer.ink(&ink),
         Content::Strokes(pool) => writer.stroke_pool(&pool),
+        Content::Contours(contours) => writer.contours(&contours),
         Content::Simplified(levels) => writer.simplified(&levels),
         Content::Strands(strands) => writer.strands(&strands),
         Content::StoredStrands(strands) => writer.stored_strands(&strands),

@@ -5,6 +5,7 @@
 
 pub mod assemble;
 mod cells;
+pub mod contours;
 pub mod detail;
 pub mod fins;
 #[cfg(test)]

@@ -16,9 +16,9 @@ use crate::stages::{detail, hair_motion, morphs, simplify};
 use pelage_formats::meaning::openness::Openness;
 use pelage_formats::meaning::{encode_bare_normal, groom_bytes, tile_frame, to_tile};
 use pelage_formats::{
-    Animation, AttributeVertex, Bounds, Choice, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex, Gloss,
-    HairMotion, InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part, QualityFigure,
-    RootsInfo, Shading, SimplifiedLevel, StrandsData, StrokePool, Tag, VisibilityInfo,
+    Animation, AttributeVertex, Bounds, Choice, ContourMesh, FORMAT_VERSION, FinData, FinInfo, FurInfo, GeometryVertex,
+    Gloss, HairMotion, InkData, InkInfo, InputRecord, Limits, Manifest, Material, MeshData, Package, Part,
+    QualityFigure, RootsInfo, Shading, SimplifiedLevel, StrandsData, StrokePool, Tag, VisibilityInfo,
 };
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
@@ -264,6 +264,8 @@ pub struct PackInput<'a> {
     pub ink: Option<(&'a VertexInk, &'a InkFiles<'a>)>,
     /// Strokes with which the model is painted, if any.
     pub painting: Option<&'a Arc<StrokePool>>,
+    /// Contour mesh of the ink style, if any.
+    pub contours: Option<&'a Arc<ContourMesh>>,
 }
 
 /// Assembles and validates the package, and returns it with the warnings of all stages.
@@ -363,6 +365,7 @@ pub fn pack<'a>(pieces: &PackInput<'a>) -> Result<(Vec<u8>, Vec<String>), BakeEr
     let sections = skin.sections.iter().filter(|section| !is_motion(section)).cloned();
     let sections = sections.chain(files).chain(fins).chain(ink.map(Content::Ink));
     let sections = sections.chain(pieces.painting.cloned().map(Content::Strokes));
+    let sections = sections.chain(pieces.contours.cloned().map(Content::Contours));
     let strands = pieces.strands.cloned().map(Content::Strands);
     let hair = (!pieces.hair.groups.is_empty()).then(|| Content::Hair(pieces.hair.groups.clone()));
     let motion = moves.map(|(motion, _)| Content::HairMotion(Arc::new(motion)));

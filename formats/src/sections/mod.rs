@@ -5,6 +5,7 @@
 
 pub(crate) mod animation;
 pub(crate) mod bare_normals;
+pub(crate) mod contours;
 pub(crate) mod fibres;
 pub(crate) mod fins;
 pub(crate) mod gloss;
@@ -40,6 +41,7 @@ pub(crate) const SECTIONS: &[&Kind] = &[
     &fins::KIND,
     &ink::KIND,
     &strokes::KIND,
+    &contours::KIND,
     &visibility::KIND,
     &roots::KIND,
     &hair_colors::KIND,

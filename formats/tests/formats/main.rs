@@ -8,6 +8,7 @@ mod common;
 
 mod allocation;
 mod bare_normals;
+mod contours;
 mod damage;
 mod fibres;
 mod gloss;

@@ -47,7 +47,9 @@ impl TargetSet {
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format: target.format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                    | wgpu::TextureUsages::TEXTURE_BINDING
+                    | if cfg!(test) { wgpu::TextureUsages::COPY_SRC } else { wgpu::TextureUsages::empty() },
                 view_formats: &[],
             });
             (*target, texture.create_view(&wgpu::TextureViewDescriptor::default()))

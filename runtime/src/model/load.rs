@@ -3,7 +3,7 @@
 use super::bounds::ModelBounds;
 use super::resources::{Fins, Model, MorphBuffers, Part, Resources, VaryingAttributes};
 use super::upload::Uploader;
-use super::{ink, painting, strands};
+use super::{contours, ink, painting, strands};
 use crate::error::RuntimeError;
 use crate::gpu::{Gpu, SamplerSettings};
 use crate::params::RendererOptions;
@@ -186,6 +186,8 @@ pub(crate) fn load(
     gpu_bytes += ink_bytes.unwrap_or(0);
     let (painting, painting_bytes) = painting::load(&uploader, package)?.unzip();
     gpu_bytes += painting_bytes.unwrap_or(0);
+    let contours = if surfaces.contours { contours::load(&uploader, package, &mesh)? } else { None };
+    gpu_bytes += contours.as_ref().map_or(0, |contours| contours.mesh.size());
     let varies = VaryingAttributes::of(&mesh, manifest.fur.height_m);
     let has_skeleton = animation.is_some();
     let resources = Resources {
@@ -210,6 +212,7 @@ pub(crate) fn load(
         layer_opacities: layer_opacities(package)?,
         ink,
         painting,
+        contours,
         gpu_bytes,
     };
     Ok(Model { manifest: Arc::new(manifest.clone()), resources: Arc::new(resources) })

@@ -1,6 +1,7 @@
 //! Package in GPU memory.
 
 mod bounds;
+mod contours;
 mod ink;
 mod load;
 mod painting;
@@ -8,6 +9,7 @@ mod resources;
 mod strands;
 mod upload;
 
+pub(crate) use contours::ModelContours;
 pub(crate) use ink::ModelInk;
 pub(crate) use load::load;
 pub(crate) use painting::{ModelPainting, PoolPoint, PoolStroke};

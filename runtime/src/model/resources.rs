@@ -1,6 +1,7 @@
 //! Package in GPU memory.
 
 use super::bounds::ModelBounds;
+use super::contours::ModelContours;
 use super::ink::ModelInk;
 use super::painting::ModelPainting;
 use super::strands::StrandSet;
@@ -45,6 +46,7 @@ pub(super) struct Resources {
     pub(super) extent: ModelBounds,
     pub(super) ink: Option<ModelInk>,
     pub(super) painting: Option<ModelPainting>,
+    pub(super) contours: Option<ModelContours>,
     pub(super) gpu_bytes: u64,
 }
 
@@ -256,6 +258,11 @@ impl Model {
     /// Returns the strokes with which the model is painted, if the package has any.
     pub(crate) fn painting(&self) -> Option<&ModelPainting> {
         self.resources.painting.as_ref()
+    }
+
+    /// Returns the contour mesh of the ink style, if the package has one.
+    pub(crate) fn contours(&self) -> Option<&ModelContours> {
+        self.resources.contours.as_ref()
     }
 
     pub(crate) fn ink(&self) -> Option<&ModelInk> {

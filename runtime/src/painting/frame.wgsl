@@ -44,7 +44,8 @@ struct PaintingFrame {
 fn eye_distance(painting: PaintingFrame, depth: f32) -> f32 {
     let rows = painting.depth_rows;
     let below = depth * rows.z - rows.x;
-    return (depth * rows.w - rows.y) / select(below, 1e-9, abs(below) < 1e-9);
+    // The background of an infinite projection has no distance.
+    return select((depth * rows.w - rows.y) / below, 1e9, abs(below) < 1e-9);
 }
 
 // Returns a hash of two whole numbers and a seed, 0..1.

@@ -24,4 +24,4 @@ pub(crate) use prepare::{begin, drawn_lines};
 pub(crate) use recording::{Recording, RendererState, depth_compare};
 pub(crate) use screen::{ScreenPass, ink_screen_wgsl};
 pub(crate) use strands::{posed_layout, strand_sets};
-pub(crate) use visible_instance::{StrandsToDraw, VisibleInstance};
+pub(crate) use visible_instance::{StrandsToDraw, VisibleContours, VisibleInstance};

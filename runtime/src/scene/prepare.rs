@@ -5,8 +5,9 @@ use super::ink::{InkScene, InkView};
 use super::nearest::{NearestSegments, area, has_ribbons, with_supported_edges};
 use super::recording::{Recording, RendererState};
 use super::ribbons::Ribbons;
-use super::visible_instance::{VisibleInstance, VisibleStrandSet};
+use super::visible_instance::{VisibleContours, VisibleInstance, VisibleStrandSet};
 use crate::bounds::Hull;
+use crate::contours::{ContourBlock, ContourBuffers, ContourView};
 use crate::error::RuntimeError;
 use crate::gpu::{BindingResource, Pool, Target, UniformRange, take_targets};
 use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
@@ -39,11 +40,12 @@ fn check_instances(params: &FrameParams, instances: &[&Instance]) -> Result<(), 
     Ok(())
 }
 
-/// Returns the form in which a frame's ink lines are drawn. Strokes need a pool of them in every package, and storage
-/// buffers in vertex shaders.
+/// Returns the form in which a frame's ink lines are drawn. Strokes need a stroke pool or a contour mesh in every
+/// package, and storage buffers in vertex shaders.
 pub(crate) fn drawn_lines(kept: &RendererState, ink: &InkParams, instances: &[&Instance]) -> InkLines {
     let supported = kept.surfaces.fins.is_some() && kept.surfaces.strands;
-    let strokes = supported && instances.iter().all(|instance| instance.model.painting().is_some());
+    let strokes = supported
+        && instances.iter().all(|instance| instance.model.painting().is_some() || instance.model.contours().is_some());
     if strokes { ink.lines } else { InkLines::Pixels }
 }
 
@@ -82,6 +84,7 @@ pub(crate) fn begin<'f>(
     kept.cache.targets.next_frame();
     kept.shadows.next_frame();
     kept.ribbons.next_frame();
+    kept.contours.next_frame();
     kept.nearest.next_frame();
     kept.painted.next_frame();
     let view_from_world = params.camera.view_from_world;
@@ -158,6 +161,13 @@ pub(crate) fn begin<'f>(
     let light_places = from_light.as_ref().map(|(_, places)| places.clone());
 
     let blended = params_drawn.style.fur().is_some_and(|fur| fur.strand_edges == StrandEdges::Blended);
+    let contour_view = params.style.ink().filter(|_| lines == Some(InkLines::Strokes)).map(|ink| ContourView {
+        viewport: params.viewport,
+        view_from_world,
+        clip_from_view,
+        eye_ws,
+        brush: [ink.brush.line_width, 2.0 * ink.brush.dryness],
+    });
     let all = instances.iter().zip(moved).zip(drawings).zip(&drawn_sets).enumerate();
     let seen = all.map(|(index, (((instance, moved), drawing), drawn))| {
         let offset = |place: &UniformRange| place.offset + index as u64 * place.stride;
@@ -170,8 +180,16 @@ pub(crate) fn begin<'f>(
                 ribbons: drawing.detail.in_picture.then(take),
             }
         };
+        let outline = contour_view.as_ref().zip(instance.model.contours()).filter(|_| drawing.detail.in_picture);
+        let contours = outline.map(|(view, model)| {
+            let radius_m = instance.scale() * instance.model.manifest().bounds.radius;
+            let block = ContourBlock::new(model, instance.transform, radius_m, &moved.hull, view);
+            let buffers = ContourBuffers::take(&mut kept.contours, gpu, model);
+            VisibleContours { buffers, block: uniforms.put(gpu, &[block]) }
+        });
         VisibleInstance {
             model: instance.model.clone(),
+            contours,
             look: {
                 let first = broad.as_ref().map_or(0, |(_, firsts)| firsts[index]);
                 Variant::new(instance, params, &drawing, drawn, maps.as_ref().map(|maps| &maps.key), first)

@@ -4,6 +4,7 @@ use super::ink::InkScene;
 use super::nearest::{NearestBuffers, NearestSegments};
 use super::ribbons::Ribbons;
 use super::visible_instance::VisibleInstance;
+use crate::contours::ContourBuffers;
 use crate::debug;
 use crate::gpu::{
     Cache, ComputeSpec, Constants, Draw, DrawBindGroup, Gpu, Pool, RenderSpec, Shader, TargetSet, UniformRange,
@@ -30,6 +31,7 @@ pub(crate) struct RendererState {
     pub(crate) states: OwnerStates,
     pub(crate) shadows: Pool<ShadowMaps>,
     pub(crate) ribbons: Pool<Ribbons>,
+    pub(crate) contours: Pool<ContourBuffers>,
     pub(crate) nearest: Pool<NearestBuffers>,
     pub(crate) painted: Pool<PaintedStrokes>,
     pub(crate) skies: EnvironmentCache,

@@ -1,9 +1,10 @@
 //! Instances of a frame with everything that passes need to draw them.
 
 use super::ribbons::Ribbons;
-use crate::gpu::DrawBindGroup;
+use crate::contours::ContourBuffers;
+use crate::gpu::{DrawBindGroup, UniformRange};
 use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
-use crate::model::{Model, ModelPainting, Part, StrandSet};
+use crate::model::{Model, ModelContours, ModelPainting, Part, StrandSet};
 use crate::motion::{PosedInstance, PosedStrands};
 use crate::painting::{PaintedModel, PaintedStrokes};
 use crate::report::InstanceDetail;
@@ -23,10 +24,20 @@ pub(crate) struct VisibleInstance {
     pub(crate) sets: Vec<VisibleStrandSet>,
     /// Posed strokes, if the instance is painted with strokes and may be in the picture.
     pub(crate) painted: Option<Arc<PaintedStrokes>>,
+    /// Contour lines, if they are drawn.
+    pub(crate) contours: Option<VisibleContours>,
     /// Offset of the instance's uniform block for the eye.
     pub(super) view_offset: u64,
     /// Offset of the instance's uniform block for the key light.
     pub(super) light_offset: u64,
+}
+
+/// Contour lines of an instance.
+#[derive(Debug)]
+pub(crate) struct VisibleContours {
+    pub(crate) buffers: Arc<ContourBuffers>,
+    /// Location of the [`crate::contours::ContourBlock`].
+    pub(crate) block: UniformRange,
 }
 
 #[derive(Debug)]
@@ -64,6 +75,11 @@ impl VisibleInstance {
             posed: &set.posed,
             ribbons: set.ribbons.as_ref(),
         })
+    }
+
+    /// Returns the instance with its contour mesh and lines; `None` if no contour lines are drawn.
+    pub(crate) fn contour_lines(&self) -> Option<(&Self, &ModelContours, &VisibleContours)> {
+        Some((self, self.model.contours()?, self.contours.as_ref()?))
     }
 
     /// Returns the level of detail as reported to the application.

@@ -67,7 +67,10 @@ pub(crate) const BARE_NORMALS: VertexLayout =
 /// Maximum number of storage buffers that strand passes bind at once.
 const STRAND_BUFFERS: u32 = 7;
 
-/// Threads of the workgroup that counts strands, which is the largest workgroup.
+/// Maximum number of storage buffers that passes over contour lines bind at once.
+const CONTOUR_BUFFERS: u32 = 8;
+
+/// Threads of the workgroup that counts strands or crossed edges, which is the largest workgroup.
 pub(crate) const SCAN_WORKGROUP: u32 = 256;
 
 /// Bind group layouts of surfaces, and placeholders for missing textures.
@@ -84,6 +87,8 @@ pub(crate) struct Surfaces {
     pub(crate) fins: Option<wgpu::BindGroupLayout>,
     /// Whether single strands can be drawn: the device has enough storage buffers in compute shaders.
     pub(crate) strands: bool,
+    /// Whether contour lines can be extracted, for the same reason.
+    pub(crate) contours: bool,
     pub(crate) white: wgpu::TextureView,
     pub(crate) white_array: wgpu::TextureView,
     /// Resources for packages without fibres.
@@ -169,6 +174,8 @@ impl Surfaces {
             fur: layout(device, "pelage fur", &fur),
             fins: (limits.max_storage_buffers_per_shader_stage >= 3).then(|| layout(device, "pelage fins", &fins)),
             strands,
+            contours: limits.max_storage_buffers_per_shader_stage >= CONTOUR_BUFFERS
+                && limits.max_compute_invocations_per_workgroup >= SCAN_WORKGROUP,
             map_sampler: map_sampling.make(device),
             white: white.create_view(&wgpu::TextureViewDescriptor::default()),
             white_array,

@@ -1,6 +1,7 @@
 //! Tests of the runtime's public API on a real device: formulas in three implementations, single passes, whole
 //! pictures, many frames. All tests share one device (`pelage_tests::gpu`).
 
+mod contour_lines;
 mod detail;
 mod drawable;
 mod false_colors;

@@ -33,7 +33,7 @@ pub use atlas::Atlas;
 pub(crate) use atlas::linear_image;
 pub use bare::{FurredMaterials, find_furred_materials};
 pub use body::{Body, BodyGroom};
-pub(crate) use body::{WeldedMesh, comb_of_head, thickness};
+pub(crate) use body::{WeldedMesh, are_joints_of_head, comb_of_head, thickness};
 pub use colors::{Colors, MaterialColor, colors, is_colored};
 pub use cornea::cornea_normals;
 pub(crate) use features::{split_features, split_listed};

@@ -11,11 +11,11 @@ use pelage_formats::StrokeAnchor;
 /// Thickness below which a part is a limb, in units of the model's size.
 const LIMB: f32 = 0.085;
 /// Distance between rings, in units of the model's size.
-const STEP: f32 = 0.012;
+const STEP: f32 = 0.004;
 /// Maximum number of rings along a limb.
-const MOST_LEVELS: usize = 400;
+const MOST_LEVELS: usize = 1000;
 /// Minimum number of rings of an axis.
-const LEAST_RINGS: usize = 3;
+const LEAST_RINGS: usize = 8;
 
 /// Point of an axis.
 #[derive(Clone, Copy, Debug)]

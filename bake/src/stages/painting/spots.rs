@@ -88,7 +88,7 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
         }
         let named = of.iter().filter(|p| canvas.eye[**p as usize]).count() * 2 > of.len();
         let is_high = center.y > low + 0.55 * (high - low);
-        let kind = if share < EYE_AREA && (named || is_high && reach < 2.6 * width) {
+        let kind = if named || share < EYE_AREA && is_high && reach < 2.6 * width {
             StrokeKind::Eye
         } else {
             StrokeKind::Spot
@@ -103,7 +103,7 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
             let Some(place) = canvas.nearest(center + long * along, normal) else { break };
             // An ellipse.
             let share = (along - 0.5 * (from + to)) / (0.5 * reach).max(1e-6);
-            half_widths.push(half * (1.0 - 0.75 * share * share).max(0.1).sqrt());
+            half_widths.push(half * (1.0 - 0.9 * share * share).max(0.05).sqrt());
             places.push(place);
         }
         if places.len() == count {

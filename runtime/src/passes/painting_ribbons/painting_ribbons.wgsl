@@ -39,8 +39,7 @@ fn vs_ribbon(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
     let px = here.place.xy + half * (vec2(-along.y, along.x) * side + along * cap);
     var out: Ribbon;
     let ndc = (px / painting.size - 0.5) * vec2(2.0, -2.0);
-    // A stroke without width is not drawn.
-    out.position = select(vec4(2.0, 2.0, 0.0, 1.0), vec4(ndc, 0.5, 1.0), half > 0.05);
+    out.position = vec4(ndc, 0.5, 1.0);
     out.across = vec4(side, cap, f32(i) / f32(STROKE_POINTS - 1u), here.brush.z);
     out.brush = vec4(half, here.brush.x, here.brush.y, here.brush.w);
     out.depth = here.place.z;
@@ -122,6 +121,14 @@ fn split_mark(in: Ribbon, relief: f32) -> f32 {
     return in.brush.y * mark;
 }
 
+// Returns the mark of an eye: full ink around a spared highlight.
+fn eye_mark(in: Ribbon, relief: f32) -> f32 {
+    let width = max(in.brush.x, 1e-3) / painting.unit_px;
+    let edge = length(in.across.xy) * (1.0 + 0.12 * (relief - 0.5));
+    let covered = 1.0 - smoothstep(1.0 - 0.8 / width, 1.0 + 0.3 / width, edge);
+    return in.brush.y * covered;
+}
+
 fn relief_at(position: vec2<f32>) -> f32 {
     return textureSampleLevel(paper, paper_sampler, position / painting.paper_period, 0.0).a;
 }
@@ -149,6 +156,9 @@ fn fs_ink_ribbon(in: Ribbon) -> @location(0) vec4<f32> {
         let mark = brush_mark(in, relief, 0.8, 1.9, 0.42, 0.1, 0.18).x
             * on_own_part(in.position.xy, in.depth, 0.02 * painted.size);
         return vec4(0.0, mark, 0.0, 0.0);
+    }
+    if kind == EYE {
+        return vec4(eye_mark(in, relief), 0.0, 0.0, 0.0);
     }
     let wet = brush_mark(in, relief, 0.7, 1.7, select(0.0, 0.22, kind == BONE), 0.15, 0.2).x;
     return vec4(wet, 0.0, 0.0, 0.0);

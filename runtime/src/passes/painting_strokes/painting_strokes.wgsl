@@ -26,6 +26,8 @@ const LIGHT: vec3<f32> = vec3(-0.5, 0.72, 0.48);
 const LIT: vec2<f32> = vec2(0.3, 0.93);
 // Share of the model's size within which a point counts as visible.
 const VISIBLE: f32 = 0.012;
+// Number of smoothing rounds of an axis.
+const AXIS_ROUNDS: u32 = 4u;
 // Minimum width of a stroke that is seen at a grazing angle.
 const LEAST_WIDTH: f32 = 0.42;
 
@@ -115,6 +117,20 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         world[i] = p;
         at[i] = on_picture(p);
     }
+    // Points of an axis are middles of chords, which are rarely through the centre of the limb.
+    if pool_points[first].brush.z > 0.5 {
+        for (var round = 0u; round < AXIS_ROUNDS; round++) {
+            var before = world[0];
+            for (var i = 1u; i + 1u < STROKE_POINTS; i++) {
+                let here = world[i];
+                world[i] = 0.25 * before + 0.5 * here + 0.25 * world[i + 1u];
+                before = here;
+            }
+        }
+        for (var i = 0u; i < STROKE_POINTS; i++) {
+            at[i] = on_picture(world[i]);
+        }
+    }
     var tone_sum = 0.0;
     var seen_sum = 0.0;
     for (var i = 0u; i < STROKE_POINTS; i++) {
@@ -166,6 +182,18 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let chance = hashed(i32(stroke.seed & 0xffffu), 7, stroke.seed >> 16u);
     let seed = stroke.seed & 0xffffu;
 
+    // A stroke whose visible part is short is narrower, so that it does not read as a bead.
+    var long_px = 0.0;
+    var wide_px = 0.0;
+    for (var i = 1u; i < STROKE_POINTS; i++) {
+        long_px += distance(at[i].xy, at[i - 1u].xy) * 0.5 * (brush[i].z + brush[i - 1u].z);
+        wide_px = max(wide_px, brush[i].x * brush[i].z);
+    }
+    long_px *= clamp(weight, 0.0, 1.0);
+    var slender = 1.0;
+    if stroke.kind <= DARK {
+        slender = clamp(long_px / max(4.4 * wide_px, 1e-3), 0.25, 1.0);
+    }
     var run = 0.0;
     for (var i = 0u; i < STROKE_POINTS; i++) {
         let u = f32(i) / last;
@@ -224,7 +252,7 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             density = clamp(0.6 + 0.95 * pool_points[first].brush.y + 0.3 * (chance - 0.5), 0.35, 1.9);
             dryness = 0.02 + 0.5 * u;
         }
-        half *= (0.3 + 0.7 * seen) * smoothstep(0.0, 0.5, grown);
+        half *= (0.3 + 0.7 * seen) * smoothstep(0.0, 0.5, grown) * slender;
         density *= seen * grown;
         dryness *= 2.0 * painting.dryness;
         brush_points[first + i] = BrushPoint(vec4(at[i].xy, at[i].z, half), vec4(density, dryness, run, side));

@@ -194,7 +194,7 @@ fn sole_distances(
 }
 
 /// Returns for each joint whether it moves the head, the face or the muzzle.
-pub(super) fn are_joints_of_head(animation: &Animation) -> Vec<bool> {
+pub(crate) fn are_joints_of_head(animation: &Animation) -> Vec<bool> {
     let regions = regions::of_nodes(animation);
     let is_head = |region: &Region| matches!(region, Region::Head | Region::Face | Region::Muzzle);
     animation.joints.iter().map(|joint| regions.get(joint.node as usize).is_some_and(is_head)).collect()

@@ -1,0 +1,22 @@
+//! Input of the stage.
+
+use crate::stages::groom::Colors;
+use pelage_formats::Animation;
+use pelage_import::mesh::{Mesh, RestPose};
+
+/// Model whose contour lines are drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct ContourTarget<'a> {
+    /// Mesh as stored in the package.
+    pub mesh: &'a Mesh,
+    /// Rest pose of `mesh`.
+    pub rest: &'a RestPose,
+    /// Radius of the bounding sphere, metres.
+    pub radius: f32,
+    /// Colours of materials and vertices.
+    pub colors: &'a Colors,
+    /// Whether hair grows on each material.
+    pub furred: &'a [bool],
+    /// Skeleton, whose joints tell where the head is.
+    pub animation: Option<&'a Animation>,
+}

@@ -1,0 +1,95 @@
+//! Uniform block of the contour lines of an instance.
+
+use crate::bounds::Hull;
+use crate::model::ModelContours;
+use crate::shared::shader_struct::shader_struct;
+use glam::{Mat4, Vec2, Vec3, Vec4};
+
+shader_struct! {
+    /// Uniform block for an instance, in shader layout.
+    pub(crate) struct ContourBlock {
+        pub(crate) clip_from_model: [[f32; 4]; 4],
+        pub(crate) eye_ms: [f32; 4],
+        pub(crate) depth_rows: [f32; 4],
+        pub(crate) size: [f32; 2],
+        pub(crate) diagonal: f32,
+        pub(crate) unit: f32,
+        pub(crate) tolerance: f32,
+        pub(crate) rest_scale: f32,
+        pub(crate) width: f32,
+        pub(crate) dryness: f32,
+        pub(crate) edges: u32,
+        pub(crate) faces: u32,
+        pub(crate) creases: u32,
+        pub(crate) most_nodes: u32,
+        pub(crate) faces_at: u32,
+        pub(crate) creases_at: u32,
+        pub(crate) previous_at: u32,
+        pub(crate) marks_at: u32,
+    }
+}
+
+/// Rows of the picture for which lengths in units are given.
+const ROWS: f32 = 424.0;
+/// Distance along the view within which a surface does not hide a line, as a share of the model's diameter.
+const TOLERANCE: f32 = 0.008;
+
+/// Camera of a frame with contour lines.
+pub(crate) struct ContourView {
+    pub(crate) viewport: [u32; 2],
+    pub(crate) view_from_world: Mat4,
+    pub(crate) clip_from_view: Mat4,
+    pub(crate) eye_ws: Vec4,
+    /// Factors on width and dryness of lines.
+    pub(crate) brush: [f32; 2],
+}
+
+impl ContourBlock {
+    /// Arguments: contour mesh; placement, radius in metres and hull in world space of the instance; camera.
+    pub(crate) fn new(
+        model: &ModelContours,
+        world_from_model: Mat4,
+        radius_m: f32,
+        hull: &Hull,
+        view: &ContourView,
+    ) -> Self {
+        let clip_from_world = view.clip_from_view * view.view_from_world;
+        let size = Vec2::from(view.viewport.map(|n| n as f32));
+        let [faces_at, creases_at, previous_at, marks_at] = model.layout();
+        let center = hull.sphere().map_or(world_from_model.w_axis.truncate(), |sphere| sphere.center);
+        let projection = view.clip_from_view;
+        Self {
+            clip_from_model: (clip_from_world * world_from_model).to_cols_array_2d(),
+            eye_ms: (world_from_model.inverse() * view.eye_ws).to_array(),
+            depth_rows: [projection.z_axis.z, projection.w_axis.z, projection.z_axis.w, projection.w_axis.w],
+            size: size.to_array(),
+            diagonal: screen_diagonal(center, radius_m, view),
+            unit: size.y / ROWS,
+            tolerance: (TOLERANCE * 2.0 * radius_m).max(1e-6),
+            rest_scale: model.stored_diagonal.max(f32::MIN_POSITIVE).recip(),
+            width: view.brush[0],
+            dryness: view.brush[1],
+            edges: model.edges,
+            faces: model.faces,
+            creases: model.creases,
+            most_nodes: model.most_nodes,
+            faces_at,
+            creases_at,
+            previous_at,
+            marks_at,
+        }
+    }
+}
+
+/// Screen diagonal of an animal seen from the side, as a share of the diameter of its bounding sphere.
+const DIAGONAL: f32 = 0.95;
+
+/// Returns the diagonal of a body of radius `radius_m` at a point, pixels; that of the picture if the point is not in
+/// front of the eye. The pose does not affect it, so that widths do not change while a body moves.
+fn screen_diagonal(center: Vec3, radius_m: f32, view: &ContourView) -> f32 {
+    let size = Vec2::from(view.viewport.map(|n| n as f32));
+    let clip = view.clip_from_view * view.view_from_world * center.extend(1.0);
+    let px_per_m = 0.5 * size.y * view.clip_from_view.y_axis.y.abs() / clip.w;
+    let diagonal = 2.0 * DIAGONAL * radius_m * px_per_m;
+    if diagonal > 0.0 && diagonal.is_finite() { diagonal.min(4.0 * size.length()) } else { size.length() }
+}

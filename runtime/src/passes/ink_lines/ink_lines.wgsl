@@ -1,0 +1,112 @@
+//! uses contours/block
+// Contour lines as ribbons: one strip per segment, a cubic curve between two nodes.
+
+@group(0) @binding(0) var<uniform> contours: Contours;
+@group(0) @binding(1) var<storage, read> line_nodes: array<LineNode>;
+@group(0) @binding(2) var paper: texture_2d<f32>;
+@group(0) @binding(3) var paper_sampler: sampler;
+
+struct LineVarying {
+    @builtin(position) position: vec4<f32>,
+    // Offset across the line in half widths; half width, pixels; density; dryness.
+    @location(0) brush: vec4<f32>,
+    // Stored position as a share of the model's diagonal; share of the lift at the end of the stroke.
+    @location(1) rest_lift: vec4<f32>,
+}
+
+// Parts of a segment.
+const PARTS: f32 = 4.0;
+// Width of the ribbon over that of the line: rough edges extend beyond it.
+const BEYOND: f32 = 1.3;
+// Length over which a stroke reaches its width, and over which it lifts, as shares of the model's diagonal.
+const LINE_ONSET: f32 = 0.022;
+const LINE_LIFT: f32 = 0.07;
+// Lengths of onset and lift as shares of the stroke.
+const LINE_ONSET_SHARE: f32 = 0.16;
+const LINE_LIFT_SHARE: f32 = 0.35;
+// Period of the paper's tile, pixels.
+const PAPER_PERIOD: f32 = 768.0;
+
+// Returns the pressure of the brush at distances from both ends of a stroke: a blunt onset, a press, and a long lift.
+// The upper end is the start. `tangent_y`: downward component of the tangent.
+fn line_pressure(from_start: f32, to_end: f32, tangent_y: f32) -> vec2<f32> {
+    let down = smoothstep(-0.5, 0.5, tangent_y);
+    let long = max(from_start + to_end, 1e-3);
+    let onset = min(LINE_ONSET * contours.diagonal, LINE_ONSET_SHARE * long);
+    let lift = min(LINE_LIFT * contours.diagonal, LINE_LIFT_SHARE * long);
+    let begun = vec2(from_start, to_end) / vec2(mix(lift, onset, down), mix(onset, lift, down));
+    let t = clamp(begun, vec2(0.0), vec2(1.0));
+    // A blunt end is round, a lifted one tapers.
+    let blunt = pow(1.0 - (1.0 - t) * (1.0 - t), vec2(0.6));
+    let tapered = pow(t, vec2(0.75));
+    let shape = mix(vec2(tapered.x, blunt.y), vec2(blunt.x, tapered.y), down);
+    let start = mix(to_end, from_start, down) / onset;
+    let press = 1.0 + 0.25 * exp(-(start - 1.3) * (start - 1.3));
+    let lifted = 1.0 - mix(t.x, t.y, down);
+    return vec2(shape.x * shape.y * press, lifted);
+}
+
+@vertex
+fn vs_line(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number: u32) -> LineVarying {
+    var out: LineVarying;
+    out.position = vec4(2.0, 2.0, 0.0, 1.0);
+    let a = line_nodes[number];
+    if a.next == NO_NODE {
+        return out;
+    }
+    let b = line_nodes[a.next];
+    if max(min(a.ends.x, a.ends.y), min(b.ends.x, b.ends.y)) <= 0.0 {
+        return out;
+    }
+    let t = f32(vertex / 2u) / PARTS;
+    let side = select(-BEYOND, BEYOND, (vertex & 1u) == 1u);
+    // Cubic Hermite curve.
+    let long = distance(a.px, b.px);
+    let t2 = t * t;
+    let t3 = t2 * t;
+    let px = a.px * (2.0 * t3 - 3.0 * t2 + 1.0) + b.px * (3.0 * t2 - 2.0 * t3)
+        + long * (a.tangent * (t3 - 2.0 * t2 + t) + b.tangent * (t3 - t2));
+    let way = (b.px - a.px) * (6.0 * t - 6.0 * t2)
+        + long * (a.tangent * (3.0 * t2 - 4.0 * t + 1.0) + b.tangent * (3.0 * t2 - 2.0 * t));
+    let tangent = way * inverseSqrt(max(dot(way, way), 1e-12));
+    let ends = mix(a.ends, b.ends, t);
+    let brush = mix(a.brush, b.brush, t);
+    let pressure = line_pressure(ends.x, ends.y, tangent.y);
+    let half = brush.x * pressure.x;
+    // A thin line is pale instead of thinner than a pixel.
+    let drawn = max(half, 0.5);
+    let place = px + vec2(-tangent.y, tangent.x) * (side * drawn + sign(side));
+    let ndc = (place / contours.size - 0.5) * vec2(2.0, -2.0);
+    out.position = vec4(ndc, 0.5, 1.0);
+    out.brush = vec4((side * drawn + sign(side)) / drawn, drawn, brush.y * min(half / 0.5, 1.0), brush.z);
+    out.rest_lift = vec4(mix(a.rest, b.rest, t), pressure.y);
+    return out;
+}
+
+// Densities of wet and of dry lines.
+@fragment
+fn fs_line(in: LineVarying) -> @location(0) vec4<f32> {
+    let unit = contours.unit;
+    let relief = textureSampleLevel(paper, paper_sampler, in.position.xy / PAPER_PERIOD, 0.0).a;
+    let v = in.brush.x;
+    let half = in.brush.y;
+    let width = half / unit;
+    let rest = in.rest_lift.xyz;
+    let rough = 0.26;
+    let uneven = space_noise(110.0 * rest + vec3(1.5 * v), 5u) - 0.5;
+    let edge = abs(v) * (1.0 + rough * uneven + 0.6 * rough * (relief - 0.5));
+    let soft = min(0.75 / half, 1.0);
+    let coverage = 1.0 - smoothstep(1.0 - soft, 1.0 + 0.4 * soft + 0.02, edge);
+    // Bristles leave streaks along the line, in lanes across it.
+    let lane = v * width / 0.8;
+    let bristle = 0.6 * space_noise(14.0 * rest + vec3(lane, 0.7 * lane, 50.0), 6u)
+        + 0.4 * space_noise(32.0 * rest + vec3(2.2 * lane, 90.0, 1.5 * lane), 7u);
+    let threshold = in.brush.w * 1.15 - 0.12 + 0.35 * in.rest_lift.w * in.rest_lift.w;
+    let grain = smoothstep(0.12, 0.88, 0.68 * bristle + 0.32 * relief);
+    let touching = smoothstep(threshold - 0.1, threshold + 0.14, grain);
+    let k = (1.0 - edge) * width / 1.5;
+    let rim = 1.0 + 0.15 * exp(-k * k);
+    let density = in.brush.z * coverage * touching * (0.86 + 0.28 * bristle) * rim;
+    let dry = smoothstep(0.15, 0.45, in.brush.w);
+    return vec4(density * (1.0 - dry), density * dry, 0.0, 0.0);
+}
