@@ -9,7 +9,7 @@ use glam::Vec3;
 use pelage_formats::StrokeAnchor;
 
 /// Thickness below which a part is a limb, in units of the model's size.
-const LIMB: f32 = 0.085;
+const LIMB: f32 = 0.06;
 /// Distance between rings, in units of the model's size.
 const STEP: f32 = 0.004;
 /// Maximum number of rings along a limb.

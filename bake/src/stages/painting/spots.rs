@@ -24,6 +24,29 @@ pub(super) struct Spot {
     pub(super) vertices: Vec<u32>,
 }
 
+/// Mean normal, as a vector, up to which a spot is a whole ball.
+const BALL: f32 = 0.45;
+
+/// Returns the direction in which a ball looks out of the body, and the radius of its visible part: the distance of the
+/// lids from its axis. `None` if no other surface is near.
+fn opening(canvas: &Canvas, ball: &[u32], center: Vec3) -> Option<(Vec3, f32)> {
+    let radius = ball.iter().map(|p| canvas.positions[*p as usize].distance(center)).fold(0.0, f32::max);
+    let piece = canvas.skin.pieces[ball[0] as usize];
+    let near: Vec<usize> = (0..canvas.positions.len())
+        .filter(|p| canvas.skin.pieces[*p] != piece && canvas.positions[*p].distance(center) < 1.9 * radius)
+        .collect();
+    let normal = near.iter().map(|p| canvas.skin.normals[*p] * canvas.skin.areas[*p]).sum::<Vec3>().try_normalize()?;
+    let mut lids: Vec<f32> = near
+        .iter()
+        .map(|p| canvas.positions[*p] - center)
+        .filter(|d| d.dot(normal) > 0.0)
+        .map(|d| (d - normal * d.dot(normal)).length())
+        .collect();
+    lids.sort_unstable_by(f32::total_cmp);
+    let lid = lids.get(lids.len() / 4).copied().unwrap_or(radius);
+    Some((normal, lid.clamp(0.4 * radius, radius)))
+}
+
 pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
     let skin = &canvas.skin;
     let total: f32 = skin.areas.iter().sum::<f32>().max(1e-12);
@@ -60,7 +83,9 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
         let weight = |p: u32| skin.areas[p as usize].max(1e-9);
         let sum: f32 = of.iter().map(|p| weight(*p)).sum();
         let center = of.iter().map(|p| canvas.positions[*p as usize] * weight(*p)).sum::<Vec3>() / sum;
-        let normal = of.iter().map(|p| skin.normals[*p as usize] * weight(*p)).sum::<Vec3>().normalize_or(Vec3::Z);
+        let mean_normal = of.iter().map(|p| skin.normals[*p as usize] * weight(*p)).sum::<Vec3>() / sum;
+        let opening = if mean_normal.length() < BALL { opening(canvas, &of, center) } else { None };
+        let normal = opening.map_or(mean_normal, |(normal, _)| normal).normalize_or(Vec3::Z);
         let (u, v) = normal.any_orthonormal_pair();
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
         for p in &of {
@@ -81,7 +106,9 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
                 .map(|p| (canvas.positions[*p as usize] - center).dot(axis))
                 .fold((0.0_f32, 0.0_f32), |r, x| (r.0.min(x), r.1.max(x)))
         };
+        let widest = opening.map_or(f32::INFINITY, |(_, radius)| radius);
         let ((from, to), (left, right)) = (range(long), range(side));
+        let (from, to, left, right) = (from.max(-widest), to.min(widest), left.max(-widest), right.min(widest));
         let (reach, width) = (to - from, right - left);
         if reach > LONGEST * width.max(1e-6) {
             continue;

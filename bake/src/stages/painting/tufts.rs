@@ -2,9 +2,10 @@
 //! turns.
 
 use super::canvas::{Canvas, Place};
-use super::trace::follow;
+use super::trace::{follow, length};
 use super::washes::spread_places;
 use crate::noise::{noise_1d, smooth_step, uniform};
+use glam::Vec3;
 
 /// Number of roots that are considered, and of tufts that are kept.
 const ROOTS: usize = 1200;
@@ -17,6 +18,9 @@ const LEAST_HAIR: f32 = 0.0065;
 const LENGTH: [f32; 2] = [2.0, 3.6];
 /// Range of the length of a tuft, in units of the model's size.
 const RANGE: [f32; 2] = [0.02, 0.07];
+
+/// Share of its length that a tuft must reach before the surface ends.
+const LEAST_SHARE: f32 = 0.6;
 
 /// Tuft of fur.
 pub(super) struct Tuft {
@@ -59,7 +63,8 @@ pub(super) fn tufts(canvas: &Canvas, hair: &[f32], is_covered: &[bool], seed: u6
         let factor = LENGTH[0] + (LENGTH[1] - LENGTH[0]) * uniform(seed, 5000 + k as u64);
         let long = (grown * factor).clamp(RANGE[0], RANGE[1]);
         let places = follow(canvas, place, false, long, |_| true);
-        if places.len() >= 2 {
+        let positions: Vec<Vec3> = places.iter().map(|p| p.position).collect();
+        if length(&positions) > LEAST_SHARE * long {
             tufts.push(Tuft { places, half_width: 0.16 * long });
         }
     }

@@ -28,7 +28,7 @@ struct Class {
 const CLASSES: [Class; 3] = [
     Class { kind: StrokeKind::Pale, half_width: 0.058, longest: 0.52, shortest: 0.056, from: 0.0, most: 60 },
     Class { kind: StrokeKind::Middle, half_width: 0.038, longest: 0.40, shortest: 0.05, from: 0.12, most: 80 },
-    Class { kind: StrokeKind::Dark, half_width: 0.0145, longest: 0.26, shortest: 0.03, from: 0.3, most: 160 },
+    Class { kind: StrokeKind::Dark, half_width: 0.0145, longest: 0.3, shortest: 0.085, from: 0.3, most: 160 },
 ];
 /// Share of the lack at a stroke's start below which the stroke ends.
 const ENDS_AT: f32 = 0.34;

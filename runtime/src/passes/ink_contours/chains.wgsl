@@ -184,8 +184,8 @@ fn narrow_lines(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
 // `inside`, `outside`: density of the wash on both sides; `lit`: 1 towards the light, -1 away from it; `noise`: smooth
 // noise of the surface, -1..=1.
 fn line_need(inside: f32, outside: f32, lit: f32, emphasis: f32, noise: f32) -> f32 {
-    let need = 1.0 - 0.95 * smoothstep(0.3, 0.95, abs(inside - outside)) - 0.38 * smoothstep(0.1, 0.9, lit)
-        + 0.22 * smoothstep(0.0, 0.8, -lit) + 0.4 * emphasis + 0.18 * smoothstep(0.05, 0.2, outside) + 0.32 * noise;
+    let need = 0.94 - 0.95 * smoothstep(0.3, 0.95, abs(inside - outside)) - 0.38 * smoothstep(0.1, 0.9, lit)
+        + 0.22 * smoothstep(0.0, 0.8, -lit) + 0.4 * emphasis + 0.18 * smoothstep(0.05, 0.2, outside) + 0.42 * noise;
     return smoothstep(0.42, 0.62, need);
 }
 
@@ -245,7 +245,7 @@ fn begin_strokes(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
 
     let marks = unpack4x8unorm(node.marks);
     let lit = dot(node.outward, LIT_FROM);
-    let noise = (space_noise(9.0 * node.rest, 1u) - 0.5) * 1.6;
+    let noise = (space_noise(7.0 * node.rest, 1u) - 0.5) * 1.6;
     let beside = BESIDE * contours.unit * node.outward;
     let need = line_need(washed_at(here.xy - beside), washed_at(here.xy + beside), lit, marks.y, noise);
     let shown = here.z * (1.0 - smoothstep(CORNER.x, CORNER.y, turn)) * need;
@@ -317,15 +317,15 @@ fn load_brush(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
     let lit = drawn.brush.z;
     let rest = drawn.rest;
     let slow = smoothstep(0.004, 0.05, 0.11 * drawn.ends.z);
-    let pressed = 1.0 + 0.64 * (space_noise(22.0 * rest, 2u) - 0.5);
-    var half = HALF_WIDTH * diagonal * contours.width * (0.62 + 0.6 * smoothstep(-0.5, 0.7, -lit));
+    let pressed = 1.0 + 0.9 * (space_noise(22.0 * rest, 2u) - 0.5);
+    var half = HALF_WIDTH * diagonal * contours.width * (0.5 + 0.75 * smoothstep(-0.5, 0.8, -lit));
     half *= (0.75 + 0.6 * min(1.0, long / (0.22 * diagonal))) * pressed * (1.0 + 0.55 * (slow - 0.35));
     // Short strokes vanish.
     half *= smoothstep(0.012, 0.03, long / diagonal);
     // Share of the stroke that is drawn, from its upper end.
     let down = smoothstep(-0.5, 0.5, drawn.tangent.y);
     let drawn_share = mix(to_end, from_start, down) / max(long, 1e-3);
-    var tone = 0.62 + 0.95 * smoothstep(-0.6, 0.8, -lit) + 0.45 * darkness;
+    var tone = 0.7 + 1.1 * smoothstep(-0.6, 0.8, -lit) + 0.45 * darkness;
     tone *= (1.1 - 0.35 * drawn_share) * (1.0 + 0.45 * (space_noise(16.0 * rest, 3u) - 0.5));
     let fast = (1.0 - slow) * min(1.0, long / (0.18 * diagonal));
     let dry = (0.66 * pow(drawn_share, 1.1) + 0.5 * (space_noise(20.0 * rest, 4u) - 0.5)) * fast - 0.02;

@@ -166,7 +166,7 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     } else if stroke.kind == MIDDLE {
         weight = smoothstep(0.36, 0.5, mean_tone);
     } else if stroke.kind == DARK {
-        weight = smoothstep(0.6, 0.74, mean_tone);
+        weight = smoothstep(0.54, 0.7, mean_tone);
     } else if stroke.kind == TUFT {
         let rim = 1.0 - smoothstep(0.12, 0.5, brush[0].w);
         weight = max(rim, smoothstep(0.25, 0.6, mean_tone) * 0.8);
@@ -182,6 +182,12 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let chance = hashed(i32(stroke.seed & 0xffffu), 7, stroke.seed >> 16u);
     let seed = stroke.seed & 0xffffu;
 
+    // A tuft grows as a whole.
+    if stroke.kind == TUFT {
+        for (var i = 0u; i < STROKE_POINTS; i++) {
+            at[i] = vec4(mix(at[0].xy, at[i].xy, sqrt(clamp(weight, 0.0, 1.0))), at[i].zw);
+        }
+    }
     // A stroke whose visible part is short is narrower, so that it does not read as a bead.
     var long_px = 0.0;
     var wide_px = 0.0;
@@ -193,6 +199,9 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     var slender = 1.0;
     if stroke.kind <= DARK {
         slender = clamp(long_px / max(4.4 * wide_px, 1e-3), 0.25, 1.0);
+        if stroke.kind == DARK {
+            slender *= smoothstep(6.0, 11.0, long_px / max(wide_px, 1e-3));
+        }
     }
     var run = 0.0;
     for (var i = 0u; i < STROKE_POINTS; i++) {
@@ -206,7 +215,7 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let seen = 0.25 * brush[before].z + 0.5 * brush[i].z + 0.25 * brush[after].z;
         let tone = brush[i].y;
         // A stroke grows in length with its weight.
-        let grown = 1.0 - smoothstep(weight * 1.2 - 0.2, weight * 1.2, u);
+        var grown = 1.0 - smoothstep(weight * 1.2 - 0.2, weight * 1.2, u);
         var half = brush[i].x;
         var density = 0.0;
         var dryness = 0.0;
@@ -223,9 +232,9 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             if tier == PALE {
                 base = 0.06 + 0.8 * pow(tone, 1.1);
             } else if tier == MIDDLE {
-                base = 0.3 + 1.1 * pow(clamp((tone - 0.34) / 0.66, 0.0, 1.0), 1.1);
+                base = 0.3 + 1.3 * pow(clamp((tone - 0.34) / 0.6, 0.0, 1.0), 1.1);
             } else {
-                base = 0.7 + 1.3 * clamp((tone - 0.58) / 0.42, 0.0, 1.0);
+                base = 0.75 + 1.4 * clamp((tone - 0.5) / 0.4, 0.0, 1.0);
             }
             let onset = select(select(0.85, 0.6, tier == MIDDLE), 0.55, tier == PALE);
             density = base * (1.25 - 0.62 * u) * (onset + (1.0 - onset) * smoothstep(-0.02, 0.12, u))
@@ -251,9 +260,10 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             half *= 0.35 + 0.9 * u;
             density = clamp(0.6 + 0.95 * pool_points[first].brush.y + 0.3 * (chance - 0.5), 0.35, 1.9);
             dryness = 0.02 + 0.5 * u;
+            grown = smoothstep(0.05, 0.5, weight);
         }
         half *= (0.3 + 0.7 * seen) * smoothstep(0.0, 0.5, grown) * slender;
-        density *= seen * grown;
+        density *= seen * grown * smoothstep(0.0, 0.2, slender);
         dryness *= 2.0 * painting.dryness;
         brush_points[first + i] = BrushPoint(vec4(at[i].xy, at[i].z, half), vec4(density, dryness, run, side));
     }
