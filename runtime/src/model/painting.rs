@@ -22,6 +22,8 @@ pub(crate) struct ModelPainting {
     pub(crate) tufts: u32,
     /// Diagonal of the model's bounding box at rest, metres.
     pub(crate) size_m: f32,
+    /// Half the length of the wash on the ground, metres.
+    pub(crate) reach_m: f32,
 }
 
 /// Stroke as declared in `painting/strokes.wgsl`.
@@ -44,6 +46,11 @@ pub(crate) struct PoolPoint {
     pub(crate) brush: [f32; 4],
 }
 
+/// Kind of the strokes on the ground, which come first. They have no points on the surface.
+const GROUND: u32 = 7;
+/// Number of strokes on the ground.
+const GROUND_STROKES: u32 = 2;
+
 fn is_wash(stroke: &PaintStroke) -> bool {
     matches!(stroke.kind, StrokeKind::Pale | StrokeKind::Middle)
 }
@@ -58,36 +65,36 @@ pub(super) fn load(
     sorted.sort_by_key(|stroke| stroke.kind as u32);
     let count = |wanted: &dyn Fn(&PaintStroke) -> bool| sorted.iter().filter(|stroke| wanted(stroke)).count() as u32;
     let byte = |share: f32| (share.clamp(0.0, 1.0) * 255.0).round() as u8;
-    let strokes: Vec<PoolStroke> = sorted
-        .iter()
-        .map(|stroke| PoolStroke {
-            kind: stroke.kind as u32,
-            rank: stroke.rank,
-            seed: stroke.seed,
-            pigment: stroke.pigment.map_or(0, |[r, g, b]| u32::from_le_bytes([byte(r), byte(g), byte(b), 255])),
-        })
-        .collect();
-    let points: Vec<PoolPoint> = sorted
-        .iter()
-        .flat_map(|stroke| &stroke.points)
-        .map(|point| PoolPoint {
-            sides: point.sides.map(|side| SurfacePoint {
-                vertices: side.vertices,
-                // The bits of unsigned weights.
-                weights: side.weights.map(|w| w as i16),
-            }),
-            brush: [point.half_width_m, point.darkness, f32::from(u8::from(point.sides[0] != point.sides[1])), 0.0],
-        })
-        .collect();
+    let on_ground = |k: u32| PoolStroke { kind: GROUND, rank: 0.0, seed: 77 + k, pigment: 0 };
+    let of_surface = sorted.iter().map(|stroke| PoolStroke {
+        kind: stroke.kind as u32,
+        rank: stroke.rank,
+        seed: stroke.seed,
+        pigment: stroke.pigment.map_or(0, |[r, g, b]| u32::from_le_bytes([byte(r), byte(g), byte(b), 255])),
+    });
+    let strokes: Vec<PoolStroke> = (0..GROUND_STROKES).map(on_ground).chain(of_surface).collect();
+    let on_ground = std::iter::repeat_n(PoolPoint::zeroed(), GROUND_STROKES as usize * PaintStroke::POINTS);
+    let of_surface = sorted.iter().flat_map(|stroke| &stroke.points).map(|point| PoolPoint {
+        sides: point.sides.map(|side| SurfacePoint {
+            vertices: side.vertices,
+            // The bits of unsigned weights.
+            weights: side.weights.map(|w| w as i16),
+        }),
+        brush: [point.half_width_m, point.darkness, f32::from(u8::from(point.sides[0] != point.sides[1])), 0.0],
+    });
+    let points: Vec<PoolPoint> = on_ground.chain(of_surface).collect();
+    let bounds = &package.manifest().bounds;
+    let [length, width] = [0, 2].map(|k| bounds.max[k] - bounds.min[k]);
     use wgpu::BufferUsages as Usage;
     let painting = ModelPainting {
         strokes: uploader.buffer("strokes", bytemuck::cast_slice(&strokes), Usage::STORAGE)?,
         points: uploader.buffer("points of strokes", bytemuck::cast_slice(&points), Usage::STORAGE)?,
         count: strokes.len() as u32,
-        washes: count(&is_wash),
+        washes: GROUND_STROKES + count(&is_wash),
         darks: count(&|stroke| stroke.kind == StrokeKind::Dark),
         tufts: count(&|stroke| stroke.kind == StrokeKind::Tuft),
         size_m: pool.size_m,
+        reach_m: 0.5 * length.max(width),
     };
     let bytes = painting.strokes.size() + painting.points.size();
     Ok(Some((painting, bytes)))

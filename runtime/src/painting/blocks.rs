@@ -28,22 +28,20 @@ shader_struct! {
         pub(crate) omission: f32,
         pub(crate) mist_from: f32,
         pub(crate) mist_to: f32,
-        pub(crate) reserved0: f32,
-        pub(crate) reserved1: f32,
+        pub(crate) ground: f32,
+        pub(crate) reserved: f32,
     }
 }
 
 shader_struct! {
     /// Uniform block for an instance, in shader layout.
     pub(crate) struct PaintedModel {
+        pub(crate) ground_ws: [f32; 3],
         pub(crate) size: f32,
         pub(crate) count: u32,
-        pub(crate) washes: f32,
         pub(crate) darks: f32,
         pub(crate) tufts: f32,
-        pub(crate) reserved0: f32,
-        pub(crate) reserved1: f32,
-        pub(crate) reserved2: f32,
+        pub(crate) reach: f32,
     }
 }
 
@@ -86,8 +84,8 @@ impl PaintingFrame {
             omission: brush.omission,
             mist_from,
             mist_to,
-            reserved0: 0.0,
-            reserved1: 0.0,
+            ground: brush.ground,
+            reserved: 0.0,
         }
     }
 }

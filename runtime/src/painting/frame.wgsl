@@ -36,8 +36,9 @@ struct PaintingFrame {
     // Distances between which mist hides the painting; none if the first is not below the second.
     mist_from: f32,
     mist_to: f32,
-    reserved0: f32,
-    reserved1: f32,
+    // Density of the wash on the ground.
+    ground: f32,
+    reserved: f32,
 }
 
 // Returns the distance along the view direction of a depth in clip space.

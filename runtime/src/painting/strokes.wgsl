@@ -1,7 +1,7 @@
 // Strokes of a model, as stored and as posed for a frame.
 
 struct PoolStroke {
-    // 0 pale wash, 1 middle wash, 2 dark, 3 bone, 4 spot, 5 eye, 6 tuft.
+    // 0 pale wash, 1 middle wash, 2 dark, 3 bone, 4 spot, 5 eye, 6 tuft, 7 wash on the ground.
     kind: u32,
     rank: f32,
     seed: u32,
@@ -19,16 +19,16 @@ struct BrushPoint {
 
 // Uniform block, one per instance.
 struct PaintedModel {
+    // Point of the ground below the model.
+    ground_ws: vec3<f32>,
     // Size of the model, metres.
     size: f32,
-    // Number of strokes; then those of single kinds.
+    // Number of strokes, of dark ones and of tufts.
     count: u32,
-    washes: f32,
     darks: f32,
     tufts: f32,
-    reserved0: f32,
-    reserved1: f32,
-    reserved2: f32,
+    // Half length of the wash on the ground, metres.
+    reach: f32,
 }
 
 // Number of points of a stroke.
@@ -41,3 +41,4 @@ const BONE: u32 = 3u;
 const SPOT: u32 = 4u;
 const EYE: u32 = 5u;
 const TUFT: u32 = 6u;
+const GROUND: u32 = 7u;

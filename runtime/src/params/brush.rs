@@ -24,11 +24,22 @@ pub struct BrushParams {
     /// Share of the contour that is left out where the washes already show it, 0..=1 (default 1). With 0, the contour
     /// is complete.
     pub omission: f32,
+    /// Density of the wash on the ground below an animal, 0..=1 (default 0.5).
+    pub ground: f32,
 }
 
 impl Default for BrushParams {
     fn default() -> Self {
-        Self { strokes: 60.0, wash: 1.0, wetness: 0.6, dryness: 0.5, tufts: 45.0, line_width: 1.0, omission: 1.0 }
+        Self {
+            strokes: 60.0,
+            wash: 1.0,
+            wetness: 0.6,
+            dryness: 0.5,
+            tufts: 45.0,
+            line_width: 1.0,
+            omission: 1.0,
+            ground: 0.5,
+        }
     }
 }
 
@@ -40,7 +51,7 @@ impl BrushParams {
     }
 
     pub(super) fn check(&self) -> Result<(), RuntimeError> {
-        let ranges: [(&str, f32, RangeInclusive<f32>); 7] = [
+        let ranges: [(&str, f32, RangeInclusive<f32>); 8] = [
             ("BrushParams::strokes", self.strokes, 4.0..=200.0),
             ("BrushParams::wash", self.wash, 0.0..=2.0),
             ("BrushParams::wetness", self.wetness, 0.0..=1.0),
@@ -48,6 +59,7 @@ impl BrushParams {
             ("BrushParams::tufts", self.tufts, 0.0..=200.0),
             ("BrushParams::line_width", self.line_width, 0.0..=4.0),
             ("BrushParams::omission", self.omission, 0.0..=1.0),
+            ("BrushParams::ground", self.ground, 0.0..=1.0),
         ];
         // NaN is in no range.
         match ranges.into_iter().find(|(_, value, range)| !range.contains(value)) {

@@ -18,6 +18,7 @@ use crate::painting::{PaintedStrokes, PaintingFrame, PaintingView};
 use crate::params::{FrameParams, InkLines, InkParams, SelfShadow, StrandEdges};
 use crate::shared::frame as blocks;
 use crate::surface::Lights;
+use glam::Vec3;
 use pelage_formats::PaintStroke;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -201,6 +202,11 @@ pub(crate) fn begin<'f>(
                 .filter(|_| lines == Some(InkLines::Strokes) && drawing.detail.in_picture)
                 .map(|model| PaintedStrokes::take(&mut kept.painted, gpu, model.count * PaintStroke::POINTS as u32)),
             scale: instance.scale(),
+            ground_ws: {
+                let bounds = &instance.model.manifest().bounds;
+                let [x, _, z] = bounds.center;
+                instance.transform.transform_point3(Vec3::new(x, bounds.min[1], z))
+            },
             moved,
             drawing,
             view_offset: offset(&places),

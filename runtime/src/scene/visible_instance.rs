@@ -8,6 +8,7 @@ use crate::model::{Model, ModelContours, ModelPainting, Part, StrandSet};
 use crate::motion::{PosedInstance, PosedStrands};
 use crate::painting::{PaintedModel, PaintedStrokes};
 use crate::report::InstanceDetail;
+use glam::Vec3;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -21,6 +22,8 @@ pub(crate) struct VisibleInstance {
     pub(crate) look: Variant,
     /// Length scale of the instance.
     pub(crate) scale: f32,
+    /// Lowest point below the centre of the instance at rest.
+    pub(crate) ground_ws: Vec3,
     pub(crate) sets: Vec<VisibleStrandSet>,
     /// Posed strokes, if the instance is painted with strokes and may be in the picture.
     pub(crate) painted: Option<Arc<PaintedStrokes>>,
@@ -105,14 +108,12 @@ impl VisibleInstance {
     /// Returns the uniform block of the instance's strokes.
     pub(crate) fn painted_model(&self, model: &ModelPainting) -> PaintedModel {
         PaintedModel {
+            ground_ws: self.ground_ws.to_array(),
             size: model.size_m * self.scale,
             count: model.count,
-            washes: model.washes as f32,
             darks: model.darks as f32,
             tufts: model.tufts as f32,
-            reserved0: 0.0,
-            reserved1: 0.0,
-            reserved2: 0.0,
+            reach: model.reach_m * self.scale,
         }
     }
 

@@ -17,6 +17,8 @@ struct Ribbon {
     @location(1) brush: vec4<f32>,
     @location(2) depth: f32,
     @location(3) @interpolate(flat) kind_seed: vec2<u32>,
+    // Middle of the stroke, pixels.
+    @location(4) @interpolate(flat) middle: vec2<f32>,
 }
 
 // Width of the ribbon over that of the stroke: rough edges extend beyond it.
@@ -44,6 +46,7 @@ fn vs_ribbon(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
     out.brush = vec4(half, here.brush.x, here.brush.y, here.brush.w);
     out.depth = here.place.z;
     out.kind_seed = vec2(stroke.kind, stroke.seed & 0xffffu);
+    out.middle = brush_points[first + STROKE_POINTS / 2u].place.xy;
     return out;
 }
 
@@ -126,7 +129,11 @@ fn eye_mark(in: Ribbon, relief: f32) -> f32 {
     let width = max(in.brush.x, 1e-3) / painting.unit_px;
     let edge = length(in.across.xy) * (1.0 + 0.12 * (relief - 0.5));
     let covered = 1.0 - smoothstep(1.0 - 0.8 / width, 1.0 + 0.3 / width, edge);
-    return in.brush.y * covered;
+    // The light is above and left of the middle. Small eyes have none.
+    let radius = 0.24 * width;
+    let off = distance(in.position.xy, in.middle - vec2(0.28, 0.36) * in.brush.x) / painting.unit_px;
+    let spared = (1.0 - smoothstep(radius - 0.4, radius + 0.4, off)) * smoothstep(1.3, 2.2, width);
+    return in.brush.y * covered * (1.0 - spared);
 }
 
 fn relief_at(position: vec2<f32>) -> f32 {
@@ -137,9 +144,12 @@ fn relief_at(position: vec2<f32>) -> f32 {
 @fragment
 fn fs_wash(in: Ribbon) -> @location(0) vec4<f32> {
     let relief = relief_at(in.position.xy);
-    let pale = in.kind_seed.x == PALE;
+    let pale = in.kind_seed.x != MIDDLE;
     let mark = brush_mark(in, relief, select(6.5, 3.0, pale), select(3.8, 5.0, pale), 0.32, 0.12, 0.16);
-    let part = on_own_part(in.position.xy, in.depth, 0.6 * in.brush.x * painted.size / max(painting.size.y, 1.0));
+    var part = 1.0;
+    if in.kind_seed.x != GROUND {
+        part = on_own_part(in.position.xy, in.depth, 0.6 * in.brush.x * painted.size / max(painting.size.y, 1.0));
+    }
     let density = mark.x * part;
     return vec4(density, mark.y * part, 0.0, density);
 }

@@ -93,6 +93,32 @@ fn tone_at(darkness: f32, normal: vec3<f32>, toward_eye: vec3<f32>) -> f32 {
     return max(tone, 0.145 * pow(shade, 1.5) * (0.35 + 0.65 * turned));
 }
 
+// Places a pale, dry wash on the ground below the model, along the picture.
+fn paint_ground(number: u32, seed: u32) {
+    let second = f32(number);
+    let last = f32(STROKE_POINTS - 1u);
+    let size = painted.size;
+    var run = 0.0;
+    var before = vec2(0.0);
+    for (var i = 0u; i < STROKE_POINTS; i++) {
+        let u = f32(i) / last;
+        let along = (u - 0.42 + 0.08 * second) * painted.reach * (2.4 - 0.9 * second);
+        let p = painted.ground_ws + painting.right_ws * along;
+        let center = on_picture(p);
+        let metre = distance(on_picture(p + painting.right_ws * 0.01 * size).xy, center.xy) / (0.01 * size);
+        let at = center.xy + vec2(0.0, metre * size * (0.008 + 0.02 * second + 0.006 * along_noise(u, 3.0, seed)));
+        if i > 0u {
+            run += distance(at, before);
+        }
+        before = at;
+        let half = (0.016 - 0.006 * second) * size * metre * (0.2 + sin(3.14159 * pow(u, 0.8)))
+            * (1.0 + 0.25 * along_noise(u, 5.0, seed + 1u));
+        let shown = select(0.0, 1.0, center.w > 0.0) * painting.ground;
+        let brush = vec4((0.34 - 0.1 * second) * (1.1 - 0.7 * u) * shown, clamp(0.05 + 0.6 * u, 0.0, 0.7), run, 0.6);
+        brush_points[number * STROKE_POINTS + i] = BrushPoint(vec4(at, center.z, max(half, 0.0) * sign(shown)), brush);
+    }
+}
+
 @compute @workgroup_size(64)
 fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let number = id.y * groups.x * 64u + id.x;
@@ -100,6 +126,10 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         return;
     }
     let stroke = pool[number];
+    if stroke.kind == GROUND {
+        paint_ground(number, stroke.seed);
+        return;
+    }
     let first = number * STROKE_POINTS;
     let last = f32(STROKE_POINTS - 1u);
     var at: array<vec4<f32>, 24>;

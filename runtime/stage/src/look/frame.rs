@@ -130,6 +130,7 @@ impl Look {
             brush.tufts = look.tufts;
             brush.line_width = look.line_width;
             brush.omission = look.omission;
+            brush.ground = look.ground;
         })
     }
 

@@ -230,6 +230,8 @@ params! {
         line_width: f32 = 1.0, in 0.0..=4.0;
         /// Share of the contour that is left out where washes already show it: 0 draws all of it.
         omission: f32 = 1.0, in 0.0..=1.0;
+        /// Density of the wash on the ground below an animal: 0 none, 1 a dark bank.
+        ground: f32 = 0.5, in 0.0..=1.0;
     }
 }
 
