@@ -102,7 +102,7 @@ fn paint_ground(number: u32, seed: u32) {
     var before = vec2(0.0);
     for (var i = 0u; i < STROKE_POINTS; i++) {
         let u = f32(i) / last;
-        let along = (u - 0.42 + 0.08 * second) * painted.reach * (2.4 - 0.9 * second);
+        let along = (u - 0.42 + 0.08 * second) * painted.reach * (1.8 - 0.7 * second);
         let p = painted.ground_ws + painting.right_ws * along;
         let center = on_picture(p);
         let metre = distance(on_picture(p + painting.right_ws * 0.01 * size).xy, center.xy) / (0.01 * size);
@@ -114,7 +114,7 @@ fn paint_ground(number: u32, seed: u32) {
         let half = (0.016 - 0.006 * second) * size * metre * (0.2 + sin(3.14159 * pow(u, 0.8)))
             * (1.0 + 0.25 * along_noise(u, 5.0, seed + 1u));
         let shown = select(0.0, 1.0, center.w > 0.0) * painting.ground;
-        let brush = vec4((0.34 - 0.1 * second) * (1.1 - 0.7 * u) * shown, clamp(0.05 + 0.6 * u, 0.0, 0.7), run, 0.6);
+        let brush = vec4((0.28 - 0.08 * second) * (1.1 - 0.7 * u) * shown, clamp(0.05 + 0.6 * u, 0.0, 0.7), run, 0.6);
         brush_points[number * STROKE_POINTS + i] = BrushPoint(vec4(at, center.z, max(half, 0.0) * sign(shown)), brush);
     }
 }
