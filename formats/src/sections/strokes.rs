@@ -32,7 +32,7 @@ pub struct StrokePool {
 /// Stroke attached to the surface of a model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PaintStroke {
-    /// What the stroke paints.
+    /// Role of the stroke.
     pub kind: StrokeKind,
     /// Rank among the strokes of its kind, 0..=1: the most important stroke has rank 0.
     pub rank: f32,
@@ -44,7 +44,7 @@ pub struct PaintStroke {
     pub points: Vec<StrokePoint>,
 }
 
-/// What a stroke paints.
+/// Role of a stroke in a painting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StrokeKind {
     /// Broad pale stroke of the first wash.
@@ -67,8 +67,8 @@ pub enum StrokeKind {
 /// Point of a stroke.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StrokePoint {
-    /// Two points of the surface; the stroke's point is midway between them. They are equal for a stroke on the surface,
-    /// and opposite to each other for a stroke along the axis of a limb.
+    /// Two points of the surface; the stroke's point is midway between them. They are equal for a stroke on the
+    /// surface, and opposite to each other for a stroke along the axis of a limb.
     pub sides: [StrokeAnchor; 2],
     /// Half width of the stroke, metres, at least 0.
     pub half_width_m: f32,

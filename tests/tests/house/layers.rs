@@ -13,7 +13,7 @@ const RUNTIME: [&[&str]; 14] = [
     &["params"],
     &["debug", "study", "surface"],
     &["model", "light"],
-    &["instance", "ink", "contours"],
+    &["instance", "ink", "contours", "painting"],
     &["guide_motion"],
     &["fur_motion"],
     &["motion", "hair"],

@@ -1,8 +1,8 @@
 //! Axes of limbs: curves through the centres of rings around legs, tails, ears and antlers.
 //!
 //! Rings are level sets of the distance from the trunk along the surface, and each ring continues the ring of the next
-//! lower level on the same piece of surface (a Reeb graph, Reeb 1946). At a fork, the longest branch continues the axis,
-//! and the others begin at it.
+//! lower level on the same piece of surface (a Reeb graph, Reeb 1946). At a fork, the longest branch continues the
+//! axis, and the others begin at it.
 
 use super::canvas::{Canvas, anchor};
 use glam::Vec3;

@@ -1,5 +1,5 @@
-//! Tufts of fur: short strokes of a split brush along the combing direction, in groups, mostly where the tone of the coat
-//! turns.
+//! Tufts of fur: short strokes of a split brush along the combing direction, in groups, mostly where the tone of the
+//! coat turns.
 
 use super::canvas::{Canvas, Place};
 use super::trace::{follow, length};

@@ -1,4 +1,4 @@
-//! uses shared/frame, shared/skinning, shared/tile_frame, surface/place
+//! uses surface/place
 // Depth of all surfaces, by which strokes are hidden.
 
 struct DepthVarying {

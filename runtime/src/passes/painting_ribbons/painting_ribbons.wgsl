@@ -72,7 +72,8 @@ fn brush_mark(in: Ribbon, relief: f32, soft: f32, spacing: f32, ragged: f32, poo
     let s = in.across.w / unit;
     let width = half / unit;
     let r = length(in.across.xy);
-    let edge = r * (1.0 + rough * (plane_noise(vec2(s / 4.5, v * 1.5 + 7.0), seed + 5u) - 0.5) + 0.6 * rough * (relief - 0.5));
+    let edge = r * (1.0 + rough * (plane_noise(vec2(s / 4.5, v * 1.5 + 7.0), seed + 5u) - 0.5)
+        + 0.6 * rough * (relief - 0.5));
     let softness = soft / width;
     let coverage = 1.0 - smoothstep(1.0 - softness, 1.0 + 0.4 * softness + 0.02, edge);
     let bristle = 0.6 * plane_noise(vec2(v * width / spacing + 50.0, s / 35.0), seed)
@@ -117,7 +118,8 @@ fn split_mark(in: Ribbon, relief: f32) -> f32 {
         let off = abs(at - center) * 2.0 * in.brush.x / hairs;
         let thick = (0.45 + 0.9 * hashed(j, 11, seed)) * 0.75 * unit * min(1.0, 7.0 * q + 0.35) * pow(1.0 - q, 0.6);
         let line = (1.0 - smoothstep(thick - 0.5, thick + 0.5, off)) * min(1.0, thick * 1.6);
-        let grain = 0.55 * relief + 0.45 * plane_noise(vec2(f32(j) * 3.0, in.across.w / (9.0 * unit)), seed + 2u) + 0.05;
+        let grain = 0.55 * relief + 0.45 * plane_noise(vec2(f32(j) * 3.0, in.across.w / (9.0 * unit)), seed + 2u)
+            + 0.05;
         let dry = 0.9 * in.brush.z;
         mark = max(mark, line * smoothstep(dry - 0.15, dry + 0.15, grain) * (0.65 + 0.35 * a));
     }

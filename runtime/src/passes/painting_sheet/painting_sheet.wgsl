@@ -38,13 +38,15 @@ const TONE: f32 = 0.3;
 fn wash_density(uv: vec2<f32>, position: vec2<f32>, relief: f32) -> f32 {
     let s = textureSampleLevel(washes, clamped, uv, 0.0);
     let blurred = textureSampleLevel(wet, clamped, uv, 0.0);
-    let noise = plane_noise(position / (5.5 * painting.unit_px), 21u) + 0.5 * plane_noise(position / (2.2 * painting.unit_px), 22u) - 0.75;
+    let noise = plane_noise(position / (5.5 * painting.unit_px), 21u)
+        + 0.5 * plane_noise(position / (2.2 * painting.unit_px), 22u) - 0.75;
     let own = (s.x + 0.2 * max(s.w - s.x, 0.0)) / (s.y + 1e-3);
     let spread = blurred.x / (blurred.y + 1e-3);
     let pigment = select(spread, mix(own, spread, 0.35 + 0.5 * painting.wetness), s.y > 0.02);
     let near = blurred.w;
     let covered = max(near, 0.7 * s.y);
-    let edge = smoothstep(0.3, 0.62, covered + ((relief - 0.5) * 0.3 + noise * 0.3) * smoothstep(0.04, 0.2, covered) * smoothstep(1.0, 0.7, covered));
+    let edge = smoothstep(0.3, 0.62, covered
+        + ((relief - 0.5) * 0.3 + noise * 0.3) * smoothstep(0.04, 0.2, covered) * smoothstep(1.0, 0.7, covered));
     let rim = clamp(edge - near, 0.0, 1.0);
     let gathered = 1.0 + 2.0 * painting.wetness * rim * clamp(0.8 + noise, 0.2, 1.6);
     return pigment * edge * gathered * (1.0 + 0.25 * (0.5 - relief));

@@ -1,5 +1,5 @@
-//! `painting_strokes`: places the strokes of a model on the picture, and determines pressure, density and dryness of the
-//! brush along them.
+//! `painting_strokes`: places the strokes of a model on the picture, and determines pressure, density and dryness of
+//! the brush along them.
 
 use super::{Outcome, Pass, PassId, PassStage, painting_depth};
 use crate::gpu::{

@@ -269,15 +269,18 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             let onset = select(select(0.85, 0.6, tier == MIDDLE), 0.55, tier == PALE);
             density = base * (1.25 - 0.62 * u) * (onset + (1.0 - onset) * smoothstep(-0.02, 0.12, u))
                 * (1.0 + 0.12 * along_noise(u, 2.5, seed + 3u)) * select(1.0, painting.wash, tier != DARK);
-            dryness = clamp(-0.06 + 0.62 * pow(clamp((u - 0.4) / 0.6, 0.0, 1.0), 1.3) * (0.3 + 0.9 * chance), 0.0, 0.68);
+            dryness = clamp(-0.06 + 0.62 * pow(clamp((u - 0.4) / 0.6, 0.0, 1.0), 1.3) * (0.3 + 0.9 * chance),
+                0.0, 0.68);
             if tier == DARK {
-                dryness = clamp(0.06 + 0.75 * pow(clamp((u - 0.12) / 0.88, 0.0, 1.0), 1.1), 0.0, 0.8) * select(0.3, 1.0, chance < 0.7);
+                dryness = clamp(0.06 + 0.75 * pow(clamp((u - 0.12) / 0.88, 0.0, 1.0), 1.1), 0.0, 0.8)
+                    * select(0.3, 1.0, chance < 0.7);
             }
             side = loaded;
         } else if stroke.kind == BONE {
             half = max(half, 1.1 * painting.unit_px) * (1.0 + 0.1 * along_noise(u, 4.0, seed))
                 * (1.0 - 0.7 * pow(clamp((u - 0.7) / 0.3, 0.0, 1.0), 2.0)) * (0.55 + 0.45 * smoothstep(-0.02, 0.12, u));
-            density = clamp((0.35 + 1.75 * pool_points[first + i].brush.y) * (1.12 - 0.45 * u + 0.12 * along_noise(u, 3.0, seed + 5u))
+            density = clamp((0.35 + 1.75 * pool_points[first + i].brush.y)
+                * (1.12 - 0.45 * u + 0.12 * along_noise(u, 3.0, seed + 5u))
                 * (0.62 + 0.38 * smoothstep(-0.02, 0.1, u)), 0.2, 2.3);
             dryness = clamp(0.02 + 0.42 * pow(u, 1.5) + 0.08 * along_noise(u, 5.0, seed + 9u), 0.0, 0.6);
             side = 0.25 * select(-1.0, 1.0, chance > 0.5);

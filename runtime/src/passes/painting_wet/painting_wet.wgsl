@@ -24,7 +24,8 @@ fn density_and_coverage(uv: vec2<f32>) -> vec2<f32> {
 fn fs_reduce(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let uv = position.xy * 4.0 / painting.size;
     let px = 1.0 / painting.size;
-    let mean = 0.25 * (density_and_coverage(uv + px * vec2(-1.0, -1.0)) + density_and_coverage(uv + px * vec2(1.0, -1.0))
+    let mean = 0.25 * (density_and_coverage(uv + px * vec2(-1.0, -1.0))
+        + density_and_coverage(uv + px * vec2(1.0, -1.0))
         + density_and_coverage(uv + px * vec2(-1.0, 1.0)) + density_and_coverage(uv + px * vec2(1.0, 1.0)));
     return vec4(mean, mean);
 }
@@ -38,7 +39,8 @@ fn blurred(position: vec2<f32>, way: vec2<f32>) -> vec4<f32> {
     for (var k = -4; k <= 4; k++) {
         let t = f32(k);
         let w = vec2(exp(-t * t / 8.0), exp(-t * t / 1.2));
-        let wide = textureSampleLevel(source, clamped, position / size + reach * t * (0.3 + 0.9 * painting.wetness), 0.0).xy;
+        let far = reach * t * (0.3 + 0.9 * painting.wetness);
+        let wide = textureSampleLevel(source, clamped, position / size + far, 0.0).xy;
         let narrow = textureSampleLevel(source, clamped, position / size + reach * t * 0.7, 0.0).zw;
         sum += vec4(wide * w.x, narrow * w.y);
         weight += w;
