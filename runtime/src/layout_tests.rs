@@ -5,13 +5,15 @@ use crate::frame::PASSES;
 use crate::gpu::WORKGROUP;
 use crate::guide_motion::WindBlock;
 use crate::ink::{InkFrame, InkModel};
-use crate::model::{Strand, StrandConstants, SurfacePoint};
+use crate::model::{PoolPoint, PoolStroke, Strand, StrandConstants, SurfacePoint};
+use crate::painting::{BrushPoint, PaintedModel, PaintingFrame};
 use crate::passes::fur_motion::FurMotion;
 use crate::passes::hair_motion::HairMotion;
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
 use crate::passes::{
-    fins, fur_motion, hair_motion, ink_contours, ink_fur, ink_lines, ink_normals, ink_stroke, pose, shadow_width,
-    shells, skin, strand_blend, strand_gather, strand_light, strand_pose, strand_shadow, strands,
+    fins, fur_motion, hair_motion, ink_contours, ink_fur, ink_lines, ink_normals, ink_stroke, painting_ribbons,
+    painting_sheet, painting_strokes, painting_wet, pose, shadow_width, shells, skin, strand_blend, strand_gather,
+    strand_light, strand_pose, strand_shadow, strands,
 };
 use crate::scene::{NEAREST, NearestHairBlock, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
@@ -211,6 +213,12 @@ fn uniform_structs_match_wgsl() {
         assert_eq!(members(source, "ContourNode"), struct_fields::<ContourNode>());
         assert_eq!(members(source, "LineNode"), struct_fields::<LineNode>());
     }
+    for shader in [painting_strokes::SHADER, painting_ribbons::SHADER, painting_wet::SHADER, painting_sheet::SHADER] {
+        assert_eq!(members(&shader.wgsl(), "PaintingFrame"), struct_fields::<PaintingFrame>(), "{}", shader.name);
+    }
+    for shader in [painting_strokes::SHADER, painting_ribbons::SHADER] {
+        assert_eq!(members(&shader.wgsl(), "PaintedModel"), struct_fields::<PaintedModel>(), "{}", shader.name);
+    }
     let (wgsl, size) = members(&ink_fur::SHADER.wgsl(), "InkModel");
     let (fields, rust_size) = struct_fields::<InkModel>();
     assert_eq!((&wgsl[..16], wgsl[16].1, size), (&fields[..16], fields[16].1, rust_size));
@@ -286,6 +294,22 @@ fn storage_structs_match_wgsl() {
     for (k, name) in ["weight_x", "weight_y", "weight_z", "weight_w"].into_iter().enumerate() {
         assert_eq!(offset(name), Some(offset_of!(SkinVertex, weights) + 4 * k));
     }
+}
+
+#[test]
+fn stroke_structs_match_wgsl() {
+    for shader in [painting_strokes::SHADER, painting_ribbons::SHADER] {
+        let source = shader.wgsl();
+        assert_eq!(members(&source, "PoolStroke"), fields!(PoolStroke, kind, rank, seed, pigment), "{}", shader.name);
+        assert_eq!(members(&source, "BrushPoint"), fields!(BrushPoint, place, brush), "{}", shader.name);
+    }
+    // A surface point is one vector of 32-bit words in the shader: three vertices, then both weights.
+    assert_eq!((size_of::<SurfacePoint>(), offset_of!(SurfacePoint, weights)), (16, 12));
+    let (points, size) = members(&painting_strokes::SHADER.wgsl(), "PoolPoint");
+    let sides = offset_of!(PoolPoint, sides) as u32;
+    let expected = [("one", sides, 16), ("other", sides + 16, 16), ("brush", offset_of!(PoolPoint, brush) as u32, 16)];
+    assert_eq!(points, expected.map(|(name, offset, size)| (name.to_owned(), offset, size)));
+    assert_eq!(size as usize, size_of::<PoolPoint>());
 }
 
 #[test]

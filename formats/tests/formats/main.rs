@@ -27,4 +27,5 @@ mod simplified;
 mod smoke;
 mod spec_reader;
 mod strands;
+mod strokes;
 mod visibility;

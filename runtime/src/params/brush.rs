@@ -72,3 +72,39 @@ impl BrushParams {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::InkParams;
+
+    type Field = fn(&mut BrushParams) -> &mut f32;
+
+    const FIELDS: [(&str, Field, [f32; 2]); 8] = [
+        ("BrushParams::strokes", |b| &mut b.strokes, [4.0, 200.0]),
+        ("BrushParams::wash", |b| &mut b.wash, [0.0, 2.0]),
+        ("BrushParams::wetness", |b| &mut b.wetness, [0.0, 1.0]),
+        ("BrushParams::dryness", |b| &mut b.dryness, [0.0, 1.0]),
+        ("BrushParams::tufts", |b| &mut b.tufts, [0.0, 200.0]),
+        ("BrushParams::line_width", |b| &mut b.line_width, [0.0, 4.0]),
+        ("BrushParams::omission", |b| &mut b.omission, [0.0, 1.0]),
+        ("BrushParams::ground", |b| &mut b.ground, [0.0, 1.0]),
+    ];
+
+    #[test]
+    fn every_value_is_checked() {
+        assert!(InkParams::default().check().is_ok());
+        for (name, field, [low, high]) in FIELDS {
+            let ink = |value| InkParams::default().with(|ink| *field(&mut ink.brush) = value);
+            for value in [low, high] {
+                assert!(ink(value).check().is_ok(), "{name} = {value}");
+            }
+            for value in [low - 0.01, high + 0.01, f32::NAN, f32::INFINITY] {
+                let Err(RuntimeError::Params { field, found, expected }) = ink(value).check() else {
+                    panic!("{name} = {value} is accepted")
+                };
+                assert_eq!((field, found, expected), (name, value.to_string(), format!("{low}..={high}")));
+            }
+        }
+    }
+}
