@@ -5,6 +5,7 @@ use crate::gpu::{Draw, Target, TargetSet, record};
 use crate::hooks::Hooks;
 use crate::instance::Instance;
 use crate::light::{Casters, ShadowMaps};
+use crate::painting::{self, PictureStroke};
 use crate::params::FrameParams;
 use crate::passes::*;
 use crate::report::{FrameReport, PassReport};
@@ -135,6 +136,38 @@ impl Frame {
     #[cfg(test)]
     pub(crate) fn instances(&self) -> &[VisibleInstance] {
         &self._instances
+    }
+
+    /// Returns the buffers with the strokes of a frame that is painted with strokes; their usages include `COPY_SRC`.
+    /// After the frame's encoder was submitted, pass copies of their contents to [`Self::strokes`].
+    pub fn stroke_buffers(&self) -> Vec<&wgpu::Buffer> {
+        let mut buffers = Vec::new();
+        for seen in self._instances.iter() {
+            buffers.extend(seen.painted.iter().map(|painted| &painted.points));
+            buffers.extend(seen.contours.iter().flat_map(|lines| [&lines.buffers.counts, &lines.buffers.lines]));
+        }
+        buffers
+    }
+
+    /// Returns the visible strokes of a frame that is painted with strokes, in the order in which they are painted.
+    ///
+    /// * `contents`: of the buffers from [`Self::stroke_buffers`], in the same order
+    pub fn strokes(&self, contents: &[Vec<u8>]) -> Vec<PictureStroke> {
+        let mut contents = contents.iter();
+        let mut strokes = Vec::new();
+        for (number, seen) in self._instances.iter().enumerate() {
+            if let (Some(_), Some(model)) = (&seen.painted, seen.model.painting()) {
+                let points = contents.next().map_or(&[][..], Vec::as_slice);
+                strokes.extend(painting::surface_strokes(number, &model.kinds, points));
+            }
+            if seen.contours.is_some() {
+                let [counts, nodes] = [0, 1].map(|_| contents.next().map_or(&[][..], Vec::as_slice));
+                let count = counts.get(16..20).map_or(0, bytemuck::pod_read_unaligned::<u32>);
+                strokes.extend(painting::lines(number, count as usize, nodes));
+            }
+        }
+        strokes.sort_by_key(|stroke| stroke.layer);
+        strokes
     }
 
     /// Returns the buffers of counts and of nodes of each instance with contour lines, which can be copied. The fifth

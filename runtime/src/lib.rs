@@ -86,6 +86,7 @@ pub use hooks::Hooks;
 pub use instance::{Instance, Motion};
 pub use light::{CasterPass, Casters, LightView, ShadowMaps};
 pub use model::Model;
+pub use painting::{PictureStroke, StrokeLayer, StrokeMark};
 #[cfg(feature = "study")]
 pub use params::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{

@@ -62,6 +62,7 @@ mod sky;
 mod stage_times;
 #[doc(hidden)]
 pub mod stages;
+mod svg;
 mod threads;
 #[doc(hidden)]
 pub mod truth;

@@ -5,12 +5,13 @@ use super::exit::Failure;
 use super::journal::Key;
 use super::output::Output;
 use super::stages::{self, FurDetail, detail};
+use super::svg;
 use super::view::PictureView;
-use glam::{DVec3, Quat};
+use glam::{DVec3, Quat, Vec3};
 use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
-use pelage_formats::meaning::{hair_motion, luminance, srgb_to_linear};
+use pelage_formats::meaning::{hair_motion, linear_to_srgb, luminance, srgb_to_linear};
 use pelage_runtime::{Camera, Environment, Frame, Light, PassReport, Projection};
 use pelage_stage::{CameraTrack, Stage, Viewpoint};
 use pelage_truth::{Lens, TrueCamera};
@@ -116,6 +117,27 @@ impl PictureSeries {
         Ok((told, pixels))
     }
 
+    /// Draws the first picture with curves: its measurements, and its strokes as SVG.
+    ///
+    /// Fails if the picture is not painted with strokes.
+    pub fn curves(&mut self, output: &mut Output) -> Result<(Picture, String), Failure> {
+        output.progress("drawing");
+        self.scene.set_time(self.time_s(0));
+        let frame = self.scene.draw()?;
+        let pixels = stages::pixels(&self.scene)?;
+        let strokes = self.scene.strokes(&frame)?;
+        let Some(ink) = self.scene.params.style.ink().filter(|_| !frame.stroke_buffers().is_empty()) else {
+            return Err(Failure::Usage(
+                "-o *.svg: the picture has no strokes, expected --style ink --look ink.lines=strokes, and a package \
+                 baked by this version"
+                    .into(),
+            ));
+        };
+        let bytes = |color: Vec3| color.to_array().map(linear_to_srgb);
+        let text = svg::svg(&strokes, self.size(), bytes(ink.paper), bytes(ink.ink));
+        Ok((measured(&frame, &pixels), text))
+    }
+
     /// Returns the camera of the picture `index`, and its time in seconds.
     pub fn view_of(&self, index: usize) -> (Viewpoint, f32) {
         let time_s = self.time_s(index as i64 * self.moments());
@@ -197,13 +219,16 @@ pub fn write_png(path: &Path, pixels: &RgbaImage) -> Result<Vec<u8>, Failure> {
 fn picture(scene: &mut Stage) -> Result<(Picture, RgbaImage), Failure> {
     let frame = scene.draw()?;
     let pixels = stages::pixels(scene)?;
-    let picture = Picture {
+    Ok((measured(&frame, &pixels), pixels))
+}
+
+fn measured(frame: &Frame, pixels: &RgbaImage) -> Picture {
+    Picture {
         covered_pixels: pixels.pixels().filter(|p| p.0[3] > 0).count() as u64,
-        mean_luminance: mean_luminance(&pixels),
-        passes: passes(&frame),
-        detail: detail(&frame),
-    };
-    Ok((picture, pixels))
+        mean_luminance: mean_luminance(pixels),
+        passes: passes(frame),
+        detail: detail(frame),
+    }
 }
 
 /// Rotates a light around the world's vertical axis.

@@ -45,9 +45,11 @@ pub struct RenderArgs {
     input: PathBuf,
     /// Picture or video to write; - is a video on stdout
     ///
+    /// A name that ends in .svg gets the strokes of an ink painting as curves, in groups of washes, lines and fur.
+    ///
     /// With --frames, %04d is replaced by the picture's number, from 0. If the name ends in .y4m, a video is written;
     /// with -, it goes to stdout. Transparent pixels are white in a video.
-    #[arg(long, short, value_name = "PNG|Y4M|-", value_parser = OutputFile::or_stdout(), display_order = 1)]
+    #[arg(long, short, value_name = "PNG|SVG|Y4M|-", value_parser = OutputFile::or_stdout(), display_order = 1)]
     output: OutputFile,
     /// Pictures per second of the clip, with --frames [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000),

@@ -6,7 +6,7 @@ use super::output::{Output, make_folder, require_parent};
 use super::picture_series::{Picture, PictureSeries, write_png};
 use super::view_args::Frames;
 use pelage_bake::hexadecimal::hex;
-use pelage_bake::io::write_atomic_with;
+use pelage_bake::io::{write_atomic, write_atomic_with};
 use pelage_bake::y4m::Y4m;
 use pelage_bake::{io_guard, io_trace, picture};
 use serde::{Deserialize, Serialize};
@@ -22,6 +22,8 @@ const WHITE: [u8; 3] = [255; 3];
 pub enum Sink {
     /// Single picture.
     Picture(PathBuf),
+    /// Vector picture of a painting, SVG.
+    Curves(PathBuf),
     /// Numbered pictures, with the journal of an interrupted run beside them.
     Numbered {
         /// Number of the first picture.
@@ -62,11 +64,19 @@ impl Sink {
             require_parent(output)?;
             return Ok(Self::Video(output.to_owned()));
         }
+        if output.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg")) {
+            if frames.is_some() {
+                let text = "is one picture, expected a name that ends in .png or .y4m for --frames";
+                return Err(Failure::Usage(format!("-o {}: {text}", output.display())));
+            }
+            require_parent(output)?;
+            return Ok(Self::Curves(output.to_owned()));
+        }
         // Pictures are always PNG; programs could not open them with another extension.
         if let Some(other) = output.extension().filter(|e| !e.eq_ignore_ascii_case("png")) {
             let other = other.to_string_lossy();
             return Err(Failure::Usage(format!(
-                "-o {}: .{other} is not supported, expected a name that ends in .png or .y4m",
+                "-o {}: .{other} is not supported, expected a name that ends in .png, .svg or .y4m",
                 output.display()
             )));
         }
@@ -87,14 +97,14 @@ impl Sink {
 
     /// Returns true for numbered pictures and videos.
     pub fn is_sequence(&self) -> bool {
-        !matches!(self, Self::Picture(_))
+        !matches!(self, Self::Picture(_) | Self::Curves(_))
     }
 
     /// Returns the names of the files that will be written.
     pub fn files(&self) -> Vec<String> {
         let display = |path: &PathBuf| path.display().to_string();
         match self {
-            Self::Picture(path) | Self::Video(path) => vec![display(path)],
+            Self::Picture(path) | Self::Curves(path) | Self::Video(path) => vec![display(path)],
             Self::Numbered { names, .. } => names.iter().map(display).collect(),
             Self::Stdout => Vec::new(),
         }
@@ -114,6 +124,11 @@ impl Sink {
         let pictures = match self {
             Self::Picture(path) => {
                 vec![shoot.picture(0, output).and_then(|(p, pixels)| write_png(path, &pixels).and(Ok(p)))?]
+            }
+            Self::Curves(path) => {
+                let (picture, text) = shoot.curves(output)?;
+                write_atomic(path, text.as_bytes())?;
+                vec![picture]
             }
             Self::Numbered { first, names, journal } => {
                 return numbered((*first, names), journal, shoot, key, restart, output);
@@ -287,7 +302,7 @@ mod tests {
         assert!(error.contains("found another % after %04d, expected one number pattern"), "{error}");
         for name in ["a.jpg", "a.PNG.exr", "b/%04d.webp"] {
             let error = list(name, Some(1), None).unwrap_err().to_string();
-            assert!(error.contains("is not supported, expected a name that ends in .png or .y4m"), "{error}");
+            assert!(error.contains("is not supported, expected a name that ends in .png, .svg or .y4m"), "{error}");
         }
         assert!(list("no-such-folder/%04d.png", Some(1), None).is_ok(), "its folder will be made");
         assert!(list("%0s.png", Some(1), None).is_err() && list("%10d.png", Some(1), None).is_err());

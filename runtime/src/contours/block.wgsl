@@ -61,7 +61,8 @@ struct LineNode {
     brush: vec4<f32>,
     rest: vec3<f32>,
     next: u32,
-    // Distances from both ends of the stroke along the line, at most END_REACH of the diagonal; turn in radians; depth.
+    // Distances from both ends of the stroke along the line, at most END_REACH of the diagonal; turn in radians;
+    // half width under the pressure of the brush, pixels.
     ends: vec4<f32>,
 }
 
@@ -90,4 +91,31 @@ fn space_noise(p: vec3<f32>, seed: u32) -> f32 {
     let y0z1 = mix(lattice_hash(c + vec3(0, 0, 1), seed), lattice_hash(c + vec3(1, 0, 1), seed), s.x);
     let y1z1 = mix(lattice_hash(c + vec3(0, 1, 1), seed), lattice_hash(c + vec3(1, 1, 1), seed), s.x);
     return mix(mix(y0z0, y1z0, s.y), mix(y0z1, y1z1, s.y), s.z);
+}
+
+// Length over which a stroke reaches its width, and over which it lifts, as shares of the model's diagonal.
+const LINE_ONSET: f32 = 0.022;
+const LINE_LIFT: f32 = 0.07;
+// Lengths of onset and lift as shares of the stroke.
+const LINE_ONSET_SHARE: f32 = 0.16;
+const LINE_LIFT_SHARE: f32 = 0.35;
+
+// Returns the pressure of the brush at distances from both ends of a stroke: a blunt onset, a press, and a long lift.
+// The upper end is the start. `diagonal`: of the model, pixels;
+// `tangent_y`: downward component of the tangent.
+fn line_pressure(diagonal: f32, from_start: f32, to_end: f32, tangent_y: f32) -> vec2<f32> {
+    let down = smoothstep(-0.5, 0.5, tangent_y);
+    let long = max(from_start + to_end, 1e-3);
+    let onset = min(LINE_ONSET * diagonal, LINE_ONSET_SHARE * long);
+    let lift = min(LINE_LIFT * diagonal, LINE_LIFT_SHARE * long);
+    let begun = vec2(from_start, to_end) / vec2(mix(lift, onset, down), mix(onset, lift, down));
+    let t = clamp(begun, vec2(0.0), vec2(1.0));
+    // A blunt end is round, a lifted one tapers.
+    let blunt = pow(1.0 - (1.0 - t) * (1.0 - t), vec2(0.6));
+    let tapered = pow(t, vec2(0.75));
+    let shape = mix(vec2(tapered.x, blunt.y), vec2(blunt.x, tapered.y), down);
+    let start = mix(to_end, from_start, down) / onset;
+    let press = 1.0 + 0.25 * exp(-(start - 1.3) * (start - 1.3));
+    let lifted = 1.0 - mix(t.x, t.y, down);
+    return vec2(shape.x * shape.y * press, lifted);
 }

@@ -70,8 +70,8 @@ impl ContourBuffers {
         };
         let set = shelf.take(fits).unwrap_or_else(|| {
             use wgpu::BufferUsages as Usage;
-            // Tests read the results.
-            let read = if cfg!(any(test, feature = "study")) { Usage::COPY_SRC } else { Usage::empty() };
+            // Strokes are read back for files of curves.
+            let read = Usage::COPY_SRC;
             let make = |label, size, usage| gpu.buffer(label, size, Usage::STORAGE | read | usage);
             let [crossed, counts, links, nodes, state, lines] = sizes;
             Self {

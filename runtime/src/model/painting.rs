@@ -13,6 +13,8 @@ pub(crate) struct ModelPainting {
     pub(crate) strokes: wgpu::Buffer,
     /// Buffer of [`PoolPoint`]s, [`PaintStroke::POINTS`] for each stroke.
     pub(crate) points: wgpu::Buffer,
+    /// Kind of each stroke.
+    pub(crate) kinds: Vec<u32>,
     /// Number of strokes.
     pub(crate) count: u32,
     /// Number of washes, which come first.
@@ -89,6 +91,7 @@ pub(super) fn load(
     let painting = ModelPainting {
         strokes: uploader.buffer("strokes", bytemuck::cast_slice(&strokes), Usage::STORAGE)?,
         points: uploader.buffer("points of strokes", bytemuck::cast_slice(&points), Usage::STORAGE)?,
+        kinds: strokes.iter().map(|stroke| stroke.kind).collect(),
         count: strokes.len() as u32,
         washes: GROUND_STROKES + count(&is_wash),
         darks: count(&|stroke| stroke.kind == StrokeKind::Dark),

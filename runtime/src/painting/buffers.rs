@@ -26,7 +26,11 @@ impl PaintedStrokes {
     pub(crate) fn take(shelf: &mut Pool<Self>, gpu: &Gpu, points: u32) -> Arc<Self> {
         let bytes = u64::from(points.max(1)) * size_of::<BrushPoint>() as u64;
         let set = shelf.take(|set| set.points.size() == bytes).unwrap_or_else(|| Self {
-            points: gpu.buffer("pelage painted strokes", bytes, wgpu::BufferUsages::STORAGE),
+            points: gpu.buffer(
+                "pelage painted strokes",
+                bytes,
+                wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            ),
         });
         shelf.put(set)
     }

@@ -119,6 +119,20 @@ impl Gpu {
         Ok(bytes)
     }
 
+    /// Returns a copy of the contents of a buffer with usage `COPY_SRC`.
+    pub fn copy_of(&self, buffer: &wgpu::Buffer) -> Result<Vec<u8>, StageError> {
+        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("buffer readback"),
+            size: buffer.size(),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+        self.queue.submit([encoder.finish()]);
+        self.read_buffer(&copy)
+    }
+
     /// Returns the texels of one array layer of an uncompressed texture with `COPY_SRC`, row-major, without padding.
     pub fn read_texture(&self, texture: &wgpu::Texture, layer: u32) -> Result<Vec<u8>, StageError> {
         let (width, height) = (texture.width(), texture.height());

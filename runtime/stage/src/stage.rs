@@ -8,8 +8,8 @@ use pelage_formats::meaning::srgb_to_linear;
 use pelage_formats::{Package, Shading};
 use pelage_runtime::glam::Vec3;
 use pelage_runtime::{
-    Camera, Frame, FrameParams, HairMotionParams, Hooks, Instance, Model, PassId, Projection, Renderer, RuntimeError,
-    SelfShadow, ShadowMaps, Style, StyleKind, wgpu,
+    Camera, Frame, FrameParams, HairMotionParams, Hooks, Instance, Model, PassId, PictureStroke, Projection, Renderer,
+    RuntimeError, SelfShadow, ShadowMaps, Style, StyleKind, wgpu,
 };
 use std::time::Duration;
 use web_time::Instant;
@@ -333,6 +333,13 @@ impl Stage {
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
         Ok(frame)
+    }
+
+    /// Reads back the strokes of a frame that was drawn, in the order in which they are painted. Empty unless the frame
+    /// is painted with strokes. Blocks until the device has finished, and does nothing in a browser.
+    pub fn strokes(&self, frame: &Frame) -> Result<Vec<PictureStroke>, StageError> {
+        let contents: Result<Vec<_>, _> = frame.stroke_buffers().into_iter().map(|b| self.gpu.copy_of(b)).collect();
+        Ok(frame.strokes(&contents?))
     }
 
     /// Creates an empty encoder.

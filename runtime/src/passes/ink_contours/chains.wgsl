@@ -327,8 +327,9 @@ fn load_brush(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
     let drawn_share = mix(to_end, from_start, down) / max(long, 1e-3);
     var tone = 0.7 + 1.1 * smoothstep(-0.6, 0.8, -lit) + 0.45 * darkness;
     tone *= (1.1 - 0.35 * drawn_share) * (1.0 + 0.45 * (space_noise(16.0 * rest, 3u) - 0.5));
+    let pressure = line_pressure(diagonal, from_start, to_end, drawn.tangent.y).x;
     let fast = (1.0 - slow) * min(1.0, long / (0.18 * diagonal));
     let dry = (0.66 * pow(drawn_share, 1.1) + 0.5 * (space_noise(20.0 * rest, 4u) - 0.5)) * fast - 0.02;
     line_nodes[i].brush = vec4(half, clamp(tone, 0.35, 2.3), clamp(dry * contours.dryness, 0.0, 0.7), drawn.brush.w);
-    line_nodes[i].ends = vec4(from_start, to_end, drawn.ends.z, drawn.ends.w);
+    line_nodes[i].ends = vec4(from_start, to_end, drawn.ends.z, half * pressure);
 }

@@ -18,33 +18,8 @@ struct LineVarying {
 const PARTS: f32 = 4.0;
 // Width of the ribbon over that of the line: rough edges extend beyond it.
 const BEYOND: f32 = 1.3;
-// Length over which a stroke reaches its width, and over which it lifts, as shares of the model's diagonal.
-const LINE_ONSET: f32 = 0.022;
-const LINE_LIFT: f32 = 0.07;
-// Lengths of onset and lift as shares of the stroke.
-const LINE_ONSET_SHARE: f32 = 0.16;
-const LINE_LIFT_SHARE: f32 = 0.35;
 // Period of the paper's tile, pixels.
 const PAPER_PERIOD: f32 = 768.0;
-
-// Returns the pressure of the brush at distances from both ends of a stroke: a blunt onset, a press, and a long lift.
-// The upper end is the start. `tangent_y`: downward component of the tangent.
-fn line_pressure(from_start: f32, to_end: f32, tangent_y: f32) -> vec2<f32> {
-    let down = smoothstep(-0.5, 0.5, tangent_y);
-    let long = max(from_start + to_end, 1e-3);
-    let onset = min(LINE_ONSET * contours.diagonal, LINE_ONSET_SHARE * long);
-    let lift = min(LINE_LIFT * contours.diagonal, LINE_LIFT_SHARE * long);
-    let begun = vec2(from_start, to_end) / vec2(mix(lift, onset, down), mix(onset, lift, down));
-    let t = clamp(begun, vec2(0.0), vec2(1.0));
-    // A blunt end is round, a lifted one tapers.
-    let blunt = pow(1.0 - (1.0 - t) * (1.0 - t), vec2(0.6));
-    let tapered = pow(t, vec2(0.75));
-    let shape = mix(vec2(tapered.x, blunt.y), vec2(blunt.x, tapered.y), down);
-    let start = mix(to_end, from_start, down) / onset;
-    let press = 1.0 + 0.25 * exp(-(start - 1.3) * (start - 1.3));
-    let lifted = 1.0 - mix(t.x, t.y, down);
-    return vec2(shape.x * shape.y * press, lifted);
-}
 
 @vertex
 fn vs_line(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number: u32) -> LineVarying {
@@ -71,7 +46,7 @@ fn vs_line(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number: 
     let tangent = way * inverseSqrt(max(dot(way, way), 1e-12));
     let ends = mix(a.ends, b.ends, t);
     let brush = mix(a.brush, b.brush, t);
-    let pressure = line_pressure(ends.x, ends.y, tangent.y);
+    let pressure = line_pressure(contours.diagonal, ends.x, ends.y, tangent.y);
     let half = brush.x * pressure.x;
     // A thin line is pale instead of thinner than a pixel.
     let drawn = max(half, 0.5);
