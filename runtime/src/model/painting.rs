@@ -4,6 +4,7 @@ use super::strands::SurfacePoint;
 use super::upload::Uploader;
 use crate::error::RuntimeError;
 use bytemuck::{Pod, Zeroable};
+use pelage_formats::meaning::linear_to_srgb;
 use pelage_formats::{Package, PaintStroke, StrokeKind};
 
 /// Strokes of a model's surface.
@@ -17,6 +18,8 @@ pub(crate) struct ModelPainting {
     pub(crate) kinds: Vec<u32>,
     /// Number of strokes.
     pub(crate) count: u32,
+    /// Whether any stroke has a pigment.
+    pub(crate) has_pigments: bool,
     /// Number of washes, which come first.
     pub(crate) washes: u32,
     /// Number of strokes of kind [`StrokeKind::Dark`], and of tufts.
@@ -35,7 +38,7 @@ pub(crate) struct PoolStroke {
     pub(crate) kind: u32,
     pub(crate) rank: f32,
     pub(crate) seed: u32,
-    /// Pigment, linear RGB, eight bits each; then 255 if there is one.
+    /// Pigment, sRGB, eight bits each; then 255 if there is one.
     pub(crate) pigment: u32,
 }
 
@@ -66,7 +69,7 @@ pub(super) fn load(
     let mut sorted: Vec<&PaintStroke> = pool.strokes.iter().collect();
     sorted.sort_by_key(|stroke| stroke.kind as u32);
     let count = |wanted: &dyn Fn(&PaintStroke) -> bool| sorted.iter().filter(|stroke| wanted(stroke)).count() as u32;
-    let byte = |share: f32| (share.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let byte = linear_to_srgb;
     let on_ground = |k: u32| PoolStroke { kind: GROUND, rank: 0.0, seed: 77 + k, pigment: 0 };
     let of_surface = sorted.iter().map(|stroke| PoolStroke {
         kind: stroke.kind as u32,
@@ -93,6 +96,7 @@ pub(super) fn load(
         points: uploader.buffer("points of strokes", bytemuck::cast_slice(&points), Usage::STORAGE)?,
         kinds: strokes.iter().map(|stroke| stroke.kind).collect(),
         count: strokes.len() as u32,
+        has_pigments: strokes.iter().any(|stroke| stroke.pigment != 0),
         washes: GROUND_STROKES + count(&is_wash),
         darks: count(&|stroke| stroke.kind == StrokeKind::Dark),
         tufts: count(&|stroke| stroke.kind == StrokeKind::Tuft),

@@ -5,7 +5,7 @@ struct PoolStroke {
     kind: u32,
     rank: f32,
     seed: u32,
-    // Pigment, linear RGB, eight bits each; then 255 if there is one.
+    // Pigment, sRGB, eight bits each; then 255 if there is one.
     pigment: u32,
 }
 

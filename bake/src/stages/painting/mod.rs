@@ -110,7 +110,7 @@ impl Pool<'_> {
             Self::point(self.canvas, [anchor; 2], *half, 1.0)
         });
         let points = points.collect();
-        self.push(spot.kind, None, points);
+        self.push(spot.kind, spot.pigment, points);
     }
 
     /// Adds a stroke on the surface; `half_width` is a function of the share of its length.

@@ -19,6 +19,8 @@ const APART: f32 = 0.12;
 /// Spot: its stroke from end to end, and the half width at each place.
 pub(super) struct Spot {
     pub(super) kind: StrokeKind,
+    /// Colour of a mineral pigment, linear RGB.
+    pub(super) pigment: Option<[f32; 3]>,
     pub(super) places: Vec<Place>,
     pub(super) half_widths: Vec<f32>,
     pub(super) vertices: Vec<u32>,
@@ -51,27 +53,30 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
     let skin = &canvas.skin;
     let total: f32 = skin.areas.iter().sum::<f32>().max(1e-12);
     let is_dark = |p: usize| canvas.darkness[p] > DARK || canvas.eye[p] && canvas.darkness[p] > DARK_EYE;
+    // Patches of mineral colour are spots too, apart from dark ones.
+    let class = |p: usize| match (is_dark(p), &canvas.pigment[p]) {
+        (true, _) => Some(false),
+        (false, pigment) => pigment.map(|_| true),
+    };
     let low = canvas.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
     let high = canvas.positions.iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
     let mut seen = vec![false; canvas.positions.len()];
     let mut spots = Vec::new();
     for first in 0..canvas.positions.len() {
-        if seen[first] || !is_dark(first) {
-            continue;
-        }
+        let Some(colored) = class(first).filter(|_| !seen[first]) else { continue };
         let (mut of, mut stack) = (Vec::new(), vec![first as u32]);
         let (mut beside, mut paler) = (0.0, 0.0);
         seen[first] = true;
         while let Some(place) = stack.pop() {
             of.push(place);
             for next in skin.neighbors_of(place) {
-                if is_dark(next as usize) {
+                if class(next as usize) == Some(colored) {
                     if !std::mem::replace(&mut seen[next as usize], true) {
                         stack.push(next);
                     }
                 } else {
                     beside += 1.0;
-                    paler += f32::from(u8::from(canvas.darkness[next as usize] < DARK - 0.15));
+                    paler += f32::from(u8::from(colored || canvas.darkness[next as usize] < DARK - 0.15));
                 }
             }
         }
@@ -115,7 +120,7 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
         }
         let named = of.iter().filter(|p| canvas.eye[**p as usize]).count() * 2 > of.len();
         let is_high = center.y > low + 0.55 * (high - low);
-        let kind = if named || share < EYE_AREA && is_high && reach < 2.6 * width {
+        let kind = if !colored && (named || share < EYE_AREA && is_high && reach < 2.6 * width) {
             StrokeKind::Eye
         } else {
             StrokeKind::Spot
@@ -134,7 +139,8 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
             places.push(place);
         }
         if places.len() == count {
-            spots.push(Spot { kind, places, half_widths, vertices: of });
+            let pigment = canvas.pigment[first].filter(|_| colored);
+            spots.push(Spot { kind, pigment, places, half_widths, vertices: of });
         }
     }
     spots

@@ -2,8 +2,8 @@
 
 use super::{Outcome, Pass, PassId, PassStage, painting_depth};
 use crate::gpu::{
-    BindingResource, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture, record, sampler,
-    storage, texture, uniform,
+    BindingResource, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture, flag, record,
+    sampler, storage, texture, uniform,
 };
 use crate::model::PoolStroke;
 use crate::painting::{BrushPoint, PaintedModel, PaintingFrame};
@@ -25,6 +25,9 @@ pub(crate) const SHADER: Shader = Shader {
 pub(crate) const WASH: Target = Target::new("pelage painting wash", wgpu::TextureFormat::Rgba16Float);
 /// Full ink: densities of wet lines, of dry strokes and of dark wet strokes; light spared in eyes.
 pub(crate) const INK: Target = Target::new("pelage painting ink", wgpu::TextureFormat::Rgba16Float);
+
+/// Mineral pigments: premultiplied colour, sRGB-encoded, and opacity.
+pub(crate) const PIGMENTS: Target = Target::new("pelage painting pigments", wgpu::TextureFormat::Rgba8Unorm);
 
 const GREATEST: BlendComponent =
     BlendComponent { src_factor: BlendFactor::One, dst_factor: BlendFactor::One, operation: BlendOperation::Max };
@@ -48,7 +51,7 @@ pub(crate) const PASS: Pass = Pass {
     does: "draws the strokes of the models as ribbons into two textures, one of washes and one of full ink",
     runs_when: "ink is painted with strokes",
     shaders: &[SHADER],
-    targets: &[WASH, INK],
+    targets: &[WASH, INK, PIGMENTS],
     run,
 };
 
@@ -58,7 +61,8 @@ const VERTICES: u32 = 2 * (PaintStroke::POINTS as u32 + 2);
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let Some(scene) = frame.painting.clone() else { return Outcome::Skipped("nothing is painted") };
     let targets = frame.targets.clone();
-    let [Some(wash), Some(ink), Some(depth)] = [WASH, INK, painting_depth::DEPTH].map(|t| targets.view(&t)) else {
+    let views = [WASH, INK, PIGMENTS, painting_depth::DEPTH].map(|target| targets.view(&target));
+    let [Some(wash), Some(ink), Some(pigment), Some(depth)] = views else {
         return Outcome::Skipped("no targets");
     };
     let d2 = wgpu::TextureViewDimension::D2;
@@ -77,7 +81,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let repeat = frame.cache.layouts.sampler(frame.gpu, repeat);
     let paper = frame.paper();
     let instances = frame.instances.clone();
-    let [mut washes, mut inks] = [Vec::new(), Vec::new()];
+    let [mut washes, mut inks, mut pigments] = [Vec::new(), Vec::new(), Vec::new()];
     for (seen, painted) in instances.iter().filter_map(|seen| Some((seen, seen.painted.as_ref()?))) {
         let Some(model) = seen.model.painting() else { continue };
         let block = frame.uniforms.put(frame.gpu, &[seen.painted_model(model)]);
@@ -100,7 +104,8 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             let spec = RenderSpec::screen(SHADER, ["vs_ribbon", fragment], layout.clone(), target.format);
             let topology = wgpu::PrimitiveTopology::TriangleStrip;
             let primitive = wgpu::PrimitiveState { topology, ..Default::default() };
-            let pipeline = frame.pipeline(RenderSpec { colors: vec![color], primitive, ..spec });
+            let constants = vec![flag("PIGMENT", *target == PIGMENTS)];
+            let pipeline = frame.pipeline(RenderSpec { colors: vec![color], primitive, constants, ..spec });
             Draw {
                 groups: [DrawBindGroup::of(&group), None, None, None],
                 range: 0..VERTICES,
@@ -110,8 +115,12 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         };
         washes.push(draw("fs_wash", &WASH, BLENDS[0], 0..model.washes));
         inks.push(draw("fs_ink_ribbon", &INK, BLENDS[1], model.washes..model.count));
+        if model.has_pigments {
+            let over = BlendState::PREMULTIPLIED_ALPHA_BLENDING;
+            pigments.push(draw("fs_pigment", &PIGMENTS, over, 0..model.count));
+        }
     }
-    for (view, draws) in [(wash, &washes), (ink, &inks)] {
+    for (view, draws) in [(wash, &washes), (ink, &inks), (pigment, &pigments)] {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
         let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(SHADER.name),

@@ -17,12 +17,16 @@ struct Ribbon {
     @location(1) brush: vec4<f32>,
     @location(2) depth: f32,
     @location(3) @interpolate(flat) kind_seed: vec2<u32>,
+    @location(5) @interpolate(flat) pigment: u32,
     // Middle of the stroke, pixels.
     @location(4) @interpolate(flat) middle: vec2<f32>,
 }
 
 // Width of the ribbon over that of the stroke: rough edges extend beyond it.
 const MARGIN: f32 = 1.3;
+
+// Whether strokes of pigment are drawn, and not those of ink.
+override PIGMENT: bool = false;
 
 @vertex
 fn vs_ribbon(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number: u32) -> Ribbon {
@@ -41,7 +45,10 @@ fn vs_ribbon(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
     let px = here.place.xy + half * (vec2(-along.y, along.x) * side + along * cap);
     var out: Ribbon;
     let ndc = (px / painting.size - 0.5) * vec2(2.0, -2.0);
-    out.position = vec4(ndc, 0.5, 1.0);
+    // Ink and pigments are drawn apart.
+    let is_drawn = ((stroke.pigment >> 24u) != 0u) == PIGMENT;
+    out.position = select(vec4(2.0, 2.0, 0.5, 1.0), vec4(ndc, 0.5, 1.0), is_drawn);
+    out.pigment = stroke.pigment;
     out.across = vec4(side, cap, f32(i) / f32(STROKE_POINTS - 1u), here.brush.z);
     out.brush = vec4(half, here.brush.x, here.brush.y, here.brush.w);
     out.depth = here.place.z;
@@ -174,4 +181,13 @@ fn fs_ink_ribbon(in: Ribbon) -> @location(0) vec4<f32> {
     }
     let wet = brush_mark(in, relief, 0.7, 1.7, select(0.0, 0.22, kind == BONE), 0.15, 0.2).x;
     return vec4(wet, 0.0, 0.0, 0.0);
+}
+
+// Mineral pigment, opaque where it is thick: premultiplied colour, sRGB-encoded, and opacity.
+@fragment
+fn fs_pigment(in: Ribbon) -> @location(0) vec4<f32> {
+    let relief = relief_at(in.position.xy);
+    let mark = brush_mark(in, relief, 1.6, 2.6, 0.1, 0.25, 0.2).x;
+    let opacity = 1.0 - exp(-1.4 * mark);
+    return vec4(unpack4x8unorm(in.pigment).rgb, 1.0) * opacity;
 }

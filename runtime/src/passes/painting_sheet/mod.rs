@@ -38,8 +38,15 @@ pub(crate) const PASS: Pass = Pass {
 fn run(frame: &mut Recording<'_>) -> Outcome {
     let Some(scene) = frame.painting.clone() else { return Outcome::Skipped("nothing is painted") };
     let targets = frame.targets.clone();
-    let reads = [painting_ribbons::WASH, painting_wet::WET, painting_ribbons::INK, painting_depth::DEPTH];
-    let [Some(wash), Some(wet), Some(ink), Some(depth)] = reads.map(|target| targets.view(&target)) else {
+    let reads = [
+        painting_ribbons::WASH,
+        painting_wet::WET,
+        painting_ribbons::INK,
+        painting_depth::DEPTH,
+        painting_ribbons::PIGMENTS,
+    ];
+    let [Some(wash), Some(wet), Some(ink), Some(depth), Some(pigment)] = reads.map(|target| targets.view(&target))
+    else {
         return Outcome::Skipped("no targets");
     };
     let d2 = wgpu::TextureViewDimension::D2;
@@ -53,6 +60,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
             texture(5, d2),
             sampler(6),
             sampler(7),
+            texture(8, d2),
         ]
     });
     let [repeat, clamp] = [wgpu::AddressMode::Repeat, wgpu::AddressMode::ClampToEdge]
@@ -66,6 +74,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         (5, BindingResource::View(frame.paper())),
         (6, BindingResource::Sampler(repeat)),
         (7, BindingResource::Sampler(clamp)),
+        (8, BindingResource::View(pigment.clone())),
     ];
     let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
     let picture = frame.params.style.ink().is_some_and(|ink| ink.background == InkBackground::Picture);

@@ -9,6 +9,7 @@
 @group(0) @binding(5) var paper: texture_2d<f32>;
 @group(0) @binding(6) var paper_sampler: sampler;
 @group(0) @binding(7) var clamped: sampler;
+@group(0) @binding(8) var pigments: texture_2d<f32>;
 
 // Whether the application's picture stays where nothing is painted.
 override PICTURE: bool = false;
@@ -78,12 +79,14 @@ fn fs_sheet(@builtin(position) position: vec4<f32>) -> Sheet {
     let shade = RELIEF * (sheet.r - 0.5) - TONE * (1.0 - sheet.b);
     let ground = painting.paper * (1.0 + painting.paper_grain * shade);
     let absorbs = mix(DENSE, THIN, exp(-1.2 * density));
-    let color = linear_of(max(ground * exp(-density * absorbs), painting.ink * ground));
+    let pigment = textureSampleLevel(pigments, clamped, uv, 0.0);
+    let inked = max(ground * exp(-density * absorbs), painting.ink * ground);
+    let color = linear_of(inked * (1.0 - pigment.a) + ground * pigment.rgb);
     if !PICTURE {
         return Sheet(vec4(color, 1.0), depth);
     }
     let body = depth != painting.far_depth;
-    let opacity = select(1.0 - exp(-density), 1.0, body);
+    let opacity = select(max(1.0 - exp(-density), pigment.a), 1.0, body);
     if opacity <= 0.004 {
         discard;
     }
