@@ -13,6 +13,8 @@
 mod axes;
 mod canvas;
 mod spots;
+#[cfg(test)]
+mod tests;
 mod trace;
 mod tufts;
 mod washes;
