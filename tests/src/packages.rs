@@ -4,8 +4,8 @@ use crate::support::ktx2;
 use pelage_bake::recipe::FibreParams;
 use pelage_bake::stages::scatter;
 use pelage_runtime::formats::{
-    Fin, FinData, FinInfo, Gloss, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, TextureEntry,
-    TextureFormat,
+    Fin, FinData, FinInfo, Gloss, Limits, Manifest, Package, PackageWriter, StrandPoint, StrandsData, Tag,
+    TextureEntry, TextureFormat,
 };
 
 /// Starts a package with a new manifest and the other sections of `package`. More sections can be added.
@@ -26,6 +26,16 @@ pub fn with_manifest(bytes: &[u8], change: impl FnOnce(&mut Manifest)) -> Vec<u8
     let mut manifest = package.manifest().clone();
     change(&mut manifest);
     writer_with_sections(&package, manifest).finish().expect("a valid package")
+}
+
+/// Returns the package without the sections of the given tags.
+pub fn without_sections(bytes: &[u8], tags: &[Tag]) -> Vec<u8> {
+    let package = open_package(bytes);
+    let sections = package.sections().iter().enumerate().skip(1).filter(|(_, section)| !tags.contains(&section.tag));
+    let writer = sections.fold(PackageWriter::new(package.manifest().clone()), |writer, (i, section)| {
+        writer.section(section.tag, package.section_bytes(i).expect("a valid section"))
+    });
+    writer.finish().expect("a valid package")
 }
 
 /// Returns the package with gloss for each of its materials.

@@ -6,7 +6,7 @@ use pelage_bake::strands::PosedMesh;
 use pelage_lab::mask::Mask;
 use pelage_lab::truth::{LineKind, LineParams, TrueLines};
 use pelage_runtime::formats::{Limits, Package};
-use pelage_runtime::{Camera, FrameParams, InkParams, Instance, Renderer, RendererOptions, wgpu};
+use pelage_runtime::{Camera, FrameParams, InkLines, InkParams, Instance, Renderer, RendererOptions, wgpu};
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
@@ -36,7 +36,8 @@ fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Vec<u8> {
 fn visible_nodes(gpu: &Gpu, package: &[u8], camera: Camera) -> Vec<[f32; 2]> {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
-    let params = FrameParams::new(camera, SIZE).with_ink(InkParams::default());
+    let params =
+        FrameParams::new(camera, SIZE).with_ink(InkParams::default().with(|ink| ink.lines = InkLines::Strokes));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let frame = renderer.prepare(&mut encoder, &params, [&instance]).unwrap();
     gpu.queue.submit([encoder.finish()]);

@@ -16,6 +16,7 @@ mod ink_specks;
 mod inside_your_pass;
 mod memory;
 mod morphs;
+mod painted_strokes;
 mod pictures;
 mod scattering;
 mod shader_twins;
