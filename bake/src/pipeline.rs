@@ -100,7 +100,13 @@ pub const STEPS: &[Step] = &[
         run: run_step::fin_textures,
     },
     Step { stage: "ink", makes: Ink, reads: &[Model, Layout, Groomed], tables: &["ink", "fins"], run: run_step::ink },
-    Step { stage: "ink", makes: Painting, reads: &[Model, Layout, Groomed], tables: &["ink"], run: run_step::painting },
+    Step {
+        stage: "ink",
+        makes: Painting,
+        reads: &[Model, Layout, Groomed],
+        tables: &["ink.enabled", "ink.seed"],
+        run: run_step::painting,
+    },
     Step {
         stage: "ink",
         makes: InkTextures,
@@ -112,7 +118,7 @@ pub const STEPS: &[Step] = &[
         stage: "contours",
         makes: Contours,
         reads: &[Model, Layout, Groomed],
-        tables: &["ink"],
+        tables: &["ink.enabled"],
         run: run_step::contours,
     },
     Step {
