@@ -267,8 +267,12 @@ fn bad_render_and_bench_requests_are_refused() {
     };
     let (small, large) = (bench("48x32"), bench("96x64"));
     let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
-    // The benchmark poses the model in every frame, and fur motion follows the posed surface.
-    assert_eq!(names, [&["pose", "fur_motion"].map(Value::from)[..], &passes].concat());
+    // The benchmark poses the model in every frame, and fur motion follows the posed surface. It lists all passes of
+    // the style, also those of painted strokes.
+    let strokes =
+        ["painting_depth", "painting_strokes", "painting_ribbons", "painting_wet", "ink_contours", "ink_lines"];
+    let before = [&["pose", "fur_motion"].map(Value::from)[..], &passes[..5], &strokes.map(Value::from)].concat();
+    assert_eq!(names, [&before[..], &passes[5..], &[Value::from("painting_sheet")]].concat());
     let bytes = |object: &Value| object["gpu_bytes"].as_u64().unwrap();
     // The sum lists the bytes per pixel of normals, surface, features, line features, rows, strokes and depth.
     assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 4 + 4 + 4 + 4 + 4));
