@@ -6,6 +6,13 @@ use glam::{Mat4, Vec3, Vec4};
 use pelage_formats::meaning::environment::Sun;
 use pelage_formats::meaning::view_from_world;
 
+/// Returns the elements of a projection on which depth depends, as `ink/distance.wgsl` reads them: depth and w in clip
+/// space are linear in the z coordinate of the view.
+pub(crate) fn depth_rows(clip_from_view: Mat4) -> [f32; 4] {
+    let [z, w] = [clip_from_view.z_axis, clip_from_view.w_axis];
+    [z.z, w.z, z.w, w.w]
+}
+
 /// Camera of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {

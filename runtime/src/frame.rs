@@ -143,7 +143,7 @@ impl Frame {
     pub fn stroke_buffers(&self) -> Vec<&wgpu::Buffer> {
         let mut buffers = Vec::new();
         for seen in self._instances.iter() {
-            buffers.extend(seen.painted.iter().map(|painted| &painted.points));
+            buffers.extend(seen.painted.iter().map(|painted| &painted.strokes.points));
             buffers.extend(seen.contours.iter().flat_map(|lines| [&lines.buffers.counts, &lines.buffers.lines]));
         }
         buffers
@@ -156,7 +156,7 @@ impl Frame {
         let mut contents = contents.iter();
         let mut strokes = Vec::new();
         for (number, seen) in self._instances.iter().enumerate() {
-            if let (Some(_), Some(model)) = (&seen.painted, seen.model.painting()) {
+            if let Some((_, model, _)) = seen.painting() {
                 let points = contents.next().map_or(&[][..], Vec::as_slice);
                 strokes.extend(painting::surface_strokes(number, &model.kinds, points));
             }

@@ -91,7 +91,7 @@ fn simplified(marks: &[StrokeMark]) -> Vec<StrokeMark> {
 
 /// Returns the outline of a stroke: one side, then the other side backwards. `None` for a stroke of a single point.
 fn outline(marks: &[StrokeMark]) -> Option<Vec<[f32; 2]>> {
-    let (last, _) = marks.len().checked_sub(1).filter(|last| *last > 0).map(|last| (last, ()))?;
+    let last = marks.len().checked_sub(1).filter(|last| *last > 0)?;
     let place = |k: usize| glam::Vec2::from(marks[k].position);
     let side = |k: usize, sign: f32| {
         let along = (place((k + 1).min(last)) - place(k.saturating_sub(1))).normalize_or_zero();

@@ -1,6 +1,7 @@
 //! Uniform block of the contour lines of an instance.
 
 use crate::bounds::Hull;
+use crate::camera::depth_rows;
 use crate::model::ModelContours;
 use crate::shared::shader_struct::shader_struct;
 use glam::{Mat4, Vec2, Vec3, Vec4};
@@ -57,11 +58,10 @@ impl ContourBlock {
         let size = Vec2::from(view.viewport.map(|n| n as f32));
         let [faces_at, creases_at, previous_at, marks_at] = model.layout();
         let center = hull.sphere().map_or(world_from_model.w_axis.truncate(), |sphere| sphere.center);
-        let projection = view.clip_from_view;
         Self {
             clip_from_model: (clip_from_world * world_from_model).to_cols_array_2d(),
             eye_ms: (world_from_model.inverse() * view.eye_ws).to_array(),
-            depth_rows: [projection.z_axis.z, projection.w_axis.z, projection.z_axis.w, projection.w_axis.w],
+            depth_rows: depth_rows(view.clip_from_view),
             size: size.to_array(),
             diagonal: screen_diagonal(center, radius_m, view),
             unit: size.y / ROWS,

@@ -49,6 +49,29 @@ impl Draw {
     }
 }
 
+/// Begins a render pass into one colour target, without depth.
+pub(crate) fn begin_target<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPass<'e> {
+    let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops,
+        })],
+        ..Default::default()
+    })
+}
+
+/// Clears a colour target to no ink.
+pub(crate) const CLEARED: wgpu::LoadOp<wgpu::Color> = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+
 /// Records draws in order. State that consecutive draws share is bound once.
 pub(crate) fn record<'d>(pass: &mut wgpu::RenderPass<'_>, draws: impl IntoIterator<Item = &'d Draw>) {
     let mut last: Option<&Draw> = None;

@@ -15,7 +15,7 @@ mod uniforms;
 pub(crate) use binding_resource::BindingResource;
 pub(crate) use cache::Cache;
 pub(crate) use device::{Gpu, largest_buffer};
-pub(crate) use draw::{Draw, DrawBindGroup, record};
+pub(crate) use draw::{CLEARED, Draw, DrawBindGroup, begin_target, record};
 pub(crate) use layouts::{
     SamplerSettings, WORKGROUP, depth_texture, in_compute, sampler, storage, storage_in, storage_out, texture, uniform,
     workgroups,

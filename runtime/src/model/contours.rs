@@ -1,5 +1,6 @@
 //! Contour mesh of a package, in GPU memory.
 
+use super::ink::stored_diagonal;
 use super::upload::Uploader;
 use crate::error::RuntimeError;
 use crate::gpu::largest_buffer;
@@ -51,12 +52,6 @@ pub(super) fn load(
     if words.len() as u64 > largest_buffer(&uploader.gpu.device.limits()) {
         return Ok(None);
     }
-    let mut least = glam::Vec3::INFINITY;
-    let mut most = glam::Vec3::NEG_INFINITY;
-    for vertex in mesh.geometry() {
-        least = least.min(vertex.position.into());
-        most = most.max(vertex.position.into());
-    }
     let count = |n: usize| n as u32;
     Ok(Some(ModelContours {
         mesh: uploader.buffer("contour mesh", &words, wgpu::BufferUsages::STORAGE)?,
@@ -64,6 +59,6 @@ pub(super) fn load(
         faces: count(view.faces().len()),
         creases: count(view.creases().len()),
         most_nodes: view.most_nodes,
-        stored_diagonal: least.distance(most),
+        stored_diagonal: stored_diagonal(mesh),
     }))
 }

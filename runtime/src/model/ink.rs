@@ -47,8 +47,8 @@ pub(super) fn load(
     Ok(Some((ModelInk { info: info.clone(), vertices, stroke, wash, paper, fur, periods }, bytes)))
 }
 
-/// Returns the metres per unit of the stored mesh: the ratio of its extent at rest to its stored extent.
-fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
+/// Returns the diagonal of the bounding box of the stored mesh, in its own unit.
+pub(super) fn stored_diagonal(mesh: &MeshView<'_>) -> f32 {
     use glam::Vec3;
     let mut least = Vec3::INFINITY;
     let mut most = Vec3::NEG_INFINITY;
@@ -56,9 +56,15 @@ fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
         least = least.min(Vec3::from(vertex.position));
         most = most.max(Vec3::from(vertex.position));
     }
+    most.distance(least)
+}
+
+/// Returns the metres per unit of the stored mesh: the ratio of its extent at rest to its stored extent.
+fn metres_per_unit(package: &Package<'_>, mesh: &MeshView<'_>) -> f32 {
+    use glam::Vec3;
     let bounds = &package.manifest().bounds;
     let at_rest = Vec3::from(bounds.max).distance(Vec3::from(bounds.min));
-    let ratio = at_rest / most.distance(least);
+    let ratio = at_rest / stored_diagonal(mesh);
     // The ratio is undefined for a mesh of a single point.
     if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
 }

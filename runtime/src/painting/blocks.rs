@@ -1,9 +1,12 @@
 //! Uniform blocks of the painting passes.
 
+use crate::camera::depth_rows;
+use crate::model::ModelPainting;
 use crate::params::InkParams;
 use crate::shared::shader_struct::shader_struct;
 use crate::shared::srgb::encoded;
 use glam::{Mat3, Mat4, Vec3};
+use pelage_formats::Bounds;
 
 shader_struct! {
     /// Uniform block for a frame, in shader layout.
@@ -45,6 +48,21 @@ shader_struct! {
     }
 }
 
+impl PaintedModel {
+    /// Arguments: strokes of the model; placement and length scale of the instance; bounds of the model at rest.
+    pub(crate) fn new(model: &ModelPainting, world_from_model: Mat4, scale: f32, bounds: Bounds) -> Self {
+        let [x, _, z] = bounds.center;
+        Self {
+            ground_ws: world_from_model.transform_point3(Vec3::new(x, bounds.min[1], z)).to_array(),
+            size: model.size_m * scale,
+            count: model.count,
+            darks: model.darks as f32,
+            tufts: model.tufts as f32,
+            reach: model.reach_m * scale,
+        }
+    }
+}
+
 /// Viewport, camera matrices and depth convention of a frame.
 pub(crate) struct PaintingView {
     pub(crate) viewport: [u32; 2],
@@ -61,7 +79,6 @@ impl PaintingFrame {
         let brush = params.brush;
         let rotation = Mat3::from_mat4(view.view_from_world);
         let axis = |k: usize| rotation.row(k).normalize_or(Vec3::Z).to_array();
-        let clip = view.clip_from_view;
         let [mist_from, mist_to] = params.mist_m.unwrap_or_default();
         Self {
             ink: encoded(params.ink).to_array(),
@@ -71,7 +88,7 @@ impl PaintingFrame {
             size: view.viewport.map(|n| n as f32),
             paper_period: params.paper_period_px,
             far_depth: if view.reversed_depth { 0.0 } else { 1.0 },
-            depth_rows: [clip.z_axis.z, clip.w_axis.z, clip.z_axis.w, clip.w_axis.w],
+            depth_rows: depth_rows(view.clip_from_view),
             right_ws: axis(0),
             wash: brush.wash,
             up_ws: axis(1),

@@ -1,3 +1,4 @@
+//! uses ink/distance
 // Uniform block of a frame that is painted with strokes, and functions of it.
 
 struct PaintingFrame {
@@ -43,10 +44,7 @@ struct PaintingFrame {
 
 // Returns the distance along the view direction of a depth in clip space.
 fn eye_distance(painting: PaintingFrame, depth: f32) -> f32 {
-    let rows = painting.depth_rows;
-    let below = depth * rows.z - rows.x;
-    // The background of an infinite projection has no distance.
-    return select((depth * rows.w - rows.y) / below, 1e9, abs(below) < 1e-9);
+    return distance_of_depth(painting.depth_rows, depth);
 }
 
 // Returns a hash of two whole numbers and a seed, 0..1.

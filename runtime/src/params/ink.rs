@@ -62,8 +62,8 @@ pub enum InkLines {
     /// Lines found in the pixels of the picture, and a wash of even tone (Fang 2006).
     #[default]
     Pixels,
-    /// Brush strokes, attached to the surface. Frames fall back to [`Self::Pixels`] if a package has no strokes, or if
-    /// the device has no storage buffers in vertex shaders.
+    /// Brush strokes, attached to the surface. Frames fall back to [`Self::Pixels`] if a package has neither strokes
+    /// nor a contour mesh, or if the device has no storage buffers in vertex shaders.
     Strokes,
 }
 

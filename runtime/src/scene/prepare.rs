@@ -5,7 +5,7 @@ use super::ink::{InkScene, InkView};
 use super::nearest::{NearestSegments, area, has_ribbons, with_supported_edges};
 use super::recording::{Recording, RendererState};
 use super::ribbons::Ribbons;
-use super::visible_instance::{VisibleContours, VisibleInstance, VisibleStrandSet};
+use super::visible_instance::{VisibleContours, VisibleInstance, VisiblePainting, VisibleStrandSet};
 use crate::bounds::Hull;
 use crate::contours::{ContourBlock, ContourBuffers, ContourView};
 use crate::error::RuntimeError;
@@ -14,11 +14,10 @@ use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
 use crate::instance::Instance;
 use crate::light::{Casters, DeepMapHair, InstanceKey, ShadowKey, ShadowMaps, get_or_create};
 use crate::motion::PosedInstance;
-use crate::painting::{PaintedStrokes, PaintingFrame, PaintingView};
+use crate::painting::{PaintedModel, PaintedStrokes, PaintingFrame, PaintingView};
 use crate::params::{FrameParams, InkLines, InkParams, SelfShadow, StrandEdges};
 use crate::shared::frame as blocks;
 use crate::surface::Lights;
-use glam::Vec3;
 use pelage_formats::PaintStroke;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -188,6 +187,14 @@ pub(crate) fn begin<'f>(
             let buffers = ContourBuffers::take(&mut kept.contours, gpu, model);
             VisibleContours { buffers, block: uniforms.put(gpu, &[block]) }
         });
+        let painting = instance.model.painting().filter(|_| lines == Some(InkLines::Strokes));
+        let painted = painting.filter(|_| drawing.detail.in_picture).map(|model| {
+            let block =
+                PaintedModel::new(model, instance.transform, instance.scale(), instance.model.manifest().bounds);
+            let points = model.count * PaintStroke::POINTS as u32;
+            let strokes = PaintedStrokes::take(&mut kept.painted, gpu, points);
+            VisiblePainting { strokes, block: uniforms.put(gpu, &[block]) }
+        });
         VisibleInstance {
             model: instance.model.clone(),
             contours,
@@ -196,17 +203,7 @@ pub(crate) fn begin<'f>(
                 Variant::new(instance, params, &drawing, drawn, maps.as_ref().map(|maps| &maps.key), first)
             },
             sets: drawn.iter().map(&mut set).collect(),
-            painted: instance
-                .model
-                .painting()
-                .filter(|_| lines == Some(InkLines::Strokes) && drawing.detail.in_picture)
-                .map(|model| PaintedStrokes::take(&mut kept.painted, gpu, model.count * PaintStroke::POINTS as u32)),
-            scale: instance.scale(),
-            ground_ws: {
-                let bounds = &instance.model.manifest().bounds;
-                let [x, _, z] = bounds.center;
-                instance.transform.transform_point3(Vec3::new(x, bounds.min[1], z))
-            },
+            painted,
             moved,
             drawing,
             view_offset: offset(&places),

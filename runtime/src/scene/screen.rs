@@ -2,8 +2,8 @@
 
 use super::recording::Recording;
 use crate::gpu::{
-    BindingResource, Constants, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture,
-    record, sampler, texture, uniform,
+    BindingResource, CLEARED, Constants, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target,
+    begin_target, depth_texture, record, sampler, texture, uniform,
 };
 use crate::ink::{InkFrame, InkModel};
 
@@ -138,17 +138,7 @@ impl Recording<'_> {
         let targets = self.targets.clone();
         let (Some(view), Some((spec, group))) = (targets.view(target), made) else { return };
         let draw = Draw::screen(self.pipeline(spec), &group);
-        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-        let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(shader.name),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops,
-            })],
-            ..Default::default()
-        });
+        let mut pass = begin_target(self.encoder, shader.name, view, CLEARED);
         let [left, top, width, height] = self.ink.as_ref().map_or([0; 4], |ink| ink.painted);
         if width > 0 && height > 0 {
             pass.set_scissor_rect(left, top, width, height);

@@ -6,9 +6,8 @@ use crate::gpu::{DrawBindGroup, UniformRange};
 use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
 use crate::model::{Model, ModelContours, ModelPainting, Part, StrandSet};
 use crate::motion::{PosedInstance, PosedStrands};
-use crate::painting::{PaintedModel, PaintedStrokes};
+use crate::painting::PaintedStrokes;
 use crate::report::InstanceDetail;
-use glam::Vec3;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -20,19 +19,23 @@ pub(crate) struct VisibleInstance {
     /// Level of detail of the fur.
     pub(crate) drawing: InstanceDrawing,
     pub(crate) look: Variant,
-    /// Length scale of the instance.
-    pub(crate) scale: f32,
-    /// Lowest point below the centre of the instance at rest.
-    pub(crate) ground_ws: Vec3,
     pub(crate) sets: Vec<VisibleStrandSet>,
     /// Posed strokes, if the instance is painted with strokes and may be in the picture.
-    pub(crate) painted: Option<Arc<PaintedStrokes>>,
+    pub(crate) painted: Option<VisiblePainting>,
     /// Contour lines, if they are drawn.
     pub(crate) contours: Option<VisibleContours>,
     /// Offset of the instance's uniform block for the eye.
     pub(super) view_offset: u64,
     /// Offset of the instance's uniform block for the key light.
     pub(super) light_offset: u64,
+}
+
+/// Posed strokes of an instance.
+#[derive(Debug)]
+pub(crate) struct VisiblePainting {
+    pub(crate) strokes: Arc<PaintedStrokes>,
+    /// Location of the [`crate::painting::PaintedModel`] block.
+    pub(crate) block: UniformRange,
 }
 
 /// Contour lines of an instance.
@@ -85,6 +88,11 @@ impl VisibleInstance {
         Some((self, self.model.contours()?, self.contours.as_ref()?))
     }
 
+    /// Returns the instance with the strokes of its model and its posed strokes; `None` if no strokes are painted.
+    pub(crate) fn painting(&self) -> Option<(&Self, &ModelPainting, &VisiblePainting)> {
+        Some((self, self.model.painting()?, self.painted.as_ref()?))
+    }
+
     /// Returns the level of detail as reported to the application.
     pub(crate) fn detail_report(&self) -> InstanceDetail {
         let detail = self.drawing.reported();
@@ -103,18 +111,6 @@ impl VisibleInstance {
         swings
             && self.in_picture()
             && (self.moved.lean.is_some() || self.sets.iter().any(|set| set.posed.particles.is_some()))
-    }
-
-    /// Returns the uniform block of the instance's strokes.
-    pub(crate) fn painted_model(&self, model: &ModelPainting) -> PaintedModel {
-        PaintedModel {
-            ground_ws: self.ground_ws.to_array(),
-            size: model.size_m * self.scale,
-            count: model.count,
-            darks: model.darks as f32,
-            tufts: model.tufts as f32,
-            reach: model.reach_m * self.scale,
-        }
     }
 
     /// Returns whether any part of the instance may be in the picture.

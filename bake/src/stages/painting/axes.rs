@@ -7,6 +7,7 @@
 use super::canvas::{Canvas, anchor};
 use glam::Vec3;
 use pelage_formats::StrokeAnchor;
+use pelage_import::union_find::root;
 
 /// Thickness below which a part is a limb, in units of the model's size.
 const LIMB: f32 = 0.06;
@@ -36,24 +37,10 @@ struct Ring {
     level: usize,
 }
 
-/// Sets of welded vertices that are joined one by one.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn root(&mut self, mut at: u32) -> u32 {
-        while self.0[at as usize] != at {
-            let up = self.0[self.0[at as usize] as usize];
-            self.0[at as usize] = up;
-            at = up;
-        }
-        at
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        // The smaller number wins, so that the result does not depend on the order.
-        self.0[a.max(b) as usize] = a.min(b);
-    }
+/// Joins the sets of two elements. The smaller root wins, so that the result does not depend on the order.
+fn join(parents: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
 }
 
 /// Axes of all limbs, and the distance of each welded vertex from the trunk.
@@ -83,7 +70,7 @@ pub(super) fn axes(canvas: &Canvas) -> Axes {
     let levels = ((farthest / STEP) as usize).min(MOST_LEVELS);
     let mut order: Vec<u32> = (0..count as u32).filter(|p| distance[*p as usize].is_finite()).collect();
     order.sort_by(|a, b| distance[*b as usize].total_cmp(&distance[*a as usize]).then(a.cmp(b)));
-    let mut sets = Sets((0..count as u32).collect());
+    let mut parents: Vec<u32> = (0..count as u32).collect();
     let mut rings: Vec<Ring> = Vec::new();
     let (mut added, mut upper) = (0, 0..0);
     for level in (0..=levels).rev() {
@@ -92,7 +79,7 @@ pub(super) fn axes(canvas: &Canvas) -> Axes {
             let place = order[added];
             for next in skin.neighbors_of(place) {
                 if distance[next as usize] > height {
-                    sets.join(place, next);
+                    join(&mut parents, place, next);
                 }
             }
             added += 1;
@@ -105,8 +92,8 @@ pub(super) fn axes(canvas: &Canvas) -> Axes {
             level,
         }));
         for k in upper {
-            let of = sets.root(rings[k].above);
-            rings[k].parent = (first..rings.len()).find(|j| sets.root(rings[*j].above) == of);
+            let of = root(&mut parents, rings[k].above);
+            rings[k].parent = (first..rings.len()).find(|j| root(&mut parents, rings[*j].above) == of);
         }
         upper = first..rings.len();
     }
@@ -176,10 +163,10 @@ fn rings_at(canvas: &Canvas, distance: &[f32], height: f32) -> Vec<(AxisPoint, u
             links.push((a, b));
         }
     }
-    let mut sets = Sets((0..crossings.len() as u32).collect());
-    links.iter().for_each(|(a, b)| sets.join(*a, *b));
+    let mut parents: Vec<u32> = (0..crossings.len() as u32).collect();
+    links.iter().for_each(|(a, b)| join(&mut parents, *a, *b));
     let mut rings: std::collections::BTreeMap<u32, Vec<usize>> = std::collections::BTreeMap::new();
-    (0..crossings.len()).for_each(|k| rings.entry(sets.root(k as u32)).or_default().push(k));
+    (0..crossings.len()).for_each(|k| rings.entry(root(&mut parents, k as u32)).or_default().push(k));
     let mut lengths = vec![0.0_f32; crossings.len()];
     for (a, b) in &links {
         let half = crossings[*a as usize].position.distance(crossings[*b as usize].position) / 2.0;

@@ -66,6 +66,7 @@ pub fn painting(model: &PaintedModel<'_>) -> StrokePool {
         spot.vertices.iter().for_each(|v| covered[*v as usize] = true);
         pool.add_spot(spot);
     }
+    let spotted = covered.clone();
     let axes = axes::axes(&canvas);
     for (place, covered) in covered.iter_mut().enumerate() {
         *covered |= axes.distance[place] > 0.0;
@@ -78,11 +79,6 @@ pub fn painting(model: &PaintedModel<'_>) -> StrokePool {
     for (v, place) in canvas.skin.place_of.iter().enumerate() {
         hair[*place as usize] = hair_m.get(v).copied().unwrap_or(0.0) / canvas.size;
     }
-    let spotted: Vec<bool> = {
-        let mut spotted = vec![false; canvas.positions.len()];
-        spots.iter().flat_map(|s| &s.vertices).for_each(|v| spotted[*v as usize] = true);
-        spotted
-    };
     for tuft in tufts::tufts(&canvas, &hair, &spotted, seed) {
         pool.add_surface_stroke(StrokeKind::Tuft, &tuft.places, |t| tuft.half_width * (0.35 + 0.9 * t));
     }

@@ -109,11 +109,12 @@ pub(super) fn spread_places(canvas: &Canvas, count: usize, seed: u64) -> Vec<Pla
 /// Returns the washes of the trunk. `is_covered`: whether another stroke paints a welded vertex.
 pub(super) fn washes(canvas: &Canvas, is_covered: &[bool], seed: u64) -> Vec<SurfaceStroke> {
     let covered: Vec<f32> = is_covered.iter().map(|c| f32::from(u8::from(*c))).collect();
+    let places = spread_places(canvas, SAMPLES, seed);
     let mut strokes = Vec::new();
     for class in &CLASSES {
-        let mut samples: Vec<Sample> = spread_places(canvas, SAMPLES, seed)
-            .into_iter()
-            .map(|place| {
+        let mut samples: Vec<Sample> = places
+            .iter()
+            .map(|&place| {
                 let darkness = canvas.at(&canvas.darkness, &place);
                 let free = 1.0 - smooth_step(0.3, 0.7, canvas.at(&covered, &place));
                 let wanted = if class.from > 0.0 { smooth_step(class.from, class.from + 0.3, darkness) } else { 1.0 };

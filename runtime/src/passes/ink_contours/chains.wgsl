@@ -201,7 +201,6 @@ fn angle_between(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return abs(atan2(a.x * b.y - a.y * b.x, dot(a, b)));
 }
 
-
 // Returns the length of a short closed line through a node; a large number if the line is open or long.
 fn loop_length(i: u32, most: f32) -> f32 {
     var walk = begin_walk(i, true);

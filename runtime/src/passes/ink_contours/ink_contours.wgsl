@@ -1,4 +1,4 @@
-//! uses contours/block, surface/geometry
+//! uses contours/block, ink/distance, surface/geometry
 // Extraction of contour lines: the zero set of the cosine between normal and view direction over the mesh, as nodes on
 // the edges that it crosses. Each face links two of its edges, so that lines have an order without any search.
 
@@ -123,19 +123,12 @@ fn linked_node(link: u32) -> u32 {
     return node_of(link - 1u);
 }
 
-// Returns the distance along the view direction of a depth in clip space.
-fn view_distance(depth: f32) -> f32 {
-    let rows = contours.depth_rows;
-    let below = depth * rows.z - rows.x;
-    // The background of an infinite projection has no distance.
-    return select((depth * rows.w - rows.y) / below, 1e9, abs(below) < 1e-9);
-}
-
 // Returns whether the surface at a pixel is not in front of a distance from the eye: 0 or 1, and between them within
 // the tolerance.
 fn open_at(pixel: vec2<i32>, depth: f32, tolerance: f32) -> f32 {
     let at = clamp(pixel, vec2(0), vec2<i32>(contours.size) - 1);
-    return smoothstep(-1.0, -0.5, (view_distance(textureLoad(depths, at, 0)) - depth) / tolerance);
+    let surface = distance_of_depth(contours.depth_rows, textureLoad(depths, at, 0));
+    return smoothstep(-1.0, -0.5, (surface - depth) / tolerance);
 }
 
 // Returns how visible a point is: the share of the surface nearby that is not in front of it. For a contour it is
@@ -182,7 +175,7 @@ fn place_node(number: u32, ends: vec2<u32>, share: f32, neighbors: vec2<u32>, is
     let long = length(aside);
     var node: ContourNode;
     node.px = ndc.xy * to_px + 0.5 * contours.size;
-    node.depth = view_distance(ndc.z);
+    node.depth = distance_of_depth(contours.depth_rows, ndc.z);
     node.outward = select(vec2(0.0, -1.0), aside / max(long, 1e-20), long > 1e-20);
     let marks = mix(
         unpack4x8unorm(contour_mesh[contours.marks_at + ends.x]),

@@ -17,6 +17,7 @@ pub(crate) const SHADER: Shader = Shader {
     name: "pelage ink contours",
     parts: &[
         include_str!("../../surface/geometry.wgsl"),
+        include_str!("../../ink/distance.wgsl"),
         include_str!("../../contours/block.wgsl"),
         include_str!("ink_contours.wgsl"),
     ],

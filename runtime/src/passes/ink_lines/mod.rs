@@ -4,8 +4,8 @@ use super::painting_ribbons::{BLENDS, INK};
 use super::{Outcome, Pass, PassId, PassStage};
 use crate::contours::{ContourBlock, LineNode};
 use crate::gpu::{
-    BindingResource, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, record, sampler, storage, texture,
-    uniform,
+    BindingResource, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, begin_target, record, sampler, storage,
+    texture, uniform,
 };
 use crate::params::{InkLines, StyleKind};
 use crate::scene::{Recording, VisibleInstance};
@@ -71,17 +71,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     }
     let targets = frame.targets.clone();
     let Some(view) = targets.view(&INK) else { return Outcome::Skipped("no targets") };
-    let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
-    let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(SHADER.name),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops,
-        })],
-        ..Default::default()
-    });
+    let mut pass = begin_target(frame.encoder, SHADER.name, view, wgpu::LoadOp::Load);
     record(&mut pass, &draws);
     Outcome::recorded(format!("lines of {} instances", draws.len()))
 }

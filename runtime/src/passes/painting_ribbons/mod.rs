@@ -2,19 +2,20 @@
 
 use super::{Outcome, Pass, PassId, PassStage, painting_depth};
 use crate::gpu::{
-    BindingResource, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, depth_texture, flag, record,
-    sampler, storage, texture, uniform,
+    BindingResource, CLEARED, Draw, DrawBindGroup, RenderSpec, SamplerSettings, Shader, Target, begin_target,
+    depth_texture, flag, record, sampler, storage, texture, uniform,
 };
 use crate::model::PoolStroke;
 use crate::painting::{BrushPoint, PaintedModel, PaintingFrame};
 use crate::params::{InkLines, StyleKind};
-use crate::scene::Recording;
+use crate::scene::{Recording, VisibleInstance};
 use pelage_formats::PaintStroke;
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage painting ribbons",
     parts: &[
+        include_str!("../../ink/distance.wgsl"),
         include_str!("../../painting/frame.wgsl"),
         include_str!("../../painting/strokes.wgsl"),
         include_str!("painting_ribbons.wgsl"),
@@ -82,17 +83,15 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     let paper = frame.paper();
     let instances = frame.instances.clone();
     let [mut washes, mut inks, mut pigments] = [Vec::new(), Vec::new(), Vec::new()];
-    for (seen, painted) in instances.iter().filter_map(|seen| Some((seen, seen.painted.as_ref()?))) {
-        let Some(model) = seen.model.painting() else { continue };
-        let block = frame.uniforms.put(frame.gpu, &[seen.painted_model(model)]);
+    for (_, model, painted) in instances.iter().filter_map(VisibleInstance::painting) {
         let entries = vec![
             (0, BindingResource::block::<PaintingFrame>(&scene.buffer, scene.offset)),
             (1, BindingResource::all(&model.strokes)),
-            (2, BindingResource::all(&painted.points)),
+            (2, BindingResource::all(&painted.strokes.points)),
             (3, BindingResource::View(depth.clone())),
             (4, BindingResource::View(paper.clone())),
             (5, BindingResource::Sampler(repeat.clone())),
-            (6, BindingResource::block::<PaintedModel>(&block.buffer, block.offset)),
+            (6, BindingResource::block::<PaintedModel>(&painted.block.buffer, painted.block.offset)),
         ];
         let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
         let mut draw = |fragment, target: &Target, blend, of| {
@@ -121,17 +120,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         }
     }
     for (view, draws) in [(wash, &washes), (ink, &inks), (pigment, &pigments)] {
-        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(SHADER.name),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops,
-            })],
-            ..Default::default()
-        });
+        let mut pass = begin_target(frame.encoder, SHADER.name, view, CLEARED);
         record(&mut pass, draws);
     }
     Outcome::recorded(format!("strokes of {} instances", washes.len()))

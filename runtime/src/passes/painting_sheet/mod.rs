@@ -13,6 +13,7 @@ pub(crate) const SHADER: Shader = Shader {
     name: "pelage painting sheet",
     parts: &[
         include_str!("../../shared/srgb.wgsl"),
+        include_str!("../../ink/distance.wgsl"),
         include_str!("../../painting/frame.wgsl"),
         include_str!("painting_sheet.wgsl"),
     ],

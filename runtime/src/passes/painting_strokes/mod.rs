@@ -8,7 +8,7 @@ use crate::gpu::{
 use crate::model::{PoolPoint, PoolStroke};
 use crate::painting::{BrushPoint, PaintedModel, PaintingFrame};
 use crate::params::{InkLines, StyleKind};
-use crate::scene::{Dispatch, Recording, record_dispatches};
+use crate::scene::{Dispatch, Recording, VisibleInstance, record_dispatches};
 use pelage_formats::GeometryVertex;
 
 pub(crate) const SHADER: Shader = Shader {
@@ -17,6 +17,7 @@ pub(crate) const SHADER: Shader = Shader {
         include_str!("../../shared/frame.wgsl"),
         include_str!("../../shared/skinning.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
+        include_str!("../../ink/distance.wgsl"),
         include_str!("../../painting/frame.wgsl"),
         include_str!("../../painting/strokes.wgsl"),
         include_str!("painting_strokes.wgsl"),
@@ -58,16 +59,14 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
     });
     let instances = frame.instances.clone();
     let (mut dispatches, mut count) = (Vec::new(), 0);
-    for (seen, painted) in instances.iter().filter_map(|seen| Some((seen, seen.painted.as_ref()?))) {
-        let Some(model) = seen.model.painting() else { continue };
-        let block = frame.uniforms.put(frame.gpu, &[seen.painted_model(model)]);
+    for (seen, model, painted) in instances.iter().filter_map(VisibleInstance::painting) {
         let entries = vec![
             (0, BindingResource::all(&seen.moved.geometry)),
             (1, BindingResource::all(&model.strokes)),
             (2, BindingResource::all(&model.points)),
-            (3, BindingResource::all(&painted.points)),
+            (3, BindingResource::all(&painted.strokes.points)),
             (4, BindingResource::block::<PaintingFrame>(&scene.buffer, scene.offset)),
-            (5, BindingResource::block::<PaintedModel>(&block.buffer, block.offset)),
+            (5, BindingResource::block::<PaintedModel>(&painted.block.buffer, painted.block.offset)),
             (6, BindingResource::View(depth.clone())),
         ];
         let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);

@@ -2,7 +2,8 @@
 
 use super::{Outcome, Pass, PassId, PassStage, painting_ribbons};
 use crate::gpu::{
-    BindingResource, Draw, RenderSpec, SamplerSettings, Shader, Target, record, sampler, texture, uniform,
+    BindingResource, CLEARED, Draw, RenderSpec, SamplerSettings, Shader, Target, begin_target, record, sampler,
+    texture, uniform,
 };
 use crate::painting::PaintingFrame;
 use crate::params::{InkLines, StyleKind};
@@ -10,7 +11,11 @@ use crate::scene::Recording;
 
 pub(crate) const SHADER: Shader = Shader {
     name: "pelage painting wet",
-    parts: &[include_str!("../../painting/frame.wgsl"), include_str!("painting_wet.wgsl")],
+    parts: &[
+        include_str!("../../ink/distance.wgsl"),
+        include_str!("../../painting/frame.wgsl"),
+        include_str!("painting_wet.wgsl"),
+    ],
 };
 
 /// Washes at a quarter of the picture's size: density and coverage, blurred widely and narrowly.
@@ -57,17 +62,7 @@ fn run(frame: &mut Recording<'_>) -> Outcome {
         let group = frame.cache.bind_groups.get(frame.gpu, SHADER.name, &layout, entries);
         let spec = RenderSpec::screen(SHADER, ["vs_wet", fragment], layout.clone(), target.format);
         let draw = Draw::screen(frame.pipeline(spec), &group);
-        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
-        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(SHADER.name),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops,
-            })],
-            ..Default::default()
-        });
+        let mut pass = begin_target(frame.encoder, SHADER.name, view, CLEARED);
         record(&mut pass, [&draw]);
     }
     Outcome::recorded("washes".into())
