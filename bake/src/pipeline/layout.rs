@@ -5,8 +5,8 @@ use super::input::BakeInput;
 use crate::decision::Decision;
 use crate::recipe::{self, ColorParams, CombSource, GroomCoordinates, HairColors, Recipe, SrgbColor, SurfaceSource};
 use crate::stages::groom::{
-    self, Body, BodyGroom, FurredMaterials, ImageCoordinates, JointValues, LayoutMaps, Lengths, Maps, MarkValues,
-    ModelAtlas,
+    self, Body, BodyGroom, BodyHead, FurredMaterials, HeadShape, ImageCoordinates, JointValues, LayoutMaps, Lengths,
+    Maps, MarkValues, ModelAtlas,
 };
 use crate::stages::metric::{self, TileRecipe};
 use crate::stages::rounding::rounded;
@@ -43,6 +43,8 @@ pub struct Layout<'a> {
     pub maps: Maps<'a>,
     /// Density and comb direction from the groom maps, at the model's vertices.
     pub lay: LayoutMaps,
+    /// Head with a snout; `None` if none is known.
+    pub head: Option<HeadShape>,
     /// Values that the recipe left open and the bake chose.
     pub decisions: Vec<Decision>,
     /// Warnings of `import` and of this stage.
@@ -141,9 +143,9 @@ pub fn lay_out_model<'a>(input: &BakeInput<'a>, model: &Model) -> Result<Layout<
         None => Comb::of_recipe(&recipe.surface, &model.combs, bounds.radius),
     };
     decisions.extend(comb_decision(&recipe.surface, &comb, &model.combs));
-    let of_head = is_comb_open(&recipe.surface, &comb)
-        .then(|| groom::comb_of_head(&body, comb.global_direction(), params.comb_smoothing * params.tile_size_m))
-        .flatten();
+    let head = BodyHead::find(&body);
+    let of_head = head.as_ref().filter(|_| is_comb_open(&recipe.surface, &comb));
+    let of_head = of_head.map(|head| head.comb(comb.global_direction(), params.comb_smoothing * params.tile_size_m));
     let back = comb.global_direction();
     decisions.extend(of_head.as_ref().map(|(_, elsewhere)| head_decision(Some(*elsewhere).filter(|e| *e != back))));
     let comb = of_head.map_or(comb, |(wishes, _)| Comb::Weighted(wishes));
@@ -151,8 +153,23 @@ pub fn lay_out_model<'a>(input: &BakeInput<'a>, model: &Model) -> Result<Layout<
     let surface = surface::parameterize_with_progress(file, model, &params, progress)?;
     warnings.extend(size::warnings(recipe, &bounds, &surface.rest.positions, &surface.mesh.triangles));
     warnings.extend(surface.warnings.iter().cloned());
+    let head = head.as_ref().map(BodyHead::shape);
     let changed = rounded.or(split);
-    Ok(Layout { changed, surface, bounds, furred, bare, lengths, filled, hair_colors, maps, lay, decisions, warnings })
+    Ok(Layout {
+        changed,
+        head,
+        surface,
+        bounds,
+        furred,
+        bare,
+        lengths,
+        filled,
+        hair_colors,
+        maps,
+        lay,
+        decisions,
+        warnings,
+    })
 }
 
 /// Reports that coarse surface was rounded.

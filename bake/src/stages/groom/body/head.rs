@@ -11,7 +11,7 @@ use super::input::Body;
 use super::parts::Region;
 use super::shape::ShapedHead;
 use super::welded_mesh::WeldedMesh;
-use super::{HeadAxis, PARTS, bare, head_joint, parts_of_places, regions};
+use super::{HeadAxis, bare, head_joint, parts_of_places, regions};
 use crate::stages::groom::geodesic::geodesic_distances;
 use glam::Vec3;
 
@@ -27,40 +27,101 @@ const SMOOTHING: f32 = 0.1;
 /// Greatest distance from the tip of the nose, divided by the head's length.
 const REACH: f32 = 4.0;
 
-/// Returns the wanted comb direction of each vertex of the mesh, at rest: on the head away from the tip of the nose,
-/// and on the rest of the body the direction that is returned with them. Lengths are weights: 1 on the body, and more
-/// on the head. Returns `None` if the body has no head with a snout that is named by a joint or found by shape.
-///
-/// On a body without joints, the direction of the rest is turned by quarter turns to point away from the head.
-///
-/// * `elsewhere`: unit vector
-/// * `smoothing_m`: distance over which directions of weight 1 are smoothed, metres, above 0
-pub(crate) fn comb_of_head(body: &Body<'_>, elsewhere: Vec3, smoothing_m: f32) -> Option<(Vec<Vec3>, Vec3)> {
-    let radius_m = body.bounds.radius;
-    if !(radius_m > 0.0 && radius_m.is_finite()) {
-        return None;
+/// Head with a snout that is named by a joint or found by shape.
+pub(crate) struct BodyHead {
+    skin: WeldedMesh,
+    head: Head,
+    axis: HeadAxis,
+    /// Tip of the nose, furred or bare.
+    tip: Vec3,
+    /// Whether the body has no joints, so that only the head tells its direction.
+    is_shaped: bool,
+    center_m: Vec3,
+    radius_m: f32,
+}
+
+/// Position and size of a head with a snout at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeadShape {
+    /// Share of the head, ears included, at each vertex of the mesh, 0..=1.
+    pub share: Vec<f32>,
+    /// Tip of the nose, metres.
+    pub nose_m: Vec3,
+    /// Centre of the surface of the head without ears, metres.
+    pub middle_m: Vec3,
+    /// Horizontal or falling unit direction in the plane of symmetry, from the centre to the snout.
+    pub forward: Vec3,
+}
+
+impl BodyHead {
+    /// Finds the head of a body; `None` if no joint names it and its shape does not show it, or if it is bare or has no
+    /// snout.
+    pub(crate) fn find(body: &Body<'_>) -> Option<Self> {
+        let radius_m = body.bounds.radius;
+        if !(radius_m > 0.0 && radius_m.is_finite()) {
+            return None;
+        }
+        let center_m = Vec3::from(body.bounds.center);
+        let to_skin = |p: Vec3| (p - center_m) / radius_m;
+        let skin = WeldedMesh::new(body.mesh, body.rest, center_m, radius_m);
+        let furred = bare::furred_places(body, &skin);
+        let animation = body.animation.filter(|_| !body.mesh.skin.is_empty());
+        let all = vec![true; skin.len()];
+        let (head, axis, tip) = match animation {
+            Some(animation) => {
+                let joint = to_skin(head_joint(animation, &regions::of_nodes(animation))?);
+                let parts = parts_of_places(body, &skin, to_skin);
+                let share = |regions: &[Region]| -> Vec<f32> {
+                    parts.iter().map(|parts| regions.iter().map(|r| parts[*r as usize]).sum()).collect()
+                };
+                // Ears stand above the head and would make its axis steeper.
+                let skull = share(&[Region::Head, Region::Face, Region::Muzzle]);
+                let axis = HeadAxis::new(&skin, joint, &skull)?;
+                let nose = Nose::new(&skin, &furred, &skull, &axis)?;
+                let tip = Nose::new(&skin, &all, &skull, &axis)?.at;
+                let share = share(&[Region::Head, Region::Face, Region::Muzzle, Region::Ear]);
+                (Head { share, nose }, axis, tip)
+            }
+            None => {
+                let ShapedHead { skull, head, axis } = ShapedHead::find(&skin)?;
+                let nose = Nose::new(&skin, &furred, &skull, &axis)?;
+                let tip = Nose::new(&skin, &all, &skull, &axis)?.at;
+                (Head { share: head, nose }, axis, tip)
+            }
+        };
+        Some(Self { skin, head, axis, tip, is_shaped: animation.is_none(), center_m, radius_m })
     }
-    let center = Vec3::from(body.bounds.center);
-    let to_skin = |p: Vec3| (p - center) / radius_m;
-    let skin = WeldedMesh::new(body.mesh, body.rest, center, radius_m);
-    let furred = bare::furred_places(body, &skin);
-    let (head, elsewhere) = match body.animation.filter(|_| !body.mesh.skin.is_empty()) {
-        Some(animation) => {
-            let joint = to_skin(head_joint(animation, &regions::of_nodes(animation))?);
-            (Head::of_rig(&skin, &furred, joint, &parts_of_places(body, &skin, to_skin))?, elsewhere)
+
+    /// Returns the wanted comb direction of each vertex of the mesh, at rest: on the head away from the tip of the
+    /// nose, and on the rest of the body the direction that is returned with them. Lengths are weights: 1 on the body,
+    /// and more on the head.
+    ///
+    /// On a body without joints, the direction of the rest is turned by quarter turns to point away from the head.
+    ///
+    /// * `elsewhere`: unit vector
+    /// * `smoothing_m`: distance over which directions of weight 1 are smoothed, metres, above 0
+    pub(crate) fn comb(&self, elsewhere: Vec3, smoothing_m: f32) -> (Vec<Vec3>, Vec3) {
+        let Self { skin, head, axis, .. } = self;
+        let elsewhere = if self.is_shaped { turned_away(elsewhere, axis.forward) } else { elsewhere };
+        let away = directions_away(skin, &head.nose);
+        let share = skin.spread(&head.share, TRANSITION * head.nose.head_length);
+        let finer = smoothing_m / (SMOOTHING * head.nose.head_length * self.radius_m);
+        let weight = (finer * finer).max(1.0);
+        let wish = |place: usize| elsewhere.lerp(away[place], share[place]) * (1.0 + share[place] * (weight - 1.0));
+        (skin.place_of.iter().map(|place| wish(*place as usize)).collect(), elsewhere)
+    }
+
+    /// Returns position and size of the head.
+    pub(crate) fn shape(&self) -> HeadShape {
+        let Self { skin, head, axis, tip, .. } = self;
+        let metres = |p: Vec3| p * self.radius_m + self.center_m;
+        HeadShape {
+            share: skin.place_of.iter().map(|place| head.share[*place as usize].clamp(0.0, 1.0)).collect(),
+            nose_m: metres(*tip),
+            middle_m: metres(axis.middle),
+            forward: axis.forward,
         }
-        None => {
-            let ShapedHead { skull, head, axis } = ShapedHead::find(&skin)?;
-            let nose = Nose::new(&skin, &furred, &skull, &axis)?;
-            (Head { share: head, nose }, turned_away(elsewhere, axis.forward))
-        }
-    };
-    let away = directions_away(&skin, &head.nose);
-    let share = skin.spread(&head.share, TRANSITION * head.nose.head_length);
-    let finer = smoothing_m / (SMOOTHING * head.nose.head_length * radius_m);
-    let weight = (finer * finer).max(1.0);
-    let wish = |place: usize| elsewhere.lerp(away[place], share[place]) * (1.0 + share[place] * (weight - 1.0));
-    Some((skin.place_of.iter().map(|place| wish(*place as usize)).collect(), elsewhere))
+    }
 }
 
 /// Turns a direction about y by quarter turns until it points most away from `forward`.
@@ -75,24 +136,6 @@ struct Head {
     /// Share of the head at each welded vertex, 0..=1.
     share: Vec<f32>,
     nose: Nose,
-}
-
-impl Head {
-    /// Returns the head by the names of joints; `None` if it is upright on its joint or bare.
-    ///
-    /// * `joint`: position of the head's first joint
-    /// * `parts`: weights of the body parts at each welded vertex
-    fn of_rig(skin: &WeldedMesh, furred: &[bool], joint: Vec3, parts: &[[f32; PARTS]]) -> Option<Self> {
-        let share = |regions: &[Region]| -> Vec<f32> {
-            parts.iter().map(|parts| regions.iter().map(|r| parts[*r as usize]).sum()).collect()
-        };
-        // Ears stand above the head and would make its axis steeper.
-        let skull = share(&[Region::Head, Region::Face, Region::Muzzle]);
-        let axis = HeadAxis::new(skin, joint, &skull)?;
-        let nose = Nose::new(skin, furred, &skull, &axis)?;
-        let share = share(&[Region::Head, Region::Face, Region::Muzzle, Region::Ear]);
-        Some(Self { share, nose })
-    }
 }
 
 /// Tip of the nose. Lengths are in mesh radii.

@@ -18,8 +18,8 @@ fn animal() -> Vec<(f32, f32)> {
 fn combed(mesh: &Mesh, animation: Option<&Animation>, smoothing_m: f32) -> Option<Vec<Vec3>> {
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let bounds = bounds(&rest);
-    comb_of_head(&Body { mesh, rest: &rest, animation, furred: &[true], bounds: &bounds }, BACK, smoothing_m)
-        .map(|(wishes, _)| wishes)
+    let body = Body { mesh, rest: &rest, animation, furred: &[true], bounds: &bounds };
+    BodyHead::find(&body).map(|head| head.comb(BACK, smoothing_m).0)
 }
 
 /// Returns the animal with a joint for its trunk, and one with the given name at the given height for its head.
