@@ -194,6 +194,7 @@ pub(super) fn painting(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(
             materials: &model.materials,
             furred: &laid.furred,
             hair_m: &hair_m,
+            head: laid.head.as_ref(),
             seed: input.recipe.ink.seed,
         }))
     };

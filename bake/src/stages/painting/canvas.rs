@@ -1,5 +1,7 @@
 //! Surface to be painted: welded mesh with its thickness, combing direction and darkness.
 
+use super::PaintedModel;
+use super::face::HeadFrame;
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::cells::closest_barycentric;
 use crate::stages::groom::{Colors, WeldedMesh, thickness};
@@ -7,9 +9,9 @@ use crate::stages::surface::Surface;
 use crate::stages::triangle_tree::TriangleTree;
 use glam::{Vec3, Vec3A};
 use obvhs::triangle::Triangle;
+use pelage_formats::StrokeAnchor;
 use pelage_formats::meaning::{linear_to_srgb, luminance};
-use pelage_formats::{Bounds, StrokeAnchor};
-use pelage_import::mesh::Material;
+use pelage_import::mesh::Mesh;
 
 /// Display brightness of the surface from which it counts as white, and up to which it counts as black.
 const WHITE: f32 = 0.82;
@@ -43,6 +45,10 @@ pub(super) struct Canvas {
     pub(super) furred: Vec<bool>,
     /// Whether each welded vertex belongs to an eye by the name of its material.
     pub(super) eye: Vec<bool>,
+    /// Share of the head, ears included, at each welded vertex, 0..=1.
+    pub(super) head: Vec<f32>,
+    /// Frame of the head; `None` if no head is known.
+    pub(super) face: Option<HeadFrame>,
     tree: TriangleTree,
 }
 
@@ -55,15 +61,9 @@ pub(super) struct Place {
 }
 
 impl Canvas {
-    pub(super) fn new(
-        surface: &Surface,
-        colors: &Colors,
-        bounds: &Bounds,
-        materials: &[Material],
-        furred: &[bool],
-        is_eye: impl Fn(&str) -> bool,
-    ) -> Self {
-        let Surface { mesh, rest, .. } = surface;
+    pub(super) fn new(model: &PaintedModel<'_>, is_eye: impl Fn(&str) -> bool) -> Self {
+        let PaintedModel { surface, colors, bounds, materials, furred, head, .. } = *model;
+        let Surface { mesh, rest, input_vertex, .. } = surface;
         let center = Vec3::from(bounds.center);
         let diagonal = Vec3::from(bounds.min).distance(Vec3::from(bounds.max));
         let size = if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 };
@@ -83,21 +83,11 @@ impl Canvas {
         let mut hair = vec![false; count];
         let mut eye = vec![false; count];
         for part in &mesh.parts {
-            let color = colors.materials.get(part.material);
-            let image = color.and_then(|c| c.image).and_then(|i| colors.images.get(i));
-            let factor = color.map_or(Vec3::ONE, |c| Vec3::from_slice(&c.factor[..3]));
             let named_eye = materials.get(part.material).is_some_and(|m| is_eye(&m.name));
             for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
-                for v in triangle.map(|v| v as usize) {
-                    let place = skin.place_of[v] as usize;
-                    let own = colors
-                        .vertices
-                        .get(v)
-                        .map_or(Vec3::ONE, |c| Vec3::new(f32::from(c[0]), f32::from(c[1]), f32::from(c[2])) / 255.0);
-                    let texel = image.map_or(Vec3::ONE, |image| {
-                        bilinear(image, mesh.uvs[v], Wrap::Repeat, Encoding::Srgb).truncate()
-                    });
-                    sums[place].0 += factor * own * texel;
+                for (v, corner) in triangle.iter().zip(Vec3::AXES) {
+                    let place = skin.place_of[*v as usize] as usize;
+                    sums[place].0 += color_at(mesh, colors, part.material, triangle, corner);
                     sums[place].1 += 1.0;
                     hair[place] |= furred.get(part.material).copied().unwrap_or(false);
                     eye[place] |= named_eye;
@@ -105,10 +95,13 @@ impl Canvas {
             }
         }
         let colors: Vec<Vec3> = sums.iter().map(|(sum, n)| (*sum / n.max(1.0)).clamp(Vec3::ZERO, Vec3::ONE)).collect();
-        let darkness = colors.iter().map(|color| {
-            let shown = f32::from(linear_to_srgb(luminance(color.as_dvec3()) as f32)) / 255.0;
-            ((WHITE - shown) / (WHITE - BLACK)).clamp(0.0, 1.0)
-        });
+        let mut shares = vec![0.0_f32; count];
+        for (place, v) in skin.place_of.iter().zip(input_vertex) {
+            let own = head.and_then(|head| head.share.get(*v as usize)).copied().unwrap_or(0.0);
+            shares[*place as usize] = shares[*place as usize].max(own);
+        }
+        let at = |p: Vec3| (p - center) / size;
+        let face = head.and_then(|head| HeadFrame::new(at(head.nose_m), at(head.middle_m), head.forward));
         let vivid = |color: &Vec3| (color.x - color.y.max(color.z) > VIVID).then(|| color.to_array());
         let corners = |f: &[u32; 3]| f.map(|p| Vec3A::from(positions[p as usize]));
         let triangles: Vec<Triangle> =
@@ -119,10 +112,12 @@ impl Canvas {
             vertex_of,
             thickness,
             comb: Vec::new(),
-            darkness: darkness.collect(),
+            darkness: colors.iter().copied().map(darkness_of).collect(),
             pigment: colors.iter().map(vivid).collect(),
             furred: hair,
             eye,
+            head: shares,
+            face,
             tree: TriangleTree::new(&triangles),
             positions,
             skin,
@@ -210,6 +205,30 @@ impl Canvas {
         let vertices = self.skin.faces[place.face].map(|p| self.vertex_of[p as usize]);
         anchor(vertices, place.weights.y, place.weights.z)
     }
+}
+
+/// Returns the linear colour at a point of a triangle with the given barycentric weights.
+pub(super) fn color_at(mesh: &Mesh, colors: &Colors, material: usize, triangle: &[u32; 3], weights: Vec3) -> Vec3 {
+    let color = colors.materials.get(material);
+    let factor = color.map_or(Vec3::ONE, |c| Vec3::from_slice(&c.factor[..3]));
+    let own = |v: u32| {
+        colors
+            .vertices
+            .get(v as usize)
+            .map_or(Vec3::ONE, |[r, g, b, _]| Vec3::from([*r, *g, *b].map(f32::from)) / 255.0)
+    };
+    let [a, b, c] = triangle.map(own);
+    let [u, v, w] = triangle.map(|v| mesh.uvs[v as usize]);
+    let uv = u * weights.x + v * weights.y + w * weights.z;
+    let image = color.and_then(|c| c.image).and_then(|i| colors.images.get(i));
+    let texel = image.map_or(Vec3::ONE, |image| bilinear(image, uv, Wrap::Repeat, Encoding::Srgb).truncate());
+    factor * (a * weights.x + b * weights.y + c * weights.z) * texel
+}
+
+/// Returns the darkness of a linear colour, 0 for white to 1 for black.
+pub(super) fn darkness_of(color: Vec3) -> f32 {
+    let shown = f32::from(linear_to_srgb(luminance(color.as_dvec3()) as f32)) / 255.0;
+    ((WHITE - shown) / (WHITE - BLACK)).clamp(0.0, 1.0)
 }
 
 /// Returns the anchor with the weights `b` and `c` of the second and third vertex.

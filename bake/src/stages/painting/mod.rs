@@ -4,6 +4,7 @@
 //! * `axes`: curves through the centres of limbs, which are painted along them
 //! * `washes`: broad strokes on the trunk, along the combing direction
 //! * `spots`: eyes, noses and hooves
+//! * `face`: nostrils, mouth, and eyes and noses between the vertices
 //! * `tufts`: fur
 //! * `trace`: curves on the surface
 //!
@@ -12,6 +13,7 @@
 
 mod axes;
 mod canvas;
+mod face;
 mod spots;
 #[cfg(test)]
 mod tests;
@@ -19,7 +21,7 @@ mod trace;
 mod tufts;
 mod washes;
 
-use crate::stages::groom::{Colors, name_of_eyes};
+use crate::stages::groom::{Colors, HeadShape, name_of_eyes};
 use crate::stages::surface::Surface;
 use axes::AxisPoint;
 use canvas::{Canvas, Place};
@@ -43,12 +45,16 @@ pub struct PaintedModel<'a> {
     pub furred: &'a [bool],
     /// Length of the hair at each vertex, metres.
     pub hair_m: &'a [f32],
+    /// Head with a snout; `None` if none is known.
+    pub head: Option<&'a HeadShape>,
     /// Seed of all irregularities.
     pub seed: u64,
 }
 
 /// Radius of a ring up to which a limb is painted with a single stroke, in units of the model's size.
 const BONE: f32 = 0.0145;
+/// Minimum ratio of the length of a single stroke to its half width.
+const SLENDER_BONE: f32 = 5.0;
 /// Shares of a limb's radius that its washes cover, from pale to dark.
 const LIMB_WIDTHS: [(StrokeKind, f32); 3] =
     [(StrokeKind::Pale, 0.9), (StrokeKind::Middle, 0.66), (StrokeKind::Dark, 0.36)];
@@ -57,10 +63,12 @@ const LIMB_RADIUS: f32 = 0.06;
 
 /// Returns the strokes of a model.
 pub fn painting(model: &PaintedModel<'_>) -> StrokePool {
-    let PaintedModel { surface, colors, bounds, materials, furred, hair_m, seed } = *model;
-    let canvas = Canvas::new(surface, colors, bounds, materials, furred, name_of_eyes);
+    let PaintedModel { hair_m, seed, .. } = *model;
+    let canvas = Canvas::new(model, name_of_eyes);
     let mut pool = Pool { canvas: &canvas, strokes: Vec::new(), seed };
-    let spots = spots::spots(&canvas, PaintStroke::POINTS);
+    let mut spots = spots::spots(&canvas, PaintStroke::POINTS);
+    face::add_hidden_spots(model, &canvas, &mut spots);
+    spots.extend(face::nostrils_and_mouth(&canvas, &spots));
     let mut covered = vec![false; canvas.positions.len()];
     for spot in &spots {
         spot.vertices.iter().for_each(|v| covered[*v as usize] = true);
@@ -103,9 +111,10 @@ impl Pool<'_> {
     }
 
     fn add_spot(&mut self, spot: &spots::Spot) {
-        let points = spot.places.iter().zip(&spot.half_widths).map(|(place, half)| {
-            let anchor = self.canvas.anchor(place);
-            Self::point(self.canvas, [anchor; 2], *half, 1.0)
+        let opposite = spot.opposite.as_ref().unwrap_or(&spot.places);
+        let points = spot.places.iter().zip(opposite).zip(&spot.half_widths).map(|((place, opposite), half)| {
+            let sides = [place, opposite].map(|place| self.canvas.anchor(place));
+            Self::point(self.canvas, sides, *half, spot.darkness)
         });
         let points = points.collect();
         self.push(spot.kind, spot.pigment, points);
@@ -138,7 +147,8 @@ impl Pool<'_> {
         let canvas = self.canvas;
         let centers: Vec<Vec3> = axis.iter().map(|p| p.center).collect();
         let mean = axis.iter().map(|p| p.radius).sum::<f32>() / axis.len() as f32;
-        if length(&centers) < 2.0 * mean {
+        // A short single stroke would read as a bead, such as an ear's.
+        if length(&centers) < if mean < BONE { SLENDER_BONE } else { 2.0 } * mean {
             return;
         }
         let nearest = |k: usize, share: f32| if share < 0.5 { k } else { (k + 1).min(axis.len() - 1) };

@@ -22,6 +22,7 @@ struct Animal {
     bounds: Bounds,
     materials: Vec<Material>,
     hair_m: Vec<f32>,
+    head: Option<HeadShape>,
 }
 
 impl Animal {
@@ -60,7 +61,7 @@ impl Animal {
         let colors = Colors { materials: vec![white; 2], vertices: vec![[255; 4]; count], ..Colors::default() };
         let material = |name: &str| Material { name: name.into(), ..Material::default() };
         let materials = vec![material("Body"), material("Body")];
-        Self { surface, colors, bounds, materials, hair_m: vec![0.05; count] }
+        Self { surface, colors, bounds, materials, hair_m: vec![0.05; count], head: None }
     }
 
     /// Returns the animal whose vertices near `at` have a grey, linear 0..=255; their triangles have material 1.
@@ -77,19 +78,24 @@ impl Animal {
     }
 
     fn canvas(&self) -> Canvas {
-        Canvas::new(&self.surface, &self.colors, &self.bounds, &self.materials, &[true; 2], name_of_eyes)
+        Canvas::new(&self.model(), name_of_eyes)
     }
 
     fn painting(&self) -> StrokePool {
-        painting(&PaintedModel {
+        painting(&self.model())
+    }
+
+    fn model(&self) -> PaintedModel<'_> {
+        PaintedModel {
             surface: &self.surface,
             colors: &self.colors,
             bounds: &self.bounds,
             materials: &self.materials,
             furred: &[true; 2],
             hair_m: &self.hair_m,
+            head: self.head.as_ref(),
             seed: 7,
-        })
+        }
     }
 
     /// Returns a position of the canvas in metres.
@@ -277,6 +283,95 @@ fn dark_patches_are_spots_and_eyes_are_recognised_by_name() {
     assert_eq!(spots_of(&grey), []);
     grey.materials[1].name = "Eye".into();
     assert_eq!(spots_of(&grey), [StrokeKind::Eye]);
+}
+
+/// Returns an egg along x from -2 to 2 m that has its head at x > 0.8.
+fn snouted() -> Animal {
+    let (rings, mut positions, mut triangles) = (40, Vec::new(), Vec::new());
+    for k in 0..=rings {
+        let (x, radius) = (-(PI * k as f32 / rings as f32).cos(), (PI * k as f32 / rings as f32).sin());
+        positions.extend((0..SIDES).map(|n| {
+            let angle = TAU * n as f32 / SIDES as f32;
+            Vec3::new(2.0 * x, 0.5 * radius * angle.cos(), 0.5 * radius * angle.sin())
+        }));
+    }
+    for (k, n) in (0..rings).flat_map(|k| (0..SIDES).map(move |n| (k * SIDES, n))) {
+        let [a, b] = [k + n, k + (n + 1) % SIDES];
+        triangles.extend([[a, b + SIDES, a + SIDES], [a, b, b + SIDES]]);
+    }
+    let share = positions.iter().map(|p: &Vec3| f32::from(u8::from(p.x > 0.8))).collect();
+    let mut animal = Animal::new(positions, triangles);
+    assert!(animal.surface.mesh.normals[20 * SIDES as usize].y > 0.9, "triangles face outwards");
+    animal.head = Some(HeadShape { share, nose_m: Vec3::X * 2.0, middle_m: Vec3::X * 1.3, forward: Vec3::X });
+    animal
+}
+
+/// Returns the positions of nostrils and mouth, metres, each with its darkness.
+fn face_of(animal: &Animal) -> Vec<(Vec<Vec3>, f32)> {
+    let canvas = animal.canvas();
+    let found = face::nostrils_and_mouth(&canvas, &spots::spots(&canvas, PaintStroke::POINTS));
+    let metres = |spot: &spots::Spot| spot.places.iter().map(|p| animal.metres(&canvas, p.position)).collect();
+    found.iter().map(|spot| (metres(spot), spot.darkness)).collect()
+}
+
+#[test]
+fn snouts_have_nostrils_above_a_mouth_on_both_sides() {
+    let animal = snouted();
+    let face = face_of(&animal);
+    assert_eq!(face.len(), 4, "two nostrils, and a line on each side");
+    for (left, right) in [(&face[0].0, &face[2].0), (&face[1].0, &face[3].0)] {
+        let mirrored = left.iter().zip(right).all(|(a, b)| a.distance(*b * Vec3::new(1.0, 1.0, -1.0)) < 0.02);
+        assert!(mirrored && left[12].z.abs() > 0.05, "{left:?} {right:?}");
+    }
+    assert!(face[0].0.iter().all(|p| p.y > 0.0 && p.x > 1.7), "{:?}", face[0]);
+    assert!(face[1].0.iter().all(|p| p.y < 0.0 && p.x > 1.3), "{:?}", face[1]);
+    assert!(face[0].1 > face[1].1, "nostrils are darker");
+    // The nose of this model is already dark.
+    assert_eq!(face_of(&snouted().with_patch(Vec3::X * 2.0, 0.12, 0)).len(), 2);
+}
+
+#[test]
+fn doubtful_snouts_have_no_face() {
+    let mut animal = snouted();
+    animal.head.as_mut().unwrap().nose_m.z = 0.15;
+    assert_eq!(face_of(&animal), [], "the nose is on one side");
+    animal = snouted();
+    animal.head.as_mut().unwrap().middle_m.x = 1.8;
+    assert_eq!(face_of(&animal), [], "the snout is wider than long");
+    animal.head = None;
+    assert_eq!(face_of(&animal), []);
+}
+
+#[test]
+fn eyes_are_found_between_vertices_of_a_texture() {
+    let mut animal = snouted();
+    // The texture is projected along z. Its eye is 0.7 m behind the nose and 0.15 m above the axis.
+    let size = 256_u32;
+    let is_eye = |k: u32| {
+        let [x, y] = [k % size, k / size].map(|i| i as f32 / size as f32 - 0.5);
+        (4.0 * x - 1.3).hypot(y - 0.15) < 0.06
+    };
+    let rgba = (0..size * size).flat_map(|k| [if is_eye(k) { 0 } else { 200 }; 4]).collect();
+    animal.colors.images = vec![std::sync::Arc::new(pelage_import::mesh::Image { width: size, height: size, rgba })];
+    animal.colors.materials[0].image = Some(0);
+    let uv = |p: &Vec3| Vec2::new(p.x / 4.0 + 0.5, p.y + 0.5);
+    animal.surface.mesh.uvs = animal.surface.mesh.positions.iter().map(uv).collect();
+    let eyes = |animal: &Animal| {
+        let mut found = Vec::new();
+        face::add_hidden_spots(&animal.model(), &animal.canvas(), &mut found);
+        found
+    };
+    let found = eyes(&animal);
+    assert_eq!(found.iter().map(|spot| spot.kind).collect::<Vec<_>>(), [StrokeKind::Eye; 2]);
+    for eye in &found {
+        let p = animal.metres(&animal.canvas(), eye.places[12].position);
+        assert!((p.x - 1.3).abs() < 0.04 && (p.y - 0.15).abs() < 0.04, "{p}");
+    }
+    assert!(found[0].places[12].position.z * found[1].places[12].position.z < 0.0, "one on each side");
+    // A single dark patch is not an eye.
+    let single = |p: &Vec3| if p.z > 0.0 { uv(p) } else { Vec2::ZERO };
+    animal.surface.mesh.uvs = animal.surface.mesh.positions.iter().map(single).collect();
+    assert!(eyes(&animal).is_empty());
 }
 
 #[test]

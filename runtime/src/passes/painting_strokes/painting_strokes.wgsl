@@ -181,7 +181,9 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let seen_half = distance(on_picture(world[i] + across * half).xy, at[i].xy);
         let half_px = select(max(seen_half, LEAST_WIDTH * even), even, on_axis);
         let facing = dot(normal, toward_eye);
-        let tolerance = VISIBLE * painted.size + select(0.0, 1.3 * posed.radius, on_axis);
+        // Lids must not cut eyes.
+        let hidden_by = select(VISIBLE, 2.0 * VISIBLE, stroke.kind == EYE);
+        let tolerance = hidden_by * painted.size + select(0.0, 1.3 * posed.radius, on_axis);
         let seen = visible_at(at[i], tolerance) * smoothstep(-0.05, 0.2, facing);
         let tone = tone_at(stored.brush.y, normal, toward_eye);
         brush[i] = vec4(half_px, tone, seen, facing);
@@ -285,8 +287,9 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             dryness = clamp(0.02 + 0.42 * pow(u, 1.5) + 0.08 * along_noise(u, 5.0, seed + 9u), 0.0, 0.6);
             side = 0.25 * select(-1.0, 1.0, chance > 0.5);
         } else if stroke.kind == SPOT || stroke.kind == EYE {
-            half = max(half, 0.8 * painting.unit_px) * select(0.98, 1.08, stroke.kind == EYE);
-            density = select(mix(2.1, 1.3, u), 2.5, stroke.kind == EYE);
+            let ink = pool_points[first + i].brush.y;
+            half = max(half, 0.8 * ink * painting.unit_px) * select(0.98, 1.08, stroke.kind == EYE);
+            density = ink * select(mix(2.1, 1.3, u), 2.5, stroke.kind == EYE);
             dryness = select(0.3 * u, 0.0, stroke.kind == EYE);
             side = select(0.3, 0.0, stroke.kind == EYE);
         } else {
