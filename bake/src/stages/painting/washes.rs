@@ -11,8 +11,11 @@ use glam::{DVec2, IVec3, Vec3};
 use pelage_formats::StrokeKind;
 use std::collections::HashMap;
 
-/// Number of samples of the surface.
-const SAMPLES: usize = 6000;
+/// Number of samples of the surface, and their density on the head relative to the body.
+const SAMPLES: usize = 8000;
+const HEAD_SAMPLES: f32 = 4.0;
+/// Size of strokes on the head relative to the body.
+const HEAD_SIZE: f32 = 0.5;
 
 /// Class of strokes; lengths are in units of the model's size.
 struct Class {
@@ -53,6 +56,8 @@ struct Sample {
     normal: Vec3,
     darkness: f32,
     lack: f32,
+    /// Size of strokes that begin here, relative to those of the class.
+    size: f32,
 }
 
 /// Samples by the cells of a grid.
@@ -84,11 +89,12 @@ impl Grid {
     }
 }
 
-/// Returns points spread evenly over the surface.
+/// Returns points spread evenly over the surface, and more densely over the head.
 pub(super) fn spread_places(canvas: &Canvas, count: usize, seed: u64) -> Vec<Place> {
     let area = |face: usize| {
         let [a, b, c] = canvas.corners(face);
-        f64::from((b - a).cross(c - a).length()) / 2.0
+        let head = canvas.skin.faces[face].iter().map(|p| canvas.head[*p as usize]).sum::<f32>() / 3.0;
+        f64::from((b - a).cross(c - a).length() * (1.0 + (HEAD_SAMPLES - 1.0) * head)) / 2.0
     };
     let total: f64 = (0..canvas.skin.faces.len()).map(area).sum();
     let mut places = Vec::with_capacity(count);
@@ -119,7 +125,8 @@ pub(super) fn washes(canvas: &Canvas, is_covered: &[bool], seed: u64) -> Vec<Sur
                 let free = 1.0 - smooth_step(0.3, 0.7, canvas.at(&covered, &place));
                 let wanted = if class.from > 0.0 { smooth_step(class.from, class.from + 0.3, darkness) } else { 1.0 };
                 let normal = canvas.vector_at(&canvas.skin.normals, &place);
-                Sample { place, normal, darkness, lack: free * wanted }
+                let size = 1.0 - (1.0 - HEAD_SIZE) * smooth_step(0.2, 0.8, canvas.at(&canvas.head, &place));
+                Sample { place, normal, darkness, lack: free * wanted, size }
             })
             .collect();
         let grid = Grid::new(&samples, class.half_width * 0.5);
@@ -127,7 +134,7 @@ pub(super) fn washes(canvas: &Canvas, is_covered: &[bool], seed: u64) -> Vec<Sur
             .iter()
             .map(|sample| {
                 let mut near = Vec::new();
-                let radius = class.half_width * 0.6;
+                let radius = class.half_width * 0.6 * sample.size;
                 grid.near(sample.place.position, radius, |k| {
                     let other = &samples[k];
                     if other.place.position.distance_squared(sample.place.position) < radius * radius
@@ -142,9 +149,9 @@ pub(super) fn washes(canvas: &Canvas, is_covered: &[bool], seed: u64) -> Vec<Sur
         let mean = |samples: &[Sample], k: usize| {
             around[k].iter().map(|j| samples[*j].lack).sum::<f32>() / around[k].len().max(1) as f32
         };
-        let mut made = 0;
+        let mut made = 0.0;
         for _ in 0..class.most * 8 {
-            if made >= class.most {
+            if made >= class.most as f32 {
                 break;
             }
             let best = (0..samples.len())
@@ -152,12 +159,12 @@ pub(super) fn washes(canvas: &Canvas, is_covered: &[bool], seed: u64) -> Vec<Sur
                 .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
             let Some((lack, best)) = best.filter(|(lack, _)| *lack > COMPLETE) else { break };
             let start = &samples[best];
-            let (from, darkness) = (start.place, start.darkness);
+            let (from, darkness, size) = (start.place, start.darkness, start.size);
             let thick = canvas.at(&canvas.thickness, &from);
-            let half_width = class.half_width.min(0.5 * thick.max(0.02));
-            let places = follow_both_ways(canvas, from, class.longest, |place| {
+            let half_width = (class.half_width * size).min(0.5 * thick.max(0.02));
+            let places = follow_both_ways(canvas, from, class.longest * size, |place| {
                 let (mut sum, mut n) = (0.0, 0.0);
-                grid.near(place.position, class.half_width * 0.5, |k| {
+                grid.near(place.position, class.half_width * 0.5 * size, |k| {
                     sum += samples[k].lack;
                     n += 1.0;
                 });
@@ -167,7 +174,7 @@ pub(super) fn washes(canvas: &Canvas, is_covered: &[bool], seed: u64) -> Vec<Sur
             });
             let positions: Vec<Vec3> = places.iter().map(|p| p.position).collect();
             let long = length(&positions);
-            let keeps = long >= SLENDER * half_width && long >= class.shortest;
+            let keeps = long >= SLENDER * half_width && long >= class.shortest * size;
             for place in &places {
                 let normal = canvas.vector_at(&canvas.skin.normals, place);
                 let mut touched = Vec::new();
@@ -181,7 +188,8 @@ pub(super) fn washes(canvas: &Canvas, is_covered: &[bool], seed: u64) -> Vec<Sur
             }
             samples[best].lack *= 0.2;
             if keeps {
-                made += 1;
+                // Strokes on the head take up less of the number by their area.
+                made += size * size;
                 strokes.push(SurfaceStroke { kind: class.kind, places, half_width });
             }
         }
