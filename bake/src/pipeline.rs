@@ -117,7 +117,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "contours",
         makes: Contours,
-        reads: &[Model, Layout, Groomed],
+        reads: &[Model, Layout, Groomed, Painting],
         tables: &["ink.enabled"],
         run: run_step::contours,
     },

@@ -223,6 +223,7 @@ pub(super) fn contours(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(
         colors,
         furred: &laid.furred,
         animation: model.animation.as_ref(),
+        painting: required(&outputs.painting, Painting)?.as_deref(),
     };
     let made = input.recipe.ink.enabled.then(|| Arc::new(contour_mesh(&target)));
     store(&outputs.contours, Contours, made)

@@ -2,9 +2,10 @@
 
 use super::target::ContourTarget;
 use super::weld::Weld;
+use crate::noise::smooth_step;
 use crate::sample::{Encoding, Wrap, bilinear};
-use glam::{Vec2, Vec3};
-use pelage_formats::{ContourEdge, ContourMark};
+use glam::Vec3;
+use pelage_formats::{ContourEdge, ContourMark, PaintStroke, StrokeKind, StrokePoint};
 
 /// Luminance weights of linear sRGB (ITU-R BT.709).
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
@@ -12,6 +13,11 @@ const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 const DISPLAY_EXPONENT: f32 = 1.0 / 2.2;
 /// Number of times that marks are averaged with those of neighbours, because textures vary between vertices.
 const SMOOTHINGS: usize = 2;
+/// Distance from the axis of a bone stroke over which lines return, in half widths of the stroke. Rims of ears, which
+/// are flat, are beyond it.
+const BESIDE_BONE: [f32; 2] = [1.15, 1.45];
+/// Share of a bone stroke, from its root, over which lines end.
+const ROOT: [f32; 2] = [0.04, 0.25];
 
 /// Returns the marks of all vertices of the mesh.
 ///
@@ -23,20 +29,22 @@ pub(super) fn marks(
     heads: &[bool],
 ) -> Vec<ContourMark> {
     let count = weld.representatives.len();
-    let mut sums = vec![(Vec2::ZERO, 0.0f32); count];
+    let mut sums = vec![(Vec3::ZERO, 0.0f32); count];
+    let lines = line_amounts(target);
     let own = target.mesh.skin.iter().map(|skin| {
         let is_head = |joint: &u16| heads.get(usize::from(*joint)) == Some(&true);
         skin.joints.iter().zip(skin.weights).filter(|(joint, _)| is_head(joint)).map(|(_, weight)| weight).sum()
     });
     let emphasis: Vec<f32> = own.chain(std::iter::repeat(0.0)).take(count).collect();
-    for ((representative, darkness), emphasis) in weld.representatives.iter().zip(darkness(target)).zip(emphasis) {
+    let values = lines.into_iter().zip(emphasis).zip(darkness(target));
+    for (representative, ((line, emphasis), darkness)) in weld.representatives.iter().zip(values) {
         let (sum, weight) = &mut sums[*representative as usize];
-        *sum += Vec2::new(emphasis, darkness);
+        *sum += Vec3::new(line, emphasis, darkness);
         *weight += 1.0;
     }
-    let mut values: Vec<Vec2> = sums.iter().map(|(sum, weight)| *sum / weight.max(1.0)).collect();
+    let mut values: Vec<Vec3> = sums.iter().map(|(sum, weight)| *sum / weight.max(1.0)).collect();
     for _ in 0..SMOOTHINGS {
-        let mut around: Vec<(Vec2, f32)> = values.iter().map(|value| (*value, 1.0)).collect();
+        let mut around: Vec<(Vec3, f32)> = values.iter().map(|value| (*value, 1.0)).collect();
         for [a, b] in edges.iter().map(|edge| edge.map(|v| v as usize)) {
             around[a] = (around[a].0 + values[b], around[a].1 + 1.0);
             around[b] = (around[b].0 + values[a], around[b].1 + 1.0);
@@ -45,10 +53,48 @@ pub(super) fn marks(
     }
     let byte = |share: f32| (255.0 * share.clamp(0.0, 1.0)).round() as u8;
     let mark = |v: &u32| {
-        let [emphasis, darkness] = values[*v as usize].to_array().map(byte);
-        ContourMark { line: 255, emphasis, darkness, reserved: 0 }
+        let [line, emphasis, darkness] = values[*v as usize].to_array().map(byte);
+        ContourMark { line, emphasis, darkness, reserved: 0 }
     };
     weld.representatives.iter().map(mark).collect()
+}
+
+/// Returns the amount of lines at each vertex, 0..=1: none on parts that are painted with a single stroke along their
+/// axis, which would be painted twice.
+fn line_amounts(target: &ContourTarget<'_>) -> Vec<f32> {
+    let positions = &target.rest.positions;
+    let center = |point: &StrokePoint| {
+        let middle = |side: &pelage_formats::StrokeAnchor| {
+            let [a, b, c] = side.vertices.map(|v| positions[v as usize]);
+            let [v, w] = side.weights.map(|w| f32::from(w) / 65535.0);
+            a * (1.0 - v - w) + b * v + c * w
+        };
+        (middle(&point.sides[0]) + middle(&point.sides[1])) / 2.0
+    };
+    let mut amounts = vec![1.0_f32; positions.len()];
+    let strokes = target.painting.map_or(&[][..], |pool| &pool.strokes);
+    for bone in strokes.iter().filter(|stroke| stroke.kind == StrokeKind::Bone) {
+        let axis: Vec<(Vec3, f32)> = bone.points.iter().map(|p| (center(p), p.half_width_m.max(1e-9))).collect();
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for (p, half) in &axis {
+            (low, high) = (low.min(*p - BESIDE_BONE[1] * half), high.max(*p + BESIDE_BONE[1] * half));
+        }
+        for (p, amount) in positions.iter().zip(&mut amounts) {
+            if p.cmplt(low).any() || p.cmpgt(high).any() {
+                continue;
+            }
+            for (k, pair) in axis.windows(2).enumerate() {
+                let [(from, first), (to, second)] = [pair[0], pair[1]];
+                let along = ((*p - from).dot(to - from) / from.distance_squared(to).max(1e-20)).clamp(0.0, 1.0);
+                let off = p.distance(from.lerp(to, along)) / (first + (second - first) * along);
+                let u = (k as f32 + along) / (PaintStroke::POINTS - 1) as f32;
+                let covered =
+                    smooth_step(ROOT[0], ROOT[1], u) * (1.0 - smooth_step(BESIDE_BONE[0], BESIDE_BONE[1], off));
+                *amount = amount.min(1.0 - covered);
+            }
+        }
+    }
+    amounts
 }
 
 /// Returns the darkness of the surface at each vertex in display brightness: 0 for white, 1 for black.

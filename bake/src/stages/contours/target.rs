@@ -1,7 +1,7 @@
 //! Input of the stage.
 
 use crate::stages::groom::Colors;
-use pelage_formats::Animation;
+use pelage_formats::{Animation, StrokePool};
 use pelage_import::mesh::{Mesh, RestPose};
 
 /// Model whose contour lines are drawn.
@@ -19,4 +19,6 @@ pub struct ContourTarget<'a> {
     pub furred: &'a [bool],
     /// Skeleton, whose joints tell where the head is.
     pub animation: Option<&'a Animation>,
+    /// Strokes with which the model is painted.
+    pub painting: Option<&'a StrokePool>,
 }

@@ -2,11 +2,15 @@ use super::*;
 use crate::stages::fixtures::{ball, on_threads, part};
 use crate::stages::groom::Colors;
 use glam::{Vec2, Vec3};
-use pelage_formats::{ContourMark, CreasePoint};
+use pelage_formats::{ContourMark, CreasePoint, PaintStroke, StrokeAnchor, StrokeKind, StrokePoint, StrokePool};
 use pelage_import::mesh::{Mesh, RestPose};
 use std::collections::BTreeMap;
 
 fn contours_of(mesh: &Mesh) -> ContourMesh {
+    contours_with(mesh, None)
+}
+
+fn contours_with(mesh: &Mesh, painting: Option<&StrokePool>) -> ContourMesh {
     let rest = RestPose { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let radius = rest.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
     let colors = Colors {
@@ -15,7 +19,8 @@ fn contours_of(mesh: &Mesh) -> ContourMesh {
         hair: vec![None],
         ..Colors::default()
     };
-    contour_mesh(&ContourTarget { mesh, rest: &rest, radius, colors: &colors, furred: &[false], animation: None })
+    let furred = &[false];
+    contour_mesh(&ContourTarget { mesh, rest: &rest, radius, colors: &colors, furred, animation: None, painting })
 }
 
 fn sphere() -> Mesh {
@@ -111,4 +116,30 @@ fn edge_of_three_faces_is_stored_twice() {
     let contours = contours_of(&mesh);
     assert_eq!((contours.faces.len(), contours.edges.len()), (3, 8));
     assert_eq!(contours.edges.iter().filter(|edge| **edge == [0, 1]).count(), 2);
+}
+
+#[test]
+fn lines_make_way_for_bone_strokes() {
+    let mesh = sphere();
+    let nearest = |p: Vec3| {
+        let off = |v: &u32| mesh.positions[*v as usize].distance(p);
+        (0..mesh.positions.len() as u32).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
+    };
+    // A stroke along a quarter of the equator, about a sixth of it wide.
+    let points = (0..PaintStroke::POINTS).map(|i| {
+        let angle = std::f32::consts::FRAC_PI_2 * i as f32 / (PaintStroke::POINTS - 1) as f32;
+        let v = nearest(Vec3::new(angle.cos(), 0.0, angle.sin()));
+        let anchor = StrokeAnchor { vertices: [v; 3], weights: [0; 2] };
+        StrokePoint { sides: [anchor; 2], half_width_m: 0.25, darkness: 0.0 }
+    });
+    let bone = PaintStroke { kind: StrokeKind::Bone, points: points.collect(), ..PaintStroke::default() };
+    let mut pool = StrokePool { size_m: 2.0, strokes: vec![bone] };
+    let line_at = |pool: &StrokePool, angle: f32| {
+        let marks = contours_with(&mesh, Some(pool)).marks;
+        marks[nearest(Vec3::new(angle.cos(), 0.0, angle.sin())) as usize].line
+    };
+    let [root, middle, tip, far] = [0.0, 0.8, 1.5, 3.0].map(|angle| line_at(&pool, angle));
+    assert!(root > 100 && middle < 30 && tip < 60 && far == 255, "{root} {middle} {tip} {far}");
+    pool.strokes[0].kind = StrokeKind::Dark;
+    assert_eq!(line_at(&pool, 0.8), 255, "other strokes leave the lines");
 }
