@@ -56,7 +56,7 @@ pub enum StrokeKind {
     Dark,
     /// Thin part, painted with a single stroke along its axis.
     Bone,
-    /// Small dark spot, such as a nose or a hoof.
+    /// Small dark spot, such as a nose or a hoof, or a line of the face: nostril or mouth.
     Spot,
     /// Eye.
     Eye,
@@ -72,7 +72,7 @@ pub struct StrokePoint {
     pub sides: [StrokeAnchor; 2],
     /// Half width of the stroke, metres, at least 0.
     pub half_width_m: f32,
-    /// Darkness of the surface's colour, 0 for white to 1 for black.
+    /// Darkness of the surface's colour, 0 for white to 1 for black; for spots and eyes, amount of ink.
     pub darkness: f32,
 }
 
