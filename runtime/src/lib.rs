@@ -90,7 +90,7 @@ pub use painting::{PictureStroke, StrokeLayer, StrokeMark};
 #[cfg(feature = "study")]
 pub use params::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{
-    BrushParams, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
+    BrushParams, BrushSheet, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
     InkBackground, InkDebugView, InkLines, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering,
     SelfShadow, ShadowParams, StrandEdges, Style, StyleKind, ToneMapping, Wind,
 };

@@ -7,6 +7,7 @@ pub mod compare_lines;
 pub mod compare_motion;
 mod least_squares;
 pub mod mask;
+pub mod measure_painting;
 pub mod printed_light;
 pub mod stability;
 pub mod truth;

@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use pelage_bake::io::read_text;
 use pelage_import::BakeError;
 use pelage_params::Control;
-use pelage_stage::{Look, ParamError, SAMPLES, SHORT_FORMS, ShortForm};
+use pelage_stage::{BUILT_IN_LOOKS, BuiltInLook, Look, ParamError, SAMPLES, SHORT_FORMS, ShortForm};
 use std::path::Path;
 
 /// Look options of the command line.
@@ -26,6 +26,8 @@ impl LookArgs {
         for word in &self.looks {
             if is_assignment(word) {
                 look.set(word).map_err(|error| input("--look", error))?;
+            } else if let Some(style) = built_in(word) {
+                look.read(style.text).map_err(|error| input(&format!("--look {word}"), error))?;
             } else {
                 read(Path::new(word), look)?;
             }
@@ -40,7 +42,13 @@ impl LookArgs {
     pub fn typed(&self) -> Look {
         let mut look = Look::default();
         // Parsing has already validated all values.
-        self.looks.iter().filter(|word| is_assignment(word)).for_each(|word| drop(look.set(word)));
+        for word in &self.looks {
+            match built_in(word) {
+                Some(style) => drop(look.read(style.text)),
+                None if is_assignment(word) => drop(look.set(word)),
+                None => {}
+            }
+        }
         self.flags.iter().for_each(|(short, word)| drop(short.apply(&mut look, word)));
         look
     }
@@ -89,6 +97,11 @@ fn input(file: &str, error: ParamError) -> BakeError {
     BakeError::Input { file: file.to_owned(), place: error.location(), reason: error.reason }
 }
 
+/// Returns the built-in look with a name.
+fn built_in(name: &str) -> Option<&'static BuiltInLook> {
+    BUILT_IN_LOOKS.iter().find(|style| style.name == name)
+}
+
 /// Returns true for an assignment `key=value`, false for a file name.
 fn is_assignment(word: &str) -> bool {
     let key = word.split_once('=').map(|(key, _)| key.trim());
@@ -112,7 +125,7 @@ fn heading(key: &str) -> &'static str {
         "fur" => "Fur",
         "shadow" => "Shadows",
         "motion" => "Motion",
-        "ink" => "Ink style",
+        "ink" | "brush" => "Ink style",
         "study" => LABORATORY,
         _ => PICTURE,
     }
@@ -199,14 +212,15 @@ impl Args for LookArgs {
     fn augment_args(command: Command) -> Command {
         let look = Arg::new("look")
             .long("look")
-            .value_name("L.toml|KEY=VALUE")
+            .value_name("L.toml|NAME|KEY=VALUE")
             .action(ArgAction::Append)
             .value_parser(validate_look_value)
             .help_heading(PICTURE)
             .hide_short_help(true)
             .help(
-                "Look of the picture: a file, or one key such as shadow.penumbra=0.3 (bake/docs/look.md lists them); \
-                 later ones override earlier ones, and flags override all [may be given again]",
+                "Look of the picture: a file, a style of ink painting (gongbi, xieyi, dry, wet), or one key such as \
+                 shadow.penumbra=0.3 (bake/docs/look.md lists them); later ones override earlier ones, and flags \
+                 override all [may be given again]",
             );
         command.arg(look).args(SHORT_FORMS.iter().map(argument))
     }

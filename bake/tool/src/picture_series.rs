@@ -12,7 +12,7 @@ use image::RgbaImage;
 use pelage_bake::io;
 use pelage_bake::picture::encode_png;
 use pelage_formats::meaning::{hair_motion, linear_to_srgb, luminance, srgb_to_linear};
-use pelage_runtime::{Camera, Environment, Frame, Light, PassReport, Projection};
+use pelage_runtime::{Camera, Environment, Frame, Light, PassReport, Projection, Style};
 use pelage_stage::{CameraTrack, Stage, Viewpoint};
 use pelage_truth::{Lens, TrueCamera};
 use serde::{Deserialize, Serialize};
@@ -63,6 +63,8 @@ pub struct PictureSeries {
     pub turn_light: bool,
     /// Whether the camera makes one full turn around the vertical axis through its target over the sequence.
     pub auto_rotate: bool,
+    /// Whether the pictures show one painting, of which each has more strokes.
+    pub paint: bool,
     /// Index of the first picture to draw, whose passes and detail are reported.
     pub first: usize,
     /// Number of pictures in the whole sequence.
@@ -92,7 +94,12 @@ impl PictureSeries {
             output.progress("drawing");
         }
         let time_s = self.time_s(index as i64 * self.moments());
-        if self.count > 1 {
+        if self.paint {
+            self.scene.set_time(time_s);
+            if let Style::Ink(ink) = &mut self.scene.params.style {
+                ink.brush.progress = (index + 1) as f32 / self.count as f32;
+            }
+        } else if self.count > 1 {
             self.advance_to(index)?;
         } else {
             self.scene.set_time(time_s);
@@ -154,6 +161,7 @@ impl PictureSeries {
 
     /// Returns the time of a moment, seconds. Moments before the first picture are negative.
     fn time_s(&self, moment: i64) -> f32 {
+        let moment = if self.paint { 0 } else { moment };
         self.view.time_s + moment as f32 / (self.moments() as f32 * self.fps as f32)
     }
 
@@ -183,9 +191,9 @@ impl PictureSeries {
             .with(self.scene.gpu.description())
             .with(format!("{:?}", self.view))
             .with(self.fps.to_le_bytes());
-        match (self.turn_light, self.auto_rotate) {
-            (false, false) => key,
-            (light, camera) => key.with(self.count.to_le_bytes()).with([u8::from(light), u8::from(camera)]),
+        match [self.turn_light, self.auto_rotate, self.paint] {
+            [false, false, false] => key,
+            changes => key.with(self.count.to_le_bytes()).with(changes.map(u8::from)),
         }
     }
 }

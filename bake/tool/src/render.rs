@@ -18,7 +18,7 @@ use pelage_bake::io_trace;
 use pelage_bake::strands::PosedMesh;
 use pelage_formats::{MAGIC, Package};
 use pelage_import::BakeError;
-use pelage_stage::{Actor, Cast, Gpu, Look, LookStyle, NamedPackage, StageError};
+use pelage_stage::{Actor, Cast, Gpu, Look, LookLines, LookStyle, NamedPackage, StageError};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -66,6 +66,9 @@ pub struct RenderArgs {
     /// --turn-light the light turns along, as if the model were on a turntable.
     #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     auto_rotate: bool,
+    /// Paint one picture stroke after stroke over the sequence, with --style ink and --frames
+    #[arg(long, help_heading = SEQUENCES, hide_short_help = true, conflicts_with_all = ["turn_light", "auto_rotate"])]
+    paint: bool,
     /// Draw all numbered pictures again, including those left by an interrupted run
     #[arg(long, help_heading = SEQUENCES, hide_short_help = true)]
     restart: bool,
@@ -214,9 +217,11 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
             "--frames: found a range up to {last}, but the scene has {count} pictures"
         )));
     }
-    for (name, given) in [("--turn-light", args.turn_light), ("--auto-rotate", args.auto_rotate)] {
+    for (name, given) in
+        [("--turn-light", args.turn_light), ("--auto-rotate", args.auto_rotate), ("--paint", args.paint)]
+    {
         if given && args.view.frames.is_some_and(|range| range.of.is_none()) && of_scene.is_none() {
-            let text = format!("{name}: one turn covers all N pictures of a sequence, expected --frames A..B/N");
+            let text = format!("{name}: all N pictures of a sequence are needed, expected --frames A..B/N");
             return Err(Failure::Usage(text));
         }
         if given && frames.is_none() {
@@ -236,6 +241,9 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
             "note: found the shading model `kajiya-kay`, which only approximates light from all around: for hair that \
              scatters it, bake the model with shading.model=marschner",
         );
+    }
+    if args.paint && (view.look.picture.style, view.look.ink.lines) != (LookStyle::Ink, LookLines::Strokes) {
+        return Err(Failure::Usage("--paint: expected --style ink --ink-lines strokes".into()));
     }
     if view.look.picture.style == LookStyle::Ink {
         note_undrawn_hair(output, &cast.packages)?;
@@ -258,6 +266,7 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
         environment,
         turn_light,
         auto_rotate,
+        paint: args.paint,
         first,
         count,
         fps,

@@ -3,6 +3,7 @@
 use crate::bounds::Hull;
 use crate::camera::depth_rows;
 use crate::model::ModelContours;
+use crate::params::InkParams;
 use crate::shared::shader_struct::shader_struct;
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
@@ -27,6 +28,12 @@ shader_struct! {
         pub(crate) creases_at: u32,
         pub(crate) previous_at: u32,
         pub(crate) marks_at: u32,
+        pub(crate) pressure: f32,
+        pub(crate) omission: f32,
+        pub(crate) progress: f32,
+        pub(crate) top: f32,
+        pub(crate) reserved: [f32; 3],
+        pub(crate) paper_period: f32,
     }
 }
 
@@ -35,14 +42,42 @@ const ROWS: f32 = 424.0;
 /// Distance along the view within which a surface does not hide a line, as a share of the model's diameter.
 const TOLERANCE: f32 = 0.008;
 
+/// Brush of the contour lines.
+pub(crate) struct LineBrush {
+    /// Factors on the width and on the dryness of lines.
+    pub(crate) width: f32,
+    pub(crate) dryness: f32,
+    /// Variation of the width, 0..=1.
+    pub(crate) pressure: f32,
+    /// Share of the contour that is left out, where washes already show it.
+    pub(crate) omission: f32,
+    /// Share of the painting that is done.
+    pub(crate) progress: f32,
+    /// Period of the paper, pixels.
+    pub(crate) paper_period: f32,
+}
+
+impl LineBrush {
+    pub(crate) fn new(ink: &InkParams) -> Self {
+        let brush = &ink.brush;
+        Self {
+            width: brush.line_width,
+            dryness: 2.0 * brush.dryness,
+            pressure: ink.pressure,
+            omission: brush.omission,
+            progress: brush.progress,
+            paper_period: ink.paper_period_px,
+        }
+    }
+}
+
 /// Camera of a frame with contour lines.
 pub(crate) struct ContourView {
     pub(crate) viewport: [u32; 2],
     pub(crate) view_from_world: Mat4,
     pub(crate) clip_from_view: Mat4,
     pub(crate) eye_ws: Vec4,
-    /// Factors on width and dryness of lines.
-    pub(crate) brush: [f32; 2],
+    pub(crate) brush: LineBrush,
 }
 
 impl ContourBlock {
@@ -58,17 +93,18 @@ impl ContourBlock {
         let size = Vec2::from(view.viewport.map(|n| n as f32));
         let [faces_at, creases_at, previous_at, marks_at] = model.layout();
         let center = hull.sphere().map_or(world_from_model.w_axis.truncate(), |sphere| sphere.center);
+        let diagonal = screen_diagonal(center, radius_m, view);
         Self {
             clip_from_model: (clip_from_world * world_from_model).to_cols_array_2d(),
             eye_ms: (world_from_model.inverse() * view.eye_ws).to_array(),
             depth_rows: depth_rows(view.clip_from_view),
             size: size.to_array(),
-            diagonal: screen_diagonal(center, radius_m, view),
+            diagonal,
             unit: size.y / ROWS,
             tolerance: (TOLERANCE * 2.0 * radius_m).max(1e-6),
             rest_scale: model.stored_diagonal.max(f32::MIN_POSITIVE).recip(),
-            width: view.brush[0],
-            dryness: view.brush[1],
+            width: view.brush.width,
+            dryness: view.brush.dryness,
             edges: model.edges,
             faces: model.faces,
             creases: model.creases,
@@ -77,8 +113,22 @@ impl ContourBlock {
             creases_at,
             previous_at,
             marks_at,
+            pressure: view.brush.pressure,
+            omission: view.brush.omission,
+            progress: view.brush.progress,
+            top: middle_row(center, view) - 0.5 * diagonal,
+            reserved: [0.0; 3],
+            paper_period: view.brush.paper_period,
         }
     }
+}
+
+/// Returns the row of a point, pixels from the top; that of the middle of the picture if it is not in front of the eye.
+fn middle_row(point: Vec3, view: &ContourView) -> f32 {
+    let clip = view.clip_from_view * view.view_from_world * point.extend(1.0);
+    let row = 0.5 - 0.5 * clip.y / clip.w;
+    let height = view.viewport[1] as f32;
+    if clip.w > 0.0 && row.is_finite() { row.clamp(-4.0, 4.0) * height } else { 0.5 * height }
 }
 
 /// Screen diagonal of an animal seen from the side, as a share of the diameter of its bounding sphere.

@@ -31,6 +31,17 @@ struct Contours {
     creases_at: u32,
     previous_at: u32,
     marks_at: u32,
+    // Variation of the width, 0..=1.
+    pressure: f32,
+    // Share of the contour that is left out, where washes already show it.
+    omission: f32,
+    // Share of the painting that is done.
+    progress: f32,
+    // Row in which the model begins, pixels.
+    top: f32,
+    reserved: vec3<f32>,
+    // Period of the paper, pixels.
+    paper_period: f32,
 }
 
 // Point of a line, as extracted from the mesh. Size: 64 bytes.

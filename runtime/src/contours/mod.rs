@@ -3,5 +3,5 @@
 mod block;
 mod buffers;
 
-pub(crate) use block::{ContourBlock, ContourView};
+pub(crate) use block::{ContourBlock, ContourView, LineBrush};
 pub(crate) use buffers::{ContourBuffers, ContourNode, LineNode};

@@ -2,7 +2,7 @@
 
 use crate::camera::depth_rows;
 use crate::model::ModelPainting;
-use crate::params::InkParams;
+use crate::params::{BrushSheet, InkParams};
 use crate::shared::shader_struct::shader_struct;
 use crate::shared::srgb::encoded;
 use glam::{Mat3, Mat4, Vec3};
@@ -27,12 +27,14 @@ shader_struct! {
         pub(crate) dryness: f32,
         pub(crate) strokes: f32,
         pub(crate) tufts: f32,
-        pub(crate) line_width: f32,
-        pub(crate) omission: f32,
         pub(crate) mist_from: f32,
         pub(crate) mist_to: f32,
         pub(crate) ground: f32,
-        pub(crate) reserved: f32,
+        pub(crate) progress: f32,
+        pub(crate) bleed: f32,
+        pub(crate) weave: f32,
+        pub(crate) reserved: [f32; 3],
+        pub(crate) pressure: f32,
     }
 }
 
@@ -79,6 +81,11 @@ impl PaintingFrame {
         let brush = params.brush;
         let rotation = Mat3::from_mat4(view.view_from_world);
         let axis = |k: usize| rotation.row(k).normalize_or(Vec3::Z).to_array();
+        let [bleed, weave] = match brush.sheet {
+            BrushSheet::Raw => [1.0, 0.0],
+            BrushSheet::Sized => [0.3, 0.0],
+            BrushSheet::Silk => [0.5, 1.0],
+        };
         let [mist_from, mist_to] = params.mist_m.unwrap_or_default();
         Self {
             ink: encoded(params.ink).to_array(),
@@ -97,12 +104,14 @@ impl PaintingFrame {
             dryness: brush.dryness,
             strokes: brush.strokes,
             tufts: brush.tufts,
-            line_width: brush.line_width,
-            omission: brush.omission,
             mist_from,
             mist_to,
             ground: brush.ground,
-            reserved: 0.0,
+            progress: brush.progress,
+            bleed,
+            weave,
+            reserved: [0.0; 3],
+            pressure: params.pressure,
         }
     }
 }

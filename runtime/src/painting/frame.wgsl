@@ -30,16 +30,20 @@ struct PaintingFrame {
     // Number of strokes, and of tufts.
     strokes: f32,
     tufts: f32,
-    // Factor on the width of lines.
-    line_width: f32,
-    // Share of the contour that is left out.
-    omission: f32,
     // Distances between which mist hides the painting; none if the first is not below the second.
     mist_from: f32,
     mist_to: f32,
     // Density of the wash on the ground.
     ground: f32,
-    reserved: f32,
+    // Share of the painting that is done.
+    progress: f32,
+    // How far water spreads in the paper, relative to raw paper; visibility of its threads; its tint is between white
+    // and silk by the same number.
+    bleed: f32,
+    weave: f32,
+    reserved: vec3<f32>,
+    // Variation of a stroke's width, 0..=1.
+    pressure: f32,
 }
 
 // Returns the distance along the view direction of a depth in clip space.

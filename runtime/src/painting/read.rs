@@ -33,9 +33,9 @@ pub struct PictureStroke {
     pub instance: usize,
     /// Layer of the painting.
     pub layer: StrokeLayer,
-    /// Number by which the stroke is the same in other frames; lines have that of the mesh edge at their beginning.
+    /// Number by which the stroke is the same in other frames. Lines have new numbers in each frame.
     pub number: u32,
-    /// Points from the beginning to the end.
+    /// Points from the beginning to the end. The first and last may be invisible, because strokes fade towards them.
     pub marks: Vec<StrokeMark>,
 }
 
@@ -86,7 +86,7 @@ pub(crate) fn surface_strokes(instance: usize, kinds: &[u32], bytes: &[u8]) -> V
         let marks: Vec<StrokeMark> = points.iter().map(mark).collect();
         let first = marks.iter().position(is_visible)?;
         let last = marks.iter().rposition(is_visible)?;
-        let marks = marks[first..=last].to_vec();
+        let marks = marks[first.saturating_sub(1)..(last + 2).min(marks.len())].to_vec();
         Some(PictureStroke { instance, layer: layer(*kind), number: number as u32, marks })
     };
     kinds.iter().zip(points.chunks_exact(each.max(1))).enumerate().filter_map(stroke).collect()
@@ -117,6 +117,7 @@ pub(crate) fn lines(instance: usize, count: usize, bytes: &[u8]) -> Vec<PictureS
     let mut strokes = Vec::new();
     for first in all {
         let (mut marks, mut at) = (Vec::new(), first);
+        marks.extend(nodes.get(previous[first]).filter(|before| !is_drawn(before)).map(mark));
         while let Some(node) = nodes.get(at).filter(|node| is_drawn(node)) {
             if std::mem::replace(&mut is_taken[at], true) {
                 break;
@@ -124,7 +125,8 @@ pub(crate) fn lines(instance: usize, count: usize, bytes: &[u8]) -> Vec<PictureS
             marks.push(mark(node));
             at = node.next as usize;
         }
-        if marks.len() > 1 {
+        marks.extend(nodes.get(at).filter(|after| !is_drawn(after)).map(mark));
+        if marks.iter().filter(|mark| is_visible(mark)).count() > 1 {
             strokes.push(PictureStroke { instance, layer: StrokeLayer::Line, number: first as u32, marks });
         }
     }

@@ -3,6 +3,19 @@
 use crate::error::RuntimeError;
 use std::ops::RangeInclusive;
 
+/// Sheet that a painting is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BrushSheet {
+    /// Raw paper: water spreads, and edges feather.
+    #[default]
+    Raw,
+    /// Paper sized with alum: water stays where the brush left it, and pigment gathers at the edges.
+    Sized,
+    /// Silk: a warm tone, with threads that show through.
+    Silk,
+}
+
 /// Parameters of the strokes in [`crate::InkLines::Strokes`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -26,6 +39,11 @@ pub struct BrushParams {
     pub omission: f32,
     /// Density of the wash on the ground below an animal, 0..=1 (default 0.5).
     pub ground: f32,
+    /// Sheet that the painting is on (default raw paper).
+    pub sheet: BrushSheet,
+    /// Share of the painting that is done, 0..=1 (default 1): strokes appear one after the other, from the washes to
+    /// the fur.
+    pub progress: f32,
 }
 
 impl Default for BrushParams {
@@ -39,6 +57,8 @@ impl Default for BrushParams {
             line_width: 1.0,
             omission: 1.0,
             ground: 0.5,
+            sheet: BrushSheet::Raw,
+            progress: 1.0,
         }
     }
 }
@@ -51,7 +71,7 @@ impl BrushParams {
     }
 
     pub(super) fn check(&self) -> Result<(), RuntimeError> {
-        let ranges: [(&str, f32, RangeInclusive<f32>); 8] = [
+        let ranges: [(&str, f32, RangeInclusive<f32>); 9] = [
             ("BrushParams::strokes", self.strokes, 4.0..=200.0),
             ("BrushParams::wash", self.wash, 0.0..=2.0),
             ("BrushParams::wetness", self.wetness, 0.0..=1.0),
@@ -60,6 +80,7 @@ impl BrushParams {
             ("BrushParams::line_width", self.line_width, 0.0..=4.0),
             ("BrushParams::omission", self.omission, 0.0..=1.0),
             ("BrushParams::ground", self.ground, 0.0..=1.0),
+            ("BrushParams::progress", self.progress, 0.0..=1.0),
         ];
         // NaN is in no range.
         match ranges.into_iter().find(|(_, value, range)| !range.contains(value)) {
@@ -80,7 +101,7 @@ mod tests {
 
     type Field = fn(&mut BrushParams) -> &mut f32;
 
-    const FIELDS: [(&str, Field, [f32; 2]); 8] = [
+    const FIELDS: [(&str, Field, [f32; 2]); 9] = [
         ("BrushParams::strokes", |b| &mut b.strokes, [4.0, 200.0]),
         ("BrushParams::wash", |b| &mut b.wash, [0.0, 2.0]),
         ("BrushParams::wetness", |b| &mut b.wetness, [0.0, 1.0]),
@@ -89,6 +110,7 @@ mod tests {
         ("BrushParams::line_width", |b| &mut b.line_width, [0.0, 4.0]),
         ("BrushParams::omission", |b| &mut b.omission, [0.0, 1.0]),
         ("BrushParams::ground", |b| &mut b.ground, [0.0, 1.0]),
+        ("BrushParams::progress", |b| &mut b.progress, [0.0, 1.0]),
     ];
 
     #[test]

@@ -14,7 +14,7 @@ mod study;
 mod style;
 mod tone_mapping;
 
-pub use brush::BrushParams;
+pub use brush::{BrushParams, BrushSheet};
 pub use debug::{DebugView, FurDebugView, InkDebugView};
 pub use detail::Detail;
 pub(crate) use frame::check_shading;

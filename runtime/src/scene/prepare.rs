@@ -7,7 +7,7 @@ use super::recording::{Recording, RendererState};
 use super::ribbons::Ribbons;
 use super::visible_instance::{VisibleContours, VisibleInstance, VisiblePainting, VisibleStrandSet};
 use crate::bounds::Hull;
-use crate::contours::{ContourBlock, ContourBuffers, ContourView};
+use crate::contours::{ContourBlock, ContourBuffers, ContourView, LineBrush};
 use crate::error::RuntimeError;
 use crate::gpu::{BindingResource, Pool, Target, UniformRange, take_targets};
 use crate::hair::{InstanceDrawing, StrandSetDrawing, Variant};
@@ -166,7 +166,7 @@ pub(crate) fn begin<'f>(
         view_from_world,
         clip_from_view,
         eye_ws,
-        brush: [ink.brush.line_width, 2.0 * ink.brush.dryness],
+        brush: LineBrush::new(ink),
     });
     let all = instances.iter().zip(moved).zip(drawings).zip(&drawn_sets).enumerate();
     let seen = all.map(|(index, (((instance, moved), drawing), drawn))| {

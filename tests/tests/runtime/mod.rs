@@ -17,6 +17,7 @@ mod inside_your_pass;
 mod memory;
 mod morphs;
 mod painted_strokes;
+mod paintings;
 mod pictures;
 mod scattering;
 mod shader_twins;

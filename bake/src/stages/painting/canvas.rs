@@ -1,7 +1,7 @@
 //! Surface to be painted: welded mesh with its thickness, combing direction and darkness.
 
-use super::PaintedModel;
-use super::face::HeadFrame;
+use super::head_frame::HeadFrame;
+use super::model::PaintedModel;
 use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::cells::closest_barycentric;
 use crate::stages::groom::{Colors, WeldedMesh, thickness};

@@ -3,8 +3,9 @@
 //! They are placed by sections of the snout across its axis. Nothing is painted on a snout whose sections are missing,
 //! lopsided or too wide, because a wrong face is worse than none.
 
-use super::PaintedModel;
 use super::canvas::{Canvas, Place, color_at, darkness_of};
+use super::head_frame::HeadFrame;
+use super::model::PaintedModel;
 use super::spots::{Ellipse, Spot};
 use glam::{IVec3, Vec3};
 use pelage_formats::{PaintStroke, StrokeKind};
@@ -25,45 +26,6 @@ const MOUTH: f32 = 0.014;
 /// Amount of ink of nostrils on white and on black surface, and of the mouth.
 const NOSTRIL_INK: [f32; 2] = [0.65, 1.0];
 const MOUTH_INK: [f32; 2] = [0.42, 0.85];
-
-/// Frame of a head. Lengths are in units of the model's size.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct HeadFrame {
-    nose: Vec3,
-    /// Unit direction of the snout.
-    axis: Vec3,
-    /// Unit normal of the plane of symmetry.
-    across: Vec3,
-    /// Unit direction across both.
-    up: Vec3,
-    /// About the length of the head without ears.
-    length: f32,
-}
-
-impl HeadFrame {
-    /// Returns the frame of a head; `None` if it has no length.
-    ///
-    /// * `nose`, `middle`: tip of the nose, and centre of the head
-    /// * `forward`: horizontal or falling direction in the plane of symmetry
-    pub(super) fn new(nose: Vec3, middle: Vec3, forward: Vec3) -> Option<Self> {
-        let across = forward.cross(Vec3::Y).try_normalize()?;
-        let way = (nose - middle).reject_from_normalized(across);
-        let axis = way.try_normalize()?;
-        Some(Self { nose, axis, across, up: across.cross(axis), length: 2.0 * way.length() })
-    }
-
-    /// Returns coordinates in lengths of the head: distance behind the nose, to the side, and above the axis.
-    fn coordinates(&self, p: Vec3) -> Vec3 {
-        let d = (p - self.nose) / self.length;
-        Vec3::new(-d.dot(self.axis), d.dot(self.across), d.dot(self.up))
-    }
-
-    /// Whether a spot with this centre is the nose.
-    pub(super) fn is_nose(&self, center: Vec3) -> bool {
-        let at = self.coordinates(center);
-        at.length() < 0.3 && at.y.abs() < 0.1
-    }
-}
 
 /// Section of a snout, in lengths of the head.
 #[derive(Clone, Copy, Debug)]

@@ -5,6 +5,8 @@
 //! * `washes`: broad strokes on the trunk, along the combing direction
 //! * `spots`: eyes, noses and hooves
 //! * `face`: nostrils, mouth, and eyes and noses between the vertices
+//! * `head_frame`: position and directions of the head
+//! * `model`: data that a painting is made from
 //! * `tufts`: fur
 //! * `trace`: curves on the surface
 //!
@@ -14,6 +16,8 @@
 mod axes;
 mod canvas;
 mod face;
+mod head_frame;
+mod model;
 mod spots;
 #[cfg(test)]
 mod tests;
@@ -21,35 +25,14 @@ mod trace;
 mod tufts;
 mod washes;
 
-use crate::stages::groom::{Colors, HeadShape, name_of_eyes};
-use crate::stages::surface::Surface;
+use crate::stages::groom::name_of_eyes;
 use axes::AxisPoint;
 use canvas::{Canvas, Place};
 use glam::Vec3;
-use pelage_formats::{Bounds, PaintStroke, StrokeAnchor, StrokeKind, StrokePoint, StrokePool};
-use pelage_import::mesh::Material;
+use pelage_formats::{PaintStroke, StrokeAnchor, StrokeKind, StrokePoint, StrokePool};
 use trace::{evenly, length};
 
-/// Model to be painted.
-#[derive(Clone, Copy, Debug)]
-pub struct PaintedModel<'a> {
-    /// Mesh with combing directions.
-    pub surface: &'a Surface,
-    /// Colours of the mesh.
-    pub colors: &'a Colors,
-    /// Bounds at rest.
-    pub bounds: &'a Bounds,
-    /// Materials of the model.
-    pub materials: &'a [Material],
-    /// Whether hair grows on each material.
-    pub furred: &'a [bool],
-    /// Length of the hair at each vertex, metres.
-    pub hair_m: &'a [f32],
-    /// Head with a snout; `None` if none is known.
-    pub head: Option<&'a HeadShape>,
-    /// Seed of all irregularities.
-    pub seed: u64,
-}
+pub use model::PaintedModel;
 
 /// Radius of a ring up to which a limb is painted with a single stroke, in units of the model's size.
 const BONE: f32 = 0.0145;

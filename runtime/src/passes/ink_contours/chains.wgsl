@@ -186,7 +186,7 @@ fn narrow_lines(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
 fn line_need(inside: f32, outside: f32, lit: f32, emphasis: f32, noise: f32) -> f32 {
     let need = 0.94 - 0.95 * smoothstep(0.3, 0.95, abs(inside - outside)) - 0.38 * smoothstep(0.1, 0.9, lit)
         + 0.22 * smoothstep(0.0, 0.8, -lit) + 0.4 * emphasis + 0.18 * smoothstep(0.05, 0.2, outside) + 0.42 * noise;
-    return smoothstep(0.42, 0.62, need);
+    return smoothstep(0.47, 0.67, need);
 }
 
 // Distance from a line at which the wash beside it is compared, 1/424 of the picture's height.
@@ -246,7 +246,8 @@ fn begin_strokes(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let lit = dot(node.outward, LIT_FROM);
     let noise = (space_noise(7.0 * node.rest, 1u) - 0.5) * 1.6;
     let beside = BESIDE * contours.unit * node.outward;
-    let need = line_need(washed_at(here.xy - beside), washed_at(here.xy + beside), lit, marks.y, noise);
+    let need = mix(1.0, line_need(washed_at(here.xy - beside), washed_at(here.xy + beside), lit, marks.y, noise),
+        contours.omission);
     let shown = here.z * (1.0 - smoothstep(CORNER.x, CORNER.y, turn)) * need;
     // Squared, so that strokes grow over a wide range of visibility.
     let weight = shown * shown;
@@ -300,6 +301,17 @@ fn jump_lines(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
     after[2u * i + 1u] = jumped(before[2u * i + 1u], 1u);
 }
 
+// Share of the painting during which lines are drawn: from the first number to the second.
+const LINES_DRAWN: vec2<f32> = vec2(0.7, 0.92);
+
+// Returns 1 on lines that are drawn already, from the top of the model to the bottom; otherwise 0.
+//
+// `down`: share of the model above the node; `along`: share of the stroke before it.
+fn painted_share(down: f32, along: f32) -> f32 {
+    let done = clamp((contours.progress - LINES_DRAWN.x) / (LINES_DRAWN.y - LINES_DRAWN.x), 0.0, 1.0);
+    return smoothstep(-0.02, 0.0, 1.35 * done - clamp(down, 0.0, 1.0) - 0.35 * clamp(along, 0.0, 1.0));
+}
+
 // Computes the brush of each node. Noise belongs to the surface.
 @compute @workgroup_size(64)
 fn load_brush(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
@@ -317,8 +329,9 @@ fn load_brush(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
     let rest = drawn.rest;
     let slow = smoothstep(0.004, 0.05, 0.11 * drawn.ends.z);
     let pressed = 1.0 + 0.9 * (space_noise(22.0 * rest, 2u) - 0.5);
-    var half = HALF_WIDTH * diagonal * contours.width * (0.5 + 0.75 * smoothstep(-0.5, 0.8, -lit));
-    half *= (0.75 + 0.6 * min(1.0, long / (0.22 * diagonal))) * pressed * (1.0 + 0.55 * (slow - 0.35));
+    let swell = (0.5 + 0.75 * smoothstep(-0.5, 0.8, -lit)) * (0.75 + 0.6 * min(1.0, long / (0.22 * diagonal)))
+        * pressed * (1.0 + 0.55 * (slow - 0.35));
+    var half = HALF_WIDTH * diagonal * contours.width * mix(0.8, swell, contours.pressure);
     // Short strokes vanish.
     half *= smoothstep(0.012, 0.03, long / diagonal);
     // Share of the stroke that is drawn, from its upper end.
@@ -329,6 +342,10 @@ fn load_brush(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
     let pressure = line_pressure(diagonal, from_start, to_end, drawn.tangent.y).x;
     let fast = (1.0 - slow) * min(1.0, long / (0.18 * diagonal));
     let dry = (0.66 * pow(drawn_share, 1.1) + 0.5 * (space_noise(20.0 * rest, 4u) - 0.5)) * fast - 0.02;
-    line_nodes[i].brush = vec4(half, clamp(tone, 0.35, 2.3), clamp(dry * contours.dryness, 0.0, 0.7), drawn.brush.w);
+    let painted = painted_share((drawn.px.y - contours.top) / diagonal, drawn_share);
+    half *= painted;
+    tone *= painted;
+    let dryness = clamp(dry * contours.dryness, 0.0, 0.7);
+    line_nodes[i].brush = vec4(half, clamp(tone, 0.35 * painted, 2.3), dryness, drawn.brush.w);
     line_nodes[i].ends = vec4(from_start, to_end, drawn.ends.z, half * pressure);
 }

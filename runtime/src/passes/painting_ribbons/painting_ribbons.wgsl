@@ -87,7 +87,7 @@ fn brush_mark(in: Ribbon, relief: f32, soft: f32, spacing: f32, ragged: f32, poo
         + 0.4 * plane_noise(vec2(v * width / (0.45 * spacing) + 90.0, s / 16.0), seed + 1u);
     let end = 1.0 - ragged * plane_noise(vec2(0.8 * v * width / spacing + 20.0, 3.0), seed + 9u);
     let lifted = smoothstep(end - 0.12, end + 0.02, in.across.z) * select(0.0, 1.0, ragged > 0.0);
-    let threshold = in.brush.z * 1.15 - 0.12 + 1.1 * lifted;
+    let threshold = in.brush.z * 0.95 - 0.12 + 1.1 * lifted;
     let grain = smoothstep(0.12, 0.88, 0.68 * bristle + 0.32 * relief);
     var touching = smoothstep(threshold - 0.1, threshold + 0.14, grain);
     if in.brush.z <= 0.001 && lifted <= 0.0 {

@@ -43,11 +43,12 @@ fn wash_density(uv: vec2<f32>, position: vec2<f32>, relief: f32) -> f32 {
         + 0.5 * plane_noise(position / (2.2 * painting.unit_px), 22u) - 0.75;
     let own = (s.x + 0.2 * max(s.w - s.x, 0.0)) / (s.y + 1e-3);
     let spread = blurred.x / (blurred.y + 1e-3);
-    let pigment = select(spread, mix(own, spread, 0.35 + 0.5 * painting.wetness), s.y > 0.02);
+    let pigment = select(spread, mix(own, spread, 0.35 + 0.5 * painting.wetness * painting.bleed), s.y > 0.02);
     let near = blurred.w;
     let covered = max(near, 0.7 * s.y);
     let edge = smoothstep(0.3, 0.62, covered
-        + ((relief - 0.5) * 0.3 + noise * 0.3) * smoothstep(0.04, 0.2, covered) * smoothstep(1.0, 0.7, covered));
+        + 0.3 * (relief - 0.5 + noise) * painting.bleed * smoothstep(0.04, 0.2, covered)
+        * smoothstep(1.0, 0.7, covered));
     let rim = clamp(edge - near, 0.0, 1.0);
     let gathered = 1.0 + 2.0 * painting.wetness * rim * clamp(0.8 + noise, 0.2, 1.6);
     return pigment * edge * gathered * (1.0 + 0.25 * (0.5 - relief));
@@ -64,20 +65,36 @@ fn ink_density(uv: vec2<f32>, damp: f32) -> f32 {
     return mix(here.x, around.x, damp) + here.y + here.z;
 }
 
+// Tint of silk, brightness of its threads, and distance between them, 1/424 of the picture's height.
+const SILK: vec3<f32> = vec3(0.93, 0.84, 0.68);
+const THREADS: f32 = 0.1;
+const THREAD_DISTANCE: f32 = 2.6;
+
+// Returns the pattern of a plain weave with uneven threads, 0..=1.
+fn woven(position: vec2<f32>) -> f32 {
+    let p = position / max(THREAD_DISTANCE * painting.unit_px, 2.6);
+    let uneven = vec2(plane_noise(p * vec2(1.0, 0.06), 31u), plane_noise(p * vec2(0.06, 1.0), 32u));
+    let wave = 0.5 + 0.5 * sin(6.2832 * p + 2.0 * uneven);
+    return clamp(0.35 * (wave.x + wave.y) + 0.3 * (uneven.x + uneven.y) - 0.15, 0.0, 1.0);
+}
+
 @fragment
 fn fs_sheet(@builtin(position) position: vec4<f32>) -> Sheet {
     let p = vec2<i32>(position.xy);
     let uv = position.xy / painting.size;
     let sheet = textureSampleLevel(paper, paper_sampler, position.xy / painting.paper_period, 0.0);
     let depth = textureLoad(depths, p, 0);
-    let damp = 0.55 * smoothstep(0.1, 0.7, textureSampleLevel(wet, clamped, uv, 0.0).w) * painting.wetness * 1.6;
+    let wetted = smoothstep(0.1, 0.7, textureSampleLevel(wet, clamped, uv, 0.0).w);
+    let damp = 0.88 * wetted * painting.wetness * painting.bleed;
     var density = STRENGTH * (wash_density(uv, position.xy, sheet.a) + ink_density(uv, damp));
     if painting.mist_to > painting.mist_from {
         let far = eye_distance(painting, depth);
         density *= 1.0 - clamp((far - painting.mist_from) / (painting.mist_to - painting.mist_from), 0.0, 1.0);
     }
     let shade = RELIEF * (sheet.r - 0.5) - TONE * (1.0 - sheet.b);
-    let ground = painting.paper * (1.0 + painting.paper_grain * shade);
+    let threads = painting.weave * painting.paper_grain * (woven(position.xy) - 0.5);
+    let tint = mix(vec3(1.0), SILK, painting.weave);
+    let ground = painting.paper * tint * (1.0 + painting.paper_grain * shade + THREADS * threads);
     let absorbs = mix(DENSE, THIN, exp(-1.2 * density));
     let pigment = textureSampleLevel(pigments, clamped, uv, 0.0);
     let inked = max(ground * exp(-density * absorbs), painting.ink * ground);

@@ -93,6 +93,32 @@ fn tone_at(darkness: f32, normal: vec3<f32>, toward_eye: vec3<f32>) -> f32 {
     return max(tone, 0.145 * pow(shade, 1.5) * (0.35 + 0.65 * turned));
 }
 
+// Width of a stroke under even pressure, over that under varying pressure at its widest.
+const EVEN_WIDTH: f32 = 0.8;
+
+// Returns the share of a stroke that is painted already. Kinds follow each other, and overlap in time.
+fn done_share(kind: u32, rank: f32) -> f32 {
+    var interval = vec2(0.0, 0.06);
+    if kind == PALE {
+        interval = vec2(0.04, 0.3);
+    } else if kind == MIDDLE {
+        interval = vec2(0.25, 0.45);
+    } else if kind == DARK {
+        interval = vec2(0.42, 0.58);
+    } else if kind == BONE {
+        interval = vec2(0.52, 0.64);
+    } else if kind == SPOT {
+        interval = vec2(0.62, 0.68);
+    } else if kind == EYE {
+        interval = vec2(0.66, 0.71);
+    } else if kind == TUFT {
+        interval = vec2(0.9, 1.0);
+    }
+    // Each stroke takes a fifth of the time of its kind.
+    let start = mix(interval.x, interval.y, 0.8 * rank);
+    return clamp((painting.progress - start) / (0.2 * (interval.y - interval.x)), 0.0, 1.0);
+}
+
 // Places a pale, dry wash on the ground below the model, along the picture.
 fn paint_ground(number: u32, seed: u32) {
     let second = f32(number);
@@ -113,7 +139,9 @@ fn paint_ground(number: u32, seed: u32) {
         before = at;
         let half = (0.016 - 0.006 * second) * size * metre * (0.2 + sin(3.14159 * pow(u, 0.8)))
             * (1.0 + 0.25 * along_noise(u, 5.0, seed + 1u));
-        let shown = select(0.0, 1.0, center.w > 0.0) * painting.ground;
+        let done = done_share(GROUND, second);
+        let drawn = 1.0 - smoothstep(1.04 * done - 0.04, 1.04 * done, u - 1e-3);
+        let shown = select(0.0, 1.0, center.w > 0.0) * painting.ground * drawn;
         let brush = vec4((0.28 - 0.08 * second) * (1.1 - 0.7 * u) * shown, clamp(0.05 + 0.6 * u, 0.0, 0.7), run, 0.6);
         brush_points[number * STROKE_POINTS + i] = BrushPoint(vec4(at, center.z, max(half, 0.0) * sign(shown)), brush);
     }
@@ -205,8 +233,12 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     }
     weight *= smoothstep(0.1, 0.3, visible_share);
     var shown = 1.0;
-    if stroke.kind == DARK {
-        shown = painting.strokes / max(painted.darks, 1.0);
+    if stroke.kind == PALE {
+        shown = painting.strokes / 40.0;
+    } else if stroke.kind == MIDDLE {
+        shown = painting.strokes / 48.0;
+    } else if stroke.kind == DARK {
+        shown = 0.8 * painting.strokes / max(painted.darks, 1.0);
     } else if stroke.kind == TUFT {
         shown = 2.2 * painting.tufts / max(painted.tufts, 1.0);
     }
@@ -236,6 +268,7 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         }
     }
     var run = 0.0;
+    let done = done_share(stroke.kind, stroke.rank);
     for (var i = 0u; i < STROKE_POINTS; i++) {
         let u = f32(i) / last;
         let before = select(i - 1u, 0u, i == 0u);
@@ -298,6 +331,8 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             dryness = 0.02 + 0.5 * u;
             grown = smoothstep(0.05, 0.5, weight);
         }
+        grown *= 1.0 - smoothstep(1.04 * done - 0.04, 1.04 * done, u - 1e-3);
+        half = mix(brush[i].x * EVEN_WIDTH, half, select(painting.pressure, 1.0, stroke.kind >= SPOT));
         half *= (0.3 + 0.7 * seen) * smoothstep(0.0, 0.5, grown) * slender;
         density *= seen * grown * smoothstep(0.0, 0.2, slender);
         dryness *= 2.0 * painting.dryness;

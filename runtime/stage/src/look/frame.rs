@@ -1,7 +1,7 @@
 //! Conversion of a look into parameters of the runtime.
 
 use super::kinds::{
-    Background, LookDetail, LookFurShow, LookHair, LookLines, LookScattering, LookSelfShadow, LookShow,
+    Background, LookDetail, LookFurShow, LookHair, LookLines, LookScattering, LookSelfShadow, LookSheet, LookShow,
     LookStrandEdges, LookStyle, LookWidth,
 };
 use super::tables::{KeyLight, Look};
@@ -9,7 +9,7 @@ use crate::{GroundKind, TargetSettings, Viewpoint, camera};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
-    BrushParams, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
+    BrushParams, BrushSheet, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
     InkBackground, InkDebugView, InkLines, InkParams, Light, LineWidth, Scattering, SelfShadow, ShadowParams,
     StrandEdges, Style, ToneMapping,
 };
@@ -131,6 +131,8 @@ impl Look {
             brush.line_width = look.line_width;
             brush.omission = look.omission;
             brush.ground = look.ground;
+            brush.sheet = same!(look.sheet, LookSheet => BrushSheet: Raw, Sized, Silk);
+            brush.progress = look.progress;
         })
     }
 

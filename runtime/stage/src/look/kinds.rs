@@ -19,6 +19,19 @@ words! {
 }
 
 words! {
+    /// Sheet that a painting is on.
+    LookSheet {
+        /// Raw paper: water spreads, and edges feather.
+        #[default]
+        Raw = "raw",
+        /// Paper sized with alum: water stays where the brush left it.
+        Sized = "sized",
+        /// Silk: a warm tone, with threads that show through.
+        Silk = "silk",
+    }
+}
+
+words! {
     /// Geometry by which hair is drawn.
     LookHair {
         /// Single strands if the package has them and they are wide enough to be visible, otherwise layers.

@@ -28,15 +28,18 @@ mod kinds;
 mod short;
 #[cfg(feature = "study")]
 mod study;
+mod styles;
 mod tables;
 
 pub use kinds::{
-    Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookScattering, LookSelfShadow, LookShow,
-    LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, Rgb, Samples, Size, SkyKind, SkySource,
+    Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookLines, LookScattering, LookSelfShadow,
+    LookSheet, LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, Rgb, Samples, Size,
+    SkyKind, SkySource,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 #[cfg(feature = "study")]
 pub use study::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};
+pub use styles::{BUILT_IN_LOOKS, BuiltInLook};
 pub use tables::{
     CONDITIONS, KeyLight, LightsRead, Look, LookEnvironment, LookFur, LookInk, LookLight, LookMotion, LookPicture,
     LookShadow, ReadLights,

@@ -83,6 +83,8 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     short("brush-width", "F", "brush.line_width"),
     short("brush-omission", "SHARE", "brush.omission"),
     short("brush-ground", "SHARE", "brush.ground"),
+    short("brush-sheet", "raw|sized|silk", "brush.sheet"),
+    short("brush-progress", "SHARE", "brush.progress"),
     short("ink-rule", "RULE", "study.ink_rule"),
     short("ink-sphere-map", "FORM", "study.ink_sphere_map"),
     short("ink-template", "on|off", "study.ink_template"),

@@ -2,8 +2,8 @@
 
 use super::kinds::{
     Background, DirectionField, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookLines, LookScattering,
-    LookSelfShadow, LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, PLACE, Rgb, Samples,
-    Size, SkyKind, SkySource,
+    LookSelfShadow, LookSheet, LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, PLACE,
+    Rgb, Samples, Size, SkyKind, SkySource,
 };
 use super::short::laboratory_hint;
 #[cfg(feature = "study")]
@@ -194,7 +194,7 @@ params! {
         weak_lightness: f32 = 0.35, in 0.0..=1.0;
         /// Strength with which the sphere map widens lines.
         swell: f32 = 1.5, in 0.0..=4.0;
-        /// Variation of the brush pressure.
+        /// Variation of the brush pressure: 0 is an even width, 1 swells and lifts.
         pressure: f32 = 1.0, in 0.0..=1.0;
         /// Dryness of lines.
         dryness: f32 = 0.4, in 0.0..=1.0;
@@ -232,6 +232,10 @@ params! {
         omission: f32 = 1.0, in 0.0..=1.0;
         /// Density of the wash on the ground below an animal: 0 none, 1 a dark bank.
         ground: f32 = 0.5, in 0.0..=1.0;
+        /// Sheet that the painting is on.
+        sheet: LookSheet = LookSheet::Raw;
+        /// Share of the painting that is done: strokes appear one after the other, from the washes to the fur.
+        progress: f32 = 1.0, in 0.0..=1.0;
     }
 }
 

@@ -1,0 +1,60 @@
+//! Built-in looks, which `--look NAME` and the front ends offer.
+
+/// Look that is part of the crate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuiltInLook {
+    /// Name.
+    pub name: &'static str,
+    /// Description in one sentence.
+    pub about: &'static str,
+    /// Text of the look file.
+    pub text: &'static str,
+}
+
+/// Built-in looks: styles of ink painting.
+pub const BUILT_IN_LOOKS: [BuiltInLook; 4] = [
+    BuiltInLook {
+        name: "gongbi",
+        about: "Fine lines of even width around even washes, on sized paper.",
+        text: "[picture]\nstyle = \"ink\"\n[ink]\nlines = \"strokes\"\npressure = 0.3\n[brush]\nstrokes = 110\n\
+               wash = 0.6\nwetness = 0.8\ndryness = 0.1\ntufts = 90\nline_width = 0.6\nomission = 0.15\n\
+               ground = 0\nsheet = \"sized\"\n",
+    },
+    BuiltInLook {
+        name: "xieyi",
+        about: "Few, broad and free strokes; much is left to the paper.",
+        text: "[picture]\nstyle = \"ink\"\n[ink]\nlines = \"strokes\"\n[brush]\nstrokes = 26\nwash = 1.3\n\
+               wetness = 0.9\ndryness = 0.65\ntufts = 16\nline_width = 1.7\nground = 0.7\n",
+    },
+    BuiltInLook {
+        name: "dry",
+        about: "Dry brush: broken lines and fur of single bristles, hardly any wash.",
+        text: "[picture]\nstyle = \"ink\"\n[ink]\nlines = \"strokes\"\n[brush]\nstrokes = 120\nwash = 0.3\n\
+               wetness = 0.1\ndryness = 1\ntufts = 140\nline_width = 1.1\nomission = 0.6\nground = 0.3\n",
+    },
+    BuiltInLook {
+        name: "wet",
+        about: "Wet washes that run into each other, few lines.",
+        text: "[picture]\nstyle = \"ink\"\n[ink]\nlines = \"strokes\"\n[brush]\nstrokes = 40\nwash = 1.35\n\
+               wetness = 1\ndryness = 0.1\ntufts = 12\nline_width = 0.9\nground = 0.8\n",
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::BUILT_IN_LOOKS;
+    use crate::{Look, LookStyle};
+
+    #[test]
+    fn built_in_looks_are_valid_and_differ() {
+        let looks = BUILT_IN_LOOKS.map(|style| {
+            let mut look = Look::default();
+            look.read(style.text).unwrap_or_else(|error| panic!("{}: {error}", style.name));
+            assert_eq!(look.picture.style, LookStyle::Ink, "{}", style.name);
+            look
+        });
+        for (i, look) in looks.iter().enumerate() {
+            assert!(looks[..i].iter().all(|other| other != look), "{}", BUILT_IN_LOOKS[i].name);
+        }
+    }
+}
