@@ -1,9 +1,10 @@
 use super::*;
 use crate::stages::fixtures::{on_threads, part};
-use crate::stages::groom::MaterialColor;
-use crate::stages::surface::Measures;
+use crate::stages::groom::{Colors, HeadShape, MaterialColor};
+use crate::stages::surface::{Measures, Surface};
 use glam::{Vec2, Vec4};
-use pelage_import::mesh::{Mesh, RestPose};
+use pelage_formats::Bounds;
+use pelage_import::mesh::{Material, Mesh, RestPose};
 use std::f32::consts::{PI, TAU};
 
 /// Number of vertices around the x axis.
