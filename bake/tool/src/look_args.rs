@@ -6,7 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use pelage_bake::io::read_text;
 use pelage_import::BakeError;
 use pelage_params::Control;
-use pelage_stage::{BUILT_IN_LOOKS, BuiltInLook, Look, ParamError, SAMPLES, SHORT_FORMS, ShortForm};
+use pelage_stage::{BUILT_IN_LOOKS, Look, ParamError, SAMPLES, SHORT_FORMS, ShortForm};
 use std::path::Path;
 
 /// Look options of the command line.
@@ -24,12 +24,9 @@ impl LookArgs {
     /// Fails for an unreadable or invalid look file.
     pub fn apply(&self, look: &mut Look) -> Result<(), Failure> {
         for word in &self.looks {
-            if is_assignment(word) {
-                look.set(word).map_err(|error| input("--look", error))?;
-            } else if let Some(style) = built_in(word) {
-                look.read(style.text).map_err(|error| input(&format!("--look {word}"), error))?;
-            } else {
-                read(Path::new(word), look)?;
+            match apply_word(word, look) {
+                Some(applied) => applied.map_err(|error| input("--look", error))?,
+                None => read(Path::new(word), look)?,
             }
         }
         for (short, word) in &self.flags {
@@ -42,13 +39,7 @@ impl LookArgs {
     pub fn typed(&self) -> Look {
         let mut look = Look::default();
         // Parsing has already validated all values.
-        for word in &self.looks {
-            match built_in(word) {
-                Some(style) => drop(look.read(style.text)),
-                None if is_assignment(word) => drop(look.set(word)),
-                None => {}
-            }
-        }
+        self.looks.iter().for_each(|word| drop(apply_word(word, &mut look)));
         self.flags.iter().for_each(|(short, word)| drop(short.apply(&mut look, word)));
         look
     }
@@ -97,9 +88,12 @@ fn input(file: &str, error: ParamError) -> BakeError {
     BakeError::Input { file: file.to_owned(), place: error.location(), reason: error.reason }
 }
 
-/// Returns the built-in look with a name.
-fn built_in(name: &str) -> Option<&'static BuiltInLook> {
-    BUILT_IN_LOOKS.iter().find(|style| style.name == name)
+/// Applies a value of `--look` that is an assignment or the name of a built-in look; `None` for a file name.
+fn apply_word(word: &str, look: &mut Look) -> Option<Result<(), ParamError>> {
+    if is_assignment(word) {
+        return Some(look.set(word));
+    }
+    BUILT_IN_LOOKS.iter().find(|style| style.name == word).map(|style| look.read(style.text))
 }
 
 /// Returns true for an assignment `key=value`, false for a file name.
@@ -202,9 +196,7 @@ pub fn parser(short: &'static ShortForm) -> ValueParser {
 
 /// Validates a value of `--look`: an assignment is parsed, a file name is accepted.
 fn validate_look_value(word: &str) -> Result<String, String> {
-    if is_assignment(word) {
-        Look::default().set(word).map_err(|error| error.to_string())?;
-    }
+    apply_word(word, &mut Look::default()).transpose().map_err(|error| error.to_string())?;
     Ok(word.to_owned())
 }
 

@@ -3,7 +3,6 @@
 use super::target::ContourTarget;
 use super::weld::Weld;
 use crate::noise::smooth_step;
-use crate::sample::{Encoding, Wrap, bilinear};
 use glam::Vec3;
 use pelage_formats::{ContourEdge, ContourMark, PaintStroke, StrokeKind, StrokePoint};
 
@@ -102,20 +101,16 @@ fn darkness(target: &ContourTarget<'_>) -> Vec<f32> {
     let (mesh, colors) = (target.mesh, target.colors);
     let mut darkness = vec![0.0; mesh.positions.len()];
     for part in &mesh.parts {
-        let Some(material) = colors.materials.get(part.material) else { continue };
-        let image = material.image.and_then(|image| colors.images.get(image));
+        if part.material >= colors.materials.len() {
+            continue;
+        }
         let hair = colors.hair.get(part.material).copied().flatten();
-        for v in mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count].iter().flatten() {
-            let v = *v as usize;
-            let mut color = Vec3::from_slice(&material.factor);
-            if let Some([r, g, b, _]) = colors.vertices.get(v) {
-                color *= Vec3::from([*r, *g, *b].map(|byte| f32::from(byte) / 255.0));
+        for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
+            for (v, corner) in triangle.iter().zip([Vec3::X, Vec3::Y, Vec3::Z]) {
+                let color = hair.map_or_else(|| colors.at(mesh, part.material, triangle, corner), Vec3::from);
+                let luminance = color.dot(LUMINANCE).clamp(0.0, 1.0);
+                darkness[*v as usize] = 1.0 - libm::powf(luminance, DISPLAY_EXPONENT);
             }
-            if let Some(image) = image {
-                color *= bilinear(image, mesh.uvs[v], Wrap::Repeat, Encoding::Srgb).truncate();
-            }
-            let luminance = hair.map_or(color, Vec3::from).dot(LUMINANCE).clamp(0.0, 1.0);
-            darkness[v] = 1.0 - libm::powf(luminance, DISPLAY_EXPONENT);
         }
     }
     darkness

@@ -4,10 +4,11 @@ use super::bleed::bleed;
 use super::image_coordinates::Vertices;
 use super::maps::Maps;
 use crate::recipe::{ColorMap, ColorParams};
+use crate::sample::{Encoding, Wrap, bilinear};
 use glam::Vec3;
 use pelage_formats::meaning::srgb_value_to_linear;
 use pelage_import::BakeError;
-use pelage_import::mesh::{Image, Material, MeshPart, Model};
+use pelage_import::mesh::{Image, Material, Mesh, MeshPart, Model};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -25,6 +26,22 @@ pub struct Colors {
 }
 
 impl Colors {
+    /// Returns the linear colour at a point of a triangle with the given barycentric weights, without that of the hair.
+    pub(crate) fn at(&self, mesh: &Mesh, material: usize, triangle: &[u32; 3], weights: Vec3) -> Vec3 {
+        let color = self.materials.get(material);
+        let factor = color.map_or(Vec3::ONE, |c| Vec3::from_slice(&c.factor[..3]));
+        let own = |v: u32| {
+            let bytes = self.vertices.get(v as usize);
+            bytes.map_or(Vec3::ONE, |[r, g, b, _]| Vec3::from([*r, *g, *b].map(f32::from)) / 255.0)
+        };
+        let [a, b, c] = triangle.map(own);
+        let [u, v, w] = triangle.map(|v| mesh.uvs[v as usize]);
+        let uv = u * weights.x + v * weights.y + w * weights.z;
+        let image = color.and_then(|c| c.image).and_then(|i| self.images.get(i));
+        let texel = image.map_or(Vec3::ONE, |image| bilinear(image, uv, Wrap::Repeat, Encoding::Srgb).truncate());
+        factor * (a * weights.x + b * weights.y + c * weights.z) * texel
+    }
+
     /// Multiplies the colours of the hair on furred materials by `gain`. The result may exceed 1. The gain compensates
     /// for hairs shadowing each other.
     ///

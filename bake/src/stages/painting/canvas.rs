@@ -2,16 +2,14 @@
 
 use super::head_frame::HeadFrame;
 use super::model::PaintedModel;
-use crate::sample::{Encoding, Wrap, bilinear};
 use crate::stages::cells::closest_barycentric;
-use crate::stages::groom::{Colors, WeldedMesh, thickness};
+use crate::stages::groom::{WeldedMesh, thickness};
 use crate::stages::surface::Surface;
 use crate::stages::triangle_tree::TriangleTree;
 use glam::{Vec3, Vec3A};
 use obvhs::triangle::Triangle;
 use pelage_formats::StrokeAnchor;
 use pelage_formats::meaning::{linear_to_srgb, luminance};
-use pelage_import::mesh::Mesh;
 
 /// Display brightness of the surface from which it counts as white, and up to which it counts as black.
 const WHITE: f32 = 0.82;
@@ -87,7 +85,7 @@ impl Canvas {
             for triangle in &mesh.triangles[part.first_triangle..part.first_triangle + part.triangle_count] {
                 for (v, corner) in triangle.iter().zip(Vec3::AXES) {
                     let place = skin.place_of[*v as usize] as usize;
-                    sums[place].0 += color_at(mesh, colors, part.material, triangle, corner);
+                    sums[place].0 += colors.at(mesh, part.material, triangle, corner);
                     sums[place].1 += 1.0;
                     hair[place] |= furred.get(part.material).copied().unwrap_or(false);
                     eye[place] |= named_eye;
@@ -205,24 +203,6 @@ impl Canvas {
         let vertices = self.skin.faces[place.face].map(|p| self.vertex_of[p as usize]);
         anchor(vertices, place.weights.y, place.weights.z)
     }
-}
-
-/// Returns the linear colour at a point of a triangle with the given barycentric weights.
-pub(super) fn color_at(mesh: &Mesh, colors: &Colors, material: usize, triangle: &[u32; 3], weights: Vec3) -> Vec3 {
-    let color = colors.materials.get(material);
-    let factor = color.map_or(Vec3::ONE, |c| Vec3::from_slice(&c.factor[..3]));
-    let own = |v: u32| {
-        colors
-            .vertices
-            .get(v as usize)
-            .map_or(Vec3::ONE, |[r, g, b, _]| Vec3::from([*r, *g, *b].map(f32::from)) / 255.0)
-    };
-    let [a, b, c] = triangle.map(own);
-    let [u, v, w] = triangle.map(|v| mesh.uvs[v as usize]);
-    let uv = u * weights.x + v * weights.y + w * weights.z;
-    let image = color.and_then(|c| c.image).and_then(|i| colors.images.get(i));
-    let texel = image.map_or(Vec3::ONE, |image| bilinear(image, uv, Wrap::Repeat, Encoding::Srgb).truncate());
-    factor * (a * weights.x + b * weights.y + c * weights.z) * texel
 }
 
 /// Returns the darkness of a linear colour, 0 for white to 1 for black.

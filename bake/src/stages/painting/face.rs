@@ -3,7 +3,7 @@
 //! They are placed by sections of the snout across its axis. Nothing is painted on a snout whose sections are missing,
 //! lopsided or too wide, because a wrong face is worse than none.
 
-use super::canvas::{Canvas, Place, color_at, darkness_of};
+use super::canvas::{Canvas, Place, darkness_of};
 use super::head_frame::HeadFrame;
 use super::model::PaintedModel;
 use super::spots::{Ellipse, Spot};
@@ -229,7 +229,7 @@ fn dark_patches(model: &PaintedModel<'_>, canvas: &Canvas, frame: &HeadFrame) ->
                 let third = (1 + j % 2) as f32 / 3.0;
                 let (v, w) = ((i as f32 + third) / n as f32, ((j / 2) as f32 + third) / n as f32);
                 let weights = Vec3::new(1.0 - v - w, v, w);
-                if darkness_of(color_at(mesh, colors, part.material, &mesh.triangles[face], weights)) > EYE_DARK {
+                if darkness_of(colors.at(mesh, part.material, &mesh.triangles[face], weights)) > EYE_DARK {
                     let area = across.length() / (2 * n * n) as f32;
                     points.push((canvas.place(face, weights).position, area, across.normalize_or_zero()));
                 }

@@ -119,11 +119,17 @@ fn done_share(kind: u32, rank: f32) -> f32 {
     return clamp((painting.progress - start) / (0.2 * (interval.y - interval.x)), 0.0, 1.0);
 }
 
+// Returns 1 on the part of a stroke that is painted already, and 0 after it. `u`: share of the stroke before the point.
+fn is_drawn(done: f32, u: f32) -> f32 {
+    return 1.0 - smoothstep(1.04 * done - 0.04, 1.04 * done, u - 1e-3);
+}
+
 // Places a pale, dry wash on the ground below the model, along the picture.
 fn paint_ground(number: u32, seed: u32) {
     let second = f32(number);
     let last = f32(STROKE_POINTS - 1u);
     let size = painted.size;
+    let done = done_share(GROUND, second);
     var run = 0.0;
     var before = vec2(0.0);
     for (var i = 0u; i < STROKE_POINTS; i++) {
@@ -139,9 +145,7 @@ fn paint_ground(number: u32, seed: u32) {
         before = at;
         let half = (0.016 - 0.006 * second) * size * metre * (0.2 + sin(3.14159 * pow(u, 0.8)))
             * (1.0 + 0.25 * along_noise(u, 5.0, seed + 1u));
-        let done = done_share(GROUND, second);
-        let drawn = 1.0 - smoothstep(1.04 * done - 0.04, 1.04 * done, u - 1e-3);
-        let shown = select(0.0, 1.0, center.w > 0.0) * painting.ground * drawn;
+        let shown = select(0.0, 1.0, center.w > 0.0) * painting.ground * is_drawn(done, u);
         let brush = vec4((0.28 - 0.08 * second) * (1.1 - 0.7 * u) * shown, clamp(0.05 + 0.6 * u, 0.0, 0.7), run, 0.6);
         brush_points[number * STROKE_POINTS + i] = BrushPoint(vec4(at, center.z, max(half, 0.0) * sign(shown)), brush);
     }
@@ -331,7 +335,7 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             dryness = 0.02 + 0.5 * u;
             grown = smoothstep(0.05, 0.5, weight);
         }
-        grown *= 1.0 - smoothstep(1.04 * done - 0.04, 1.04 * done, u - 1e-3);
+        grown *= is_drawn(done, u);
         half = mix(brush[i].x * EVEN_WIDTH, half, select(painting.pressure, 1.0, stroke.kind >= SPOT));
         half *= (0.3 + 0.7 * seen) * smoothstep(0.0, 0.5, grown) * slender;
         density *= seen * grown * smoothstep(0.0, 0.2, slender);
