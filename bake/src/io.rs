@@ -404,8 +404,8 @@ fn write_unguarded(
     // Temporary files are private by default. Request the usual permissions, from which the umask subtracts.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder).map_err(|source| io_error(folder, "create a file in", source))?;
-    let unfinished = TempFileGuard::new(file.path());
+    let (file, unfinished) = TempFileGuard::create(|| builder.tempfile_in(folder))
+        .map_err(|source| io_error(folder, "create a file in", source))?;
     let written = write(file.as_file()).and_then(|()| file.as_file().sync_all());
     written.map_err(|source| io_error(path, "write", source))?;
     Ok(Some(PendingFile { file, unfinished, target, named: path.to_owned() }))

@@ -103,7 +103,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "ink",
         makes: Painting,
-        reads: &[Model, Layout, Groomed],
+        reads: &[Model, Layout, Groomed, Guided],
         tables: &["ink.enabled", "ink.seed"],
         run: run_step::painting,
     },

@@ -26,12 +26,17 @@ fn list() -> MutexGuard<'static, Vec<PathBuf>> {
 }
 
 impl TempFileGuard {
-    /// Registers a file, or a folder including files created in it later.
-    pub fn new(path: &Path) -> Self {
+    /// Creates and registers a file, or a folder including files created in it later. [`remove_all`] waits until both
+    /// are done, so that no signal can come between them.
+    ///
+    /// Fails with the error of `create`.
+    pub fn create<T: AsRef<Path>, E>(create: impl FnOnce() -> Result<T, E>) -> Result<(T, Self), E> {
+        let mut list = list();
+        let made = create()?;
         // The path is absolute in case the process changes its working directory.
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        list().push(path.clone());
-        Self(path)
+        let path = std::path::absolute(&made).unwrap_or_else(|_| made.as_ref().to_owned());
+        list.push(path.clone());
+        Ok((made, Self(path)))
     }
 }
 
@@ -88,8 +93,9 @@ mod tests {
         std::fs::write(&done, "whole").expect("written");
         std::fs::create_dir(&tree).expect("made");
         std::fs::write(tree.join("half"), "half").expect("written");
-        let (_file, _tree) = (TempFileGuard::new(&file), TempFileGuard::new(&tree));
-        drop(TempFileGuard::new(&done));
+        let guard = |path: &Path| TempFileGuard::create(|| Ok::<_, ()>(path.to_owned())).expect("created").1;
+        let (_file, _tree) = (guard(&file), guard(&tree));
+        drop(guard(&done));
         drop(remove_all());
         assert!(!file.exists() && !tree.exists() && done.exists());
     }

@@ -25,7 +25,7 @@
 //! layer-wise shadow maps; objects cast soft shadows by a shadow-width map. With [`Casters`] the application's own
 //! geometry casts and receives these shadows.
 //!
-//! [`Style::Ink`] paints the same packages as an ink-wash painting after Fang 2006, controlled by its [`InkParams`]:
+//! [`Style::Ink`] paints the same packages as an ink-wash painting, controlled by its [`InkParams`]:
 //!
 //! ```no_run
 //! # use pelage_runtime::*;

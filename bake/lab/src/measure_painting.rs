@@ -135,7 +135,7 @@ pub fn stroke_ink(stroke: &PictureStroke) -> f64 {
 
 /// Whether a stroke belongs to the body: not a tuft, and not the ground.
 pub fn is_of_body(stroke: &PictureStroke) -> bool {
-    !matches!(stroke.layer, StrokeLayer::Tuft | StrokeLayer::Ground)
+    !matches!(stroke.layer, StrokeLayer::Tuft | StrokeLayer::Lock | StrokeLayer::Ground)
 }
 
 /// Returns the diagonal of the bounding box of a mask, pixels.

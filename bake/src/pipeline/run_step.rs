@@ -185,6 +185,7 @@ pub(super) fn ink(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), Ba
 pub(super) fn painting(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (laid, groomed) = (required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
     let model = laid.model(required(&outputs.model, Model)?);
+    let guided = required(&outputs.guided, Guided)?;
     let hair_m: Vec<f32> = groomed.coat.length.iter().map(|share| share * laid.lengths.length_m).collect();
     let paint = || {
         Arc::new(painting::painting(&PaintedModel {
@@ -195,6 +196,7 @@ pub(super) fn painting(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(
             furred: &laid.furred,
             hair_m: &hair_m,
             head: laid.head.as_ref(),
+            groups: &guided.groups,
             seed: input.recipe.ink.seed,
         }))
     };

@@ -243,10 +243,12 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
         );
     }
     if args.paint && (view.look.picture.style, view.look.ink.lines) != (LookStyle::Ink, LookLines::Strokes) {
-        return Err(Failure::Usage("--paint: expected --style ink --ink-lines strokes".into()));
+        return Err(Failure::Usage("--paint: expected --style ink, and --ink-lines strokes (the default)".into()));
     }
-    if view.look.picture.style == LookStyle::Ink {
-        note_undrawn_hair(output, &cast.packages)?;
+    match (view.look.picture.style, view.look.ink.lines) {
+        (LookStyle::Ink, LookLines::Pixels) => note_undrawn_hair(output, &cast.packages)?,
+        (LookStyle::Ink, LookLines::Strokes) => note_missing_strokes(output, &cast.packages)?,
+        (LookStyle::Fur | LookStyle::Bare, _) => {}
     }
     if view.look.environment.ground.is_some() && view.look.environment.sky.is_none() {
         output.note("note: --ground has no effect without --environment");
@@ -286,7 +288,22 @@ pub fn run(args: &RenderArgs, output: &mut Output) -> Result<Exit, Failure> {
 /// Package of a cast, with its file.
 type OpenedPackage<'a> = (&'a NamedPackage<'a>, Arc<Package<'a>>);
 
-/// Notes that the style ink does not draw the guided hair of packages that have it.
+/// Notes which packages have no strokes, so that ink falls back to lines found in pixels.
+fn note_missing_strokes(output: &Output, packages: &[OpenedPackage<'_>]) -> Result<(), Failure> {
+    for (file, package) in packages {
+        let fault = |error| file.fault(error);
+        let has_strokes = package.stroke_pool().map_err(fault)?.is_some_and(|pool| !pool.strokes.is_empty());
+        if !has_strokes && package.contours().map_err(fault)?.is_none() {
+            output.note(&format!(
+                "note: {}: found no strokes, so ink is drawn with --ink-lines pixels; bake the model again to get them",
+                file.name
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Notes that ink lines found in pixels leave out the guided hair of packages that have it.
 fn note_undrawn_hair(output: &Output, packages: &[OpenedPackage<'_>]) -> Result<(), Failure> {
     let mut names = BTreeSet::new();
     for (file, package) in packages {
@@ -294,7 +311,7 @@ fn note_undrawn_hair(output: &Output, packages: &[OpenedPackage<'_>]) -> Result<
     }
     if !names.is_empty() {
         let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
-        output.note(&format!("note: the style ink does not draw guided hair: {}", names.join(", ")));
+        output.note(&format!("note: --ink-lines pixels does not draw guided hair: {}", names.join(", ")));
     }
     Ok(())
 }

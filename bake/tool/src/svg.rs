@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 const GROUPS: [(&str, &[StrokeLayer]); 3] = [
     ("washes", &[StrokeLayer::Ground, StrokeLayer::Wash]),
     ("lines", &[StrokeLayer::Dark, StrokeLayer::Bone, StrokeLayer::Spot, StrokeLayer::Eye, StrokeLayer::Line]),
-    ("fur", &[StrokeLayer::Tuft]),
+    ("fur", &[StrokeLayer::Tuft, StrokeLayer::Lock]),
 ];
 
 /// Maximum distance between a path and its stroke, pixels.

@@ -89,12 +89,12 @@ fn write_folder(folder: &Path, files: &[File], force: bool) -> Result<(), Failur
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
     // The temporary folder is removed with its remaining contents when this function returns.
-    let work = builder.tempdir_in(parent).map_err(fail(parent, "create a folder in"))?;
+    // The guard protects only against interruption while files are written. Afterwards the folder may briefly hold the
+    // old contents.
+    let (work, unfinished) =
+        TempFileGuard::create(|| builder.tempdir_in(parent)).map_err(fail(parent, "create a folder in"))?;
     let fresh = work.path().join("new");
     std::fs::create_dir(&fresh).map_err(fail(&fresh, "create"))?;
-    // Protects only against interruption while files are written. Afterwards the folder may briefly hold the old
-    // contents.
-    let unfinished = TempFileGuard::new(work.path());
     for (name, bytes) in files {
         let path = fresh.join(name);
         std::fs::write(&path, bytes).map_err(fail(&path, "write"))?;

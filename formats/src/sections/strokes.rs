@@ -62,6 +62,8 @@ pub enum StrokeKind {
     Eye,
     /// Tuft of fur.
     Tuft,
+    /// Lock of guided hair.
+    Lock,
 }
 
 /// Point of a stroke.
@@ -70,6 +72,9 @@ pub struct StrokePoint {
     /// Two points of the surface; the stroke's point is midway between them. They are equal for a stroke on the
     /// surface, and opposite to each other for a stroke along the axis of a limb.
     pub sides: [StrokeAnchor; 2],
+    /// Position relative to the first of these points, in the frame of its triangle
+    /// ([`crate::meaning::hair_groups::triangle_frame`]), metres; `None` for a point midway between the two.
+    pub offset_m: Option<[f32; 3]>,
     /// Half width of the stroke, metres, at least 0.
     pub half_width_m: f32,
     /// Darkness of the surface's colour, 0 for white to 1 for black; for spots and eyes, amount of ink.
@@ -125,6 +130,9 @@ impl StrokePoint {
         }
         if !(0.0..=1.0).contains(&self.darkness) {
             return Some(format!("darkness is {}, expected 0 to 1", self.darkness));
+        }
+        if let Some(found) = self.offset_m.iter().flatten().find(|x| !x.is_finite()) {
+            return Some(format!("offset_m has the component {found}, expected finite numbers"));
         }
         for StrokeAnchor { vertices: of, weights: [b, c] } in self.sides {
             if let Some(found) = of.iter().find(|v| **v >= vertices) {

@@ -13,7 +13,12 @@ fn package(pool: &StrokePool) -> Result<Vec<u8>, FormatError> {
 /// Returns two strokes: one on the surface and one along an axis.
 fn pool() -> StrokePool {
     let anchor = |b| StrokeAnchor { vertices: [0, 1, 4], weights: [b, 65_535 - b] };
-    let point = |k: usize, sides| StrokePoint { sides, half_width_m: 0.01 * k as f32, darkness: k as f32 / 23.0 };
+    let point = |k: usize, sides| StrokePoint {
+        sides,
+        offset_m: None,
+        half_width_m: 0.01 * k as f32,
+        darkness: k as f32 / 23.0,
+    };
     let stroke = |kind, rank, pigment, other: fn(u16) -> u16| PaintStroke {
         kind,
         rank,
@@ -21,9 +26,12 @@ fn pool() -> StrokePool {
         pigment,
         points: (0..PaintStroke::POINTS).map(|k| point(k, [k as u16, other(k as u16)].map(anchor))).collect(),
     };
+    let mut lock = stroke(StrokeKind::Lock, 0.5, None, |k| k);
+    lock.points.iter_mut().enumerate().for_each(|(k, p)| p.offset_m = Some([0.0, 0.01 * k as f32, -0.5]));
     let strokes = vec![
         stroke(StrokeKind::Tuft, 0.0, Some([0.5, 0.25, 0.0]), |k| k),
         stroke(StrokeKind::Bone, 1.0, None, |k| 65_535 - k),
+        lock,
     ];
     StrokePool { size_m: 1.5, strokes }
 }
@@ -39,9 +47,9 @@ fn strokes_survive_a_round_trip() {
     let section = section_bytes(&opened, Tag::STROKES);
     let u32_at = |at: usize| u32::from_le_bytes(section[at..at + 4].try_into().unwrap());
     assert_eq!(f32::from_bits(u32_at(0)), 1.5);
-    assert_eq!([4, 8, 12, 16, 20].map(u32_at), [2, 0, 6, 0, 0x1234_5678]);
-    // A stroke has a header of 21 bytes, or 33 with a pigment, and 24 points of 40 bytes.
-    assert_eq!(section.len(), 12 + (33 + 24 * 40) + (21 + 24 * 40));
+    assert_eq!([4, 8, 12, 16, 20].map(u32_at), [3, 0, 6, 0, 0x1234_5678]);
+    // A stroke has a header of 21 bytes, or 33 with a pigment, and 24 points of 41 bytes, or 53 with an offset.
+    assert_eq!(section.len(), 12 + (33 + 24 * 41) + (21 + 24 * 41) + (21 + 24 * 53));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::upload::Uploader;
 use crate::error::RuntimeError;
 use bytemuck::{Pod, Zeroable};
 use pelage_formats::meaning::linear_to_srgb;
-use pelage_formats::{Package, PaintStroke, StrokeKind};
+use pelage_formats::{Package, PaintStroke, StrokeAnchor, StrokeKind, StrokePoint};
 
 /// Strokes of a model's surface.
 #[derive(Debug)]
@@ -47,17 +47,31 @@ pub(crate) struct PoolStroke {
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct PoolPoint {
     pub(crate) sides: [SurfacePoint; 2],
-    /// Half width, metres; darkness of the surface; 1 for points along an axis; 0.
+    /// Half width, metres; darkness of the surface; 1 for points along an axis or in hair; 1 in hair, where the second
+    /// side holds the bits of an offset.
     pub(crate) brush: [f32; 4],
 }
 
 /// Kind of the strokes on the ground, which come first. They have no points on the surface.
-const GROUND: u32 = 7;
+const GROUND: u32 = 8;
 /// Number of strokes on the ground.
 const GROUND_STROKES: u32 = 2;
 
 fn is_wash(stroke: &PaintStroke) -> bool {
     matches!(stroke.kind, StrokeKind::Pale | StrokeKind::Middle)
+}
+
+fn pool_point(point: &StrokePoint) -> PoolPoint {
+    // The bits of unsigned weights.
+    let side = |at: StrokeAnchor| SurfacePoint { vertices: at.vertices, weights: at.weights.map(|w| w as i16) };
+    let mut sides = point.sides.map(side);
+    if let Some(offset) = point.offset_m {
+        sides[1] = SurfacePoint { vertices: offset.map(f32::to_bits), weights: [0; 2] };
+    }
+    let flag = |is_set: bool| f32::from(u8::from(is_set));
+    let in_hair = point.offset_m.is_some();
+    let on_axis = in_hair || point.sides[0] != point.sides[1];
+    PoolPoint { sides, brush: [point.half_width_m, point.darkness, flag(on_axis), flag(in_hair)] }
 }
 
 /// Uploads the strokes. Returns them with their size in bytes; `None` for a package without any.
@@ -79,14 +93,7 @@ pub(super) fn load(
     });
     let strokes: Vec<PoolStroke> = (0..GROUND_STROKES).map(on_ground).chain(of_surface).collect();
     let on_ground = std::iter::repeat_n(PoolPoint::zeroed(), GROUND_STROKES as usize * PaintStroke::POINTS);
-    let of_surface = sorted.iter().flat_map(|stroke| &stroke.points).map(|point| PoolPoint {
-        sides: point.sides.map(|side| SurfacePoint {
-            vertices: side.vertices,
-            // The bits of unsigned weights.
-            weights: side.weights.map(|w| w as i16),
-        }),
-        brush: [point.half_width_m, point.darkness, f32::from(u8::from(point.sides[0] != point.sides[1])), 0.0],
-    });
+    let of_surface = sorted.iter().flat_map(|stroke| &stroke.points).map(pool_point);
     let points: Vec<PoolPoint> = on_ground.chain(of_surface).collect();
     let bounds = &package.manifest().bounds;
     let [length, width] = [0, 2].map(|k| bounds.max[k] - bounds.min[k]);

@@ -24,6 +24,8 @@ pub enum StrokeLayer {
     Line,
     /// Tuft of fur, which a split brush leaves.
     Tuft,
+    /// Lock of guided hair, which a split brush leaves.
+    Lock,
 }
 
 /// Stroke of a painted frame.
@@ -64,6 +66,7 @@ fn layer(kind: u32) -> StrokeLayer {
         4 => StrokeLayer::Spot,
         5 => StrokeLayer::Eye,
         6 => StrokeLayer::Tuft,
+        7 => StrokeLayer::Lock,
         _ => StrokeLayer::Ground,
     }
 }

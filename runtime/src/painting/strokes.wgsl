@@ -1,7 +1,7 @@
 // Strokes of a model, as stored and as posed for a frame.
 
 struct PoolStroke {
-    // 0 pale wash, 1 middle wash, 2 dark, 3 bone, 4 spot, 5 eye, 6 tuft, 7 wash on the ground.
+    // 0 pale wash, 1 middle wash, 2 dark, 3 bone, 4 spot, 5 eye, 6 tuft, 7 lock of hair, 8 wash on the ground.
     kind: u32,
     rank: f32,
     seed: u32,
@@ -41,4 +41,5 @@ const BONE: u32 = 3u;
 const SPOT: u32 = 4u;
 const EYE: u32 = 5u;
 const TUFT: u32 = 6u;
-const GROUND: u32 = 7u;
+const LOCK: u32 = 7u;
+const GROUND: u32 = 8u;

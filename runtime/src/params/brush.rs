@@ -30,7 +30,8 @@ pub struct BrushParams {
     pub wetness: f32,
     /// Dryness of the brush, 0..=1 (default 0.5): how early a stroke breaks up into the marks of single bristles.
     pub dryness: f32,
-    /// Number of tufts of fur on an animal, 0..=200 (default 45).
+    /// Number of tufts of fur on an animal, 0..=200 (default 45). Below 10, locks of guided hair shorten; with 0, they
+    /// are not painted.
     pub tufts: f32,
     /// Factor on the width of lines, 0..=4 (default 1).
     pub line_width: f32,

@@ -1,4 +1,4 @@
-//! Parameters of the ink-wash style (Fang 2006).
+//! Parameters of the ink-wash style: brush strokes, or lines found in pixels (Fang 2006).
 
 use super::brush::BrushParams;
 use crate::error::RuntimeError;
@@ -6,10 +6,13 @@ use glam::Vec3;
 use pelage_formats::InkShading;
 
 /// Parameters of a frame in [`crate::Style::Ink`]. Greys range from 0 for black to 1 for white, in display encoding.
+///
+/// [`InkLines::Strokes`] ignores `threshold`, `weak_difference`, `depth_step`, `step_px`, `width`, `fins`, `swell`,
+/// `tone`, `weak_lightness`, `dryness`, `roughness_px` and `shading`. [`InkLines::Pixels`] ignores `brush`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct InkParams {
-    /// Form of the lines and washes (default [`InkLines::Pixels`]).
+    /// Form of the lines and washes (default [`InkLines::Strokes`]).
     pub lines: InkLines,
     /// Parameters of [`InkLines::Strokes`].
     pub brush: BrushParams,
@@ -60,10 +63,10 @@ pub struct InkParams {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum InkLines {
     /// Lines found in the pixels of the picture, and a wash of even tone (Fang 2006).
-    #[default]
     Pixels,
     /// Brush strokes, attached to the surface. Frames fall back to [`Self::Pixels`] if a package has neither strokes
     /// nor a contour mesh, or if the device has no storage buffers in vertex shaders.
+    #[default]
     Strokes,
 }
 

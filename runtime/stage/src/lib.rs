@@ -53,10 +53,11 @@ pub use gpu::Gpu;
 #[cfg(feature = "draw")]
 pub use ground::GroundKind;
 pub use look::{
-    BUILT_IN_LOOKS, Background, BuiltInLook, CONDITIONS, FillLight, Interval, KeyLight, LightsRead, Look, LookDetail,
-    LookEnvironment, LookFur, LookFurShow, LookHair, LookInk, LookLight, LookLines, LookMotion, LookPicture,
-    LookScattering, LookSelfShadow, LookShadow, LookSheet, LookShow, LookStrandEdges, LookStudio, LookStyle,
-    LookToneMapping, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyKind, SkySource,
+    BUILT_IN_LOOKS, Background, BuiltInLook, CONDITIONS, DEFAULT_INK, FillLight, Interval, KeyLight, LightsRead, Look,
+    LookDetail, LookEnvironment, LookFur, LookFurShow, LookHair, LookInk, LookLight, LookLines, LookMotion,
+    LookPicture, LookScattering, LookSelfShadow, LookShadow, LookSheet, LookShow, LookStrandEdges, LookStudio,
+    LookStyle, LookToneMapping, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyKind,
+    SkySource,
 };
 #[cfg(feature = "study")]
 pub use look::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};

@@ -110,6 +110,23 @@ impl Edits {
         }
     }
 
+    /// Sets the values of all knobs of `to` that differ from `now`, as one undo step.
+    pub fn set_all(&mut self, now: &dyn Knobs, to: &dyn Knobs) {
+        let knobs = to.tables().iter().flat_map(|table| table.knobs);
+        let differs = |knob: &&'static Knob| now.value(knob) != to.value(knob);
+        let before = self.now.clone();
+        for knob in knobs.filter(differs) {
+            let value = to.value(knob).or_else(|| to.default_value(knob)).unwrap_or_default();
+            self.now.retain(|edit| edit.key != knob.name);
+            self.now.push(Edit { key: knob.name, value });
+        }
+        if self.now != before {
+            let after = std::mem::replace(&mut self.now, before);
+            self.remember();
+            self.now = after;
+        }
+    }
+
     /// Ends a drag.
     pub fn released(&mut self) {
         self.dragged = None;
@@ -203,6 +220,26 @@ mod tests {
         edits.undo();
         edits.set("a.d", "4".into(), false);
         assert!(!edits.redo(), "a new change must clear the undone ones");
+    }
+
+    #[test]
+    fn ink_style_is_one_undo_step() {
+        let mut edits = Edits::default();
+        edits.set("brush.wash", "0.5".into(), false);
+        let look = |edits: &Edits| {
+            let mut look = Look::default();
+            edits.assignments().iter().for_each(|edit| look.set(edit).unwrap());
+            look
+        };
+        for style in ["gongbi", "xieyi", pelage_stage::DEFAULT_INK] {
+            let now = look(&edits);
+            let mut to = now.clone();
+            assert!(to.set_ink_style(style));
+            edits.set_all(&now, &to);
+            assert_eq!(look(&edits), to, "{style}");
+        }
+        assert!(edits.undo() && edits.undo() && edits.undo());
+        assert_eq!(state(&edits), "brush.wash=0.5");
     }
 
     #[test]

@@ -221,6 +221,14 @@ export class Pelage extends EventTarget {
   look: string;
   /** Drawing style; `ink` requires a package with `info.hasInk`. */
   style: "fur" | "ink" | "bare";
+  /** Names of the styles of ink painting, `default` first; bake/docs/painting.md shows them. */
+  readonly inkStyles: readonly string[];
+  /**
+   * Style of ink painting; `null` if the look's knobs of ink are no style's. An assignment also sets `style` to `ink`,
+   * and the knobs in the tables `ink` and `brush` of the look to those of the style.
+   */
+  get inkStyle(): string | null;
+  set inkStyle(name: string);
 
   /** Clips of the package. */
   readonly clips: readonly ClipInfo[];

@@ -217,6 +217,18 @@ export class Pelage extends EventTarget {
     this.setLook("picture.style", style);
   }
 
+  get inkStyles() {
+    return this.#liveViewer().constructor.ink_styles();
+  }
+
+  get inkStyle() {
+    return this.#liveViewer().ink_style() ?? null;
+  }
+
+  set inkStyle(name) {
+    this.#change((viewer) => viewer.set_ink_style(name));
+  }
+
   // Clips.
 
   get clips() {

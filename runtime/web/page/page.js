@@ -6,6 +6,7 @@ const element = (id) => document.getElementById(id);
 const canvas = element("stage");
 const [play, clip, time, clock] = ["play", "clip", "time", "clock"].map(element);
 const [light, color, numbers, caption] = ["light", "color", "numbers", "caption"].map(element);
+const brush = element("brush");
 
 /** Angle between the camera and a light at the rim of the light's pad, radians; 0 at the centre of the pad. */
 const PAD_REACH = 2.6;
@@ -140,9 +141,38 @@ function setStyle(style) {
   if (!attempt(() => (pelage.style = style))) style = pelage.style;
   element("style").querySelector(`[value=${style}]`).checked = true;
   document.body.classList.toggle("on-paper", style === "ink");
+  brush.hidden = style !== "ink";
+  if (!brush.hidden) updateBrush();
 }
 
 element("style").addEventListener("change", (event) => setStyle(event.target.value));
+
+// Brush of the style ink.
+
+const inkStyle = element("ink-style");
+
+/** Updates the controls of the brush to the look. */
+function updateBrush() {
+  const { inkStyle: now, inkStyles } = pelage;
+  // Knobs that are no style's are shown as "own".
+  const names = now === null ? ["own", ...inkStyles] : inkStyles;
+  inkStyle.replaceChildren(...names.map((name) => new Option(name, name)));
+  inkStyle.value = now ?? "own";
+  const table = /^\[brush\]\n([^[]*)/m.exec(pelage.look)[1];
+  for (const knob of brush.querySelectorAll("input")) {
+    knob.value = new RegExp(`^${knob.name} = (.+)$`, "m").exec(table)[1];
+  }
+}
+
+inkStyle.addEventListener("change", () => {
+  if (inkStyle.value !== "own") attempt(() => (pelage.inkStyle = inkStyle.value));
+  updateBrush();
+});
+brush.addEventListener("input", ({ target }) => {
+  if (target === inkStyle) return;
+  attempt(() => pelage.setLook(`brush.${target.name}`, Number(target.value)));
+  updateBrush();
+});
 
 // Clips.
 

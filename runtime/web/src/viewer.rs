@@ -8,8 +8,8 @@ use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
 use pelage_stage::sky::environment_from_toml;
 use pelage_stage::{
-    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, SkyKind, SkySource, Stage, Viewpoint,
-    find_clip, find_morph,
+    BUILT_IN_LOOKS, Cast, DEFAULT_INK, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, SkyKind,
+    SkySource, Stage, Viewpoint, find_clip, find_morph,
 };
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
@@ -151,6 +151,29 @@ impl Viewer {
         look.read(text).map_err(invalid_argument)?;
         look.picture.size = self.look.picture.size;
         self.apply_look(reject_environment_files(look)?)
+    }
+
+    /// Changes the look to ink in a style of [`Self::ink_styles`].
+    ///
+    /// Fails with an error of kind `asked` with what was found and expected.
+    pub fn set_ink_style(&mut self, name: &str) -> Result<(), JsValue> {
+        let mut look = self.look.clone();
+        if !look.set_ink_style(name) {
+            let expected: Vec<_> = ink_style_names().collect();
+            let text = format!("ink style: found {name:?}, expected {}", expected.join(", "));
+            return Err(pelage_error("asked", &text));
+        }
+        self.apply_look(look)
+    }
+
+    /// Returns the name of the look's style of ink; `None` if its knobs are no style's.
+    pub fn ink_style(&self) -> Option<String> {
+        self.look.ink_style().map(str::to_owned)
+    }
+
+    /// Returns the names of the styles of ink, the default first.
+    pub fn ink_styles() -> Vec<String> {
+        ink_style_names().map(str::to_owned).collect()
     }
 
     /// Sets an environment map, given in TOML as lights fitted to a sky. It replaces the ambient light until the key
@@ -428,6 +451,10 @@ pub(crate) fn frame_params(look: &Look, light_color: Vec3) -> FrameParams {
         let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;
         *color *= light_color;
     })
+}
+
+fn ink_style_names() -> impl Iterator<Item = &'static str> {
+    std::iter::once(DEFAULT_INK).chain(BUILT_IN_LOOKS.iter().map(|style| style.name))
 }
 
 fn no_ink_error(file: &str) -> JsValue {

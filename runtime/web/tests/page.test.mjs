@@ -6,7 +6,7 @@ import { extname, join } from "node:path";
 import { after, before } from "node:test";
 import { data, inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
-import { assertOther, bytesOf, hare, open, page, picture } from "./stage.mjs";
+import { assertOther, assertSame, bytesOf, hare, open, page, picture } from "./stage.mjs";
 
 let opened;
 
@@ -59,7 +59,21 @@ inBrowser("knobs_of_the_page_change_the_picture", async () => {
   assert.equal(await page.evaluate(() => pelage.style), "ink");
   const ink = await picture(page, "page_ink");
   assertOther(fur, ink);
+  await page.click("#brush summary");
+  await page.selectOption("#ink-style", "wet");
+  await settled(page);
+  const wet = await picture(page, "page_wet");
+  assertOther(ink, wet);
+  assert.equal(await page.locator("#brush [name=wetness]").inputValue(), "1");
+  await page.locator("#brush [name=wash]").fill("0.2");
+  await settled(page);
+  assertOther(wet, await picture(page, "page_pale"));
+  assert.equal(await page.inputValue("#ink-style"), "own");
+  await page.selectOption("#ink-style", "default");
+  await settled(page);
+  assertSame(ink, await picture(page, "page_default"));
   await page.click("text=Fur");
+  assert.ok(!(await page.isVisible("#brush")));
 
   await page.selectOption("#clip", { label: "Walk" });
   await page.waitForFunction(() => pelage.playback.timeS > 0);

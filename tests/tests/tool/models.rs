@@ -244,14 +244,20 @@ fn bad_render_and_bench_requests_are_refused() {
         "bench",
     );
 
-    let ink = ["--style", "ink", "--size", "48x32", "--json"];
-    let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
-    let object = schema::parse_success(&run, "render");
-    assert_eq!(object["covered_pixels"], 48 * 32, "paper must cover the whole picture: {object}");
+    let strokes =
+        ["painting_depth", "painting_strokes", "painting_ribbons", "painting_wet", "ink_contours", "ink_lines"];
     let ran = |object: &Value| {
         let passes = object["passes"].as_array().unwrap().clone();
         passes.into_iter().filter(|p| p["ran"] == true).map(|p| p["name"].clone()).collect::<Vec<_>>()
     };
+    let ink = ["--style", "ink", "--size", "48x32", "--json"];
+    let run = sandbox.run(&[&["render", "out.pelage", "-o", "ink.png"][..], &ink].concat());
+    let object = schema::parse_success(&run, "render");
+    assert_eq!(object["covered_pixels"], 48 * 32, "paper must cover the whole picture: {object}");
+    assert_eq!(ran(&object), [&strokes[..], &["painting_sheet"]].concat(), "{object}");
+    let ink = [&ink[..], &["--ink-lines", "pixels"]].concat();
+    let run = sandbox.run(&[&["render", "out.pelage", "-o", "lines.png"][..], &ink].concat());
+    let object = schema::parse_success(&run, "render");
     let passes = ["ink_normals", "ink_features", "ink_trace", "ink_dilate", "ink_stroke", "ink_composite", "ink_fur"]
         .map(Value::from);
     assert_eq!(ran(&object), passes, "{object}");
@@ -261,21 +267,23 @@ fn bad_render_and_bench_requests_are_refused() {
     assert_eq!(run.code, Some(0), "{run:?}");
     let run = sandbox.run(&[&["render", "stone.pelage", "-o", "stone.png"][..], &ink].concat());
     assert_eq!(ran(&schema::parse_success(&run, "render")), passes[..6], "{run:?}");
-    let bench = |size: &str| {
-        let args = ["bench", "out.pelage", "--frames", "2", "--style", "ink", "--size", size, "--json"];
+    let bench = |size: &str, lines: &str| {
+        let of_ink = ["--style", "ink", "--ink-lines", lines, "--size", size, "--json"];
+        let args = [&["bench", "out.pelage", "--frames", "2"][..], &of_ink].concat();
         schema::parse_success(&sandbox.run(&args), "bench")
     };
-    let (small, large) = (bench("48x32"), bench("96x64"));
+    let (small, large) = (bench("48x32", "pixels"), bench("96x64", "pixels"));
     let names = small["passes"].as_array().unwrap().iter().map(|p| p["name"].clone()).collect::<Vec<_>>();
     // The benchmark poses the model in every frame, and fur motion follows the posed surface. It lists all passes of
     // the style, also those of painted strokes.
-    let strokes =
-        ["painting_depth", "painting_strokes", "painting_ribbons", "painting_wet", "ink_contours", "ink_lines"];
     let before = [&["pose", "fur_motion"].map(Value::from)[..], &passes[..5], &strokes.map(Value::from)].concat();
     assert_eq!(names, [&before[..], &passes[5..], &[Value::from("painting_sheet")]].concat());
     let bytes = |object: &Value| object["gpu_bytes"].as_u64().unwrap();
     // The sum lists the bytes per pixel of normals, surface, features, line features, rows, strokes and depth.
     assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 4 + 4 + 4 + 4 + 4));
+    // Washes, ink, pigments and depth; wet washes and rows at a quarter of the width and height.
+    let [small, large] = ["48x32", "96x64"].map(|size| bytes(&bench(size, "strokes")));
+    assert_eq!(large - small, 3 * (48 * 32 * (8 + 8 + 4 + 4) + 12 * 8 * (8 + 8)));
 }
 
 /// Bakes all models in one sandbox on several threads. Each bake must leave a complete package or nothing.

@@ -393,8 +393,12 @@ fn notes_name_options_and_hair_without_effect() {
         assert_eq!(run.code, Some(0), "{run:?}");
         run.stderr.lines().filter(|line| line.starts_with("note: ")).map(str::to_owned).collect::<Vec<_>>()
     };
-    let note = "note: the style ink does not draw guided hair: \"forelock\", \"mane\", \"tail\"";
-    assert_eq!((drawn(&["--style", "fur"]), drawn(&["--style", "ink"])), (vec![], vec![note.to_owned()]));
+    let note = "note: --ink-lines pixels does not draw guided hair: \"forelock\", \"mane\", \"tail\"";
+    assert_eq!(drawn(&["--style", "ink", "--ink-lines", "pixels"]), [note]);
+    assert_eq!((drawn(&["--style", "fur"]), drawn(&["--style", "ink"])), (vec![], vec![]));
+    let older = workspace().join("formats/tests/golden/v3-ink.pelage");
+    let run = sandbox.run(&["render", older.to_str().unwrap(), "-o", "a.png", "--size", "32x32", "--style", "ink"]);
+    assert!(run.code == Some(0) && run.stderr.contains("v3-ink.pelage: found no strokes"), "{run:?}");
     let note = "note: --ground has no effect without --environment";
     assert_eq!(drawn(&["--ground", "#6b5a45", "--studio", "old"]), [note]);
     assert_eq!(drawn(&["--ground", "#6b5a45"]), [""; 0], "the studio has a ground");

@@ -8,7 +8,7 @@
 
 use super::{Cell, Panel};
 use crate::compare_lines::LineMeasures;
-use pelage_runtime::{Anchoring, FeatureRule, InkParams, LineWidth, SphereMapForm, Study};
+use pelage_runtime::{Anchoring, FeatureRule, InkLines, InkParams, LineWidth, SphereMapForm, Study};
 
 /// Ink settings to measure.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,8 @@ pub struct InkSettings {
 
 impl Default for InkSettings {
     fn default() -> Self {
-        Self { size: SIZE, ink: InkParams::default(), study: Study::default() }
+        let ink = InkParams::default().with(|ink| ink.lines = InkLines::Pixels);
+        Self { size: SIZE, ink, study: Study::default() }
     }
 }
 
@@ -164,12 +165,15 @@ pub fn template_px(ink: &InkParams, height: u32) -> f64 {
     line_px(ink, height) + 1.0
 }
 
-/// Returns the same ink on paper without relief, with smooth line edges and no dry brush. Paper does not move with the
-/// model, so relief and dry brush would change the picture on the model although nothing is wrong. A black patch must
-/// also be measured without holes in it.
+/// Returns the same ink with lines found in pixels, on paper without relief, with smooth line edges and no dry brush.
+/// Paper does not move with the model, so relief and dry brush would change the picture on the model although nothing
+/// is wrong. A black patch must also be measured without holes in it.
 #[must_use]
 pub fn on_blank_paper(ink: &InkParams) -> InkParams {
-    ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))
+    ink.clone().with(|ink| {
+        ink.lines = InkLines::Pixels;
+        (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0);
+    })
 }
 
 /// Results of a configuration.

@@ -130,7 +130,7 @@ fn lines_make_way_for_bone_strokes() {
         let angle = std::f32::consts::FRAC_PI_2 * i as f32 / (PaintStroke::POINTS - 1) as f32;
         let v = nearest(Vec3::new(angle.cos(), 0.0, angle.sin()));
         let anchor = StrokeAnchor { vertices: [v; 3], weights: [0; 2] };
-        StrokePoint { sides: [anchor; 2], half_width_m: 0.25, darkness: 0.0 }
+        StrokePoint { sides: [anchor; 2], offset_m: None, half_width_m: 0.25, darkness: 0.0 }
     });
     let bone = PaintStroke { kind: StrokeKind::Bone, points: points.collect(), ..PaintStroke::default() };
     let mut pool = StrokePool { size_m: 2.0, strokes: vec![bone] };

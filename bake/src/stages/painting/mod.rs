@@ -5,6 +5,7 @@
 //! * `washes`: broad strokes on the trunk, along the combing direction
 //! * `spots`: eyes, noses and hooves
 //! * `face`: nostrils, mouth, and eyes and noses between the vertices
+//! * `locks`: guided hair
 //! * `head_frame`: position and directions of the head
 //! * `model`: data that a painting is made from
 //! * `tufts`: fur
@@ -17,6 +18,7 @@ mod axes;
 mod canvas;
 mod face;
 mod head_frame;
+mod locks;
 mod model;
 mod spots;
 #[cfg(test)]
@@ -73,6 +75,9 @@ pub fn painting(model: &PaintedModel<'_>) -> StrokePool {
     for tuft in tufts::tufts(&canvas, &hair, &spotted, seed) {
         pool.add_surface_stroke(StrokeKind::Tuft, &tuft.places, |t| tuft.half_width * (0.35 + 0.9 * t));
     }
+    for lock in locks::locks(model, canvas.size) {
+        pool.add_lock(&lock);
+    }
     pool.finish()
 }
 
@@ -90,7 +95,8 @@ impl Pool<'_> {
     }
 
     fn point(canvas: &Canvas, sides: [StrokeAnchor; 2], half_width: f32, darkness: f32) -> StrokePoint {
-        StrokePoint { sides, half_width_m: half_width * canvas.size, darkness: darkness.clamp(0.0, 1.0) }
+        let darkness = darkness.clamp(0.0, 1.0);
+        StrokePoint { sides, offset_m: None, half_width_m: half_width * canvas.size, darkness }
     }
 
     fn add_spot(&mut self, spot: &spots::Spot) {
@@ -124,6 +130,20 @@ impl Pool<'_> {
         let middle = &places[places.len() / 2];
         let pigment = self.canvas.pigment[self.canvas.skin.faces[middle.face][0] as usize];
         self.push(kind, pigment, points);
+    }
+
+    fn add_lock(&mut self, lock: &locks::Lock) {
+        let last = (PaintStroke::POINTS - 1) as f32;
+        let points = evenly(&lock.offsets_m, PaintStroke::POINTS).into_iter().enumerate().map(|(i, (k, share))| {
+            let next = (k + 1).min(lock.offsets_m.len() - 1);
+            let offset = lock.offsets_m[k].lerp(lock.offsets_m[next], share);
+            let [root, tip] = lock.darkness;
+            let darkness = root + (tip - root) * i as f32 / last;
+            let offset_m = Some(offset.to_array());
+            StrokePoint { offset_m, ..Self::point(self.canvas, [lock.root; 2], lock.half_width, darkness) }
+        });
+        let points = points.collect();
+        self.push(StrokeKind::Lock, None, points);
     }
 
     fn add_axis(&mut self, axis: &[AxisPoint]) {

@@ -2,7 +2,7 @@
 
 use crate::stages::groom::{Colors, HeadShape};
 use crate::stages::surface::Surface;
-use pelage_formats::Bounds;
+use pelage_formats::{Bounds, HairGroup};
 use pelage_import::mesh::Material;
 
 /// Model to be painted.
@@ -22,6 +22,8 @@ pub struct PaintedModel<'a> {
     pub hair_m: &'a [f32],
     /// Head with a snout; `None` if none is known.
     pub head: Option<&'a HeadShape>,
+    /// Guided hair.
+    pub groups: &'a [HairGroup],
     /// Seed of all irregularities.
     pub seed: u64,
 }

@@ -3,7 +3,7 @@ use crate::stages::fixtures::{on_threads, part};
 use crate::stages::groom::{Colors, HeadShape, MaterialColor};
 use crate::stages::surface::{Measures, Surface};
 use glam::{Vec2, Vec4};
-use pelage_formats::Bounds;
+use pelage_formats::{Bounds, HairGroup, TrianglePoint};
 use pelage_import::mesh::{Material, Mesh, RestPose};
 use std::f32::consts::{PI, TAU};
 
@@ -24,6 +24,7 @@ struct Animal {
     materials: Vec<Material>,
     hair_m: Vec<f32>,
     head: Option<HeadShape>,
+    groups: Vec<HairGroup>,
 }
 
 impl Animal {
@@ -62,7 +63,7 @@ impl Animal {
         let colors = Colors { materials: vec![white; 2], vertices: vec![[255; 4]; count], ..Colors::default() };
         let material = |name: &str| Material { name: name.into(), ..Material::default() };
         let materials = vec![material("Body"), material("Body")];
-        Self { surface, colors, bounds, materials, hair_m: vec![0.05; count], head: None }
+        Self { surface, colors, bounds, materials, hair_m: vec![0.05; count], head: None, groups: Vec::new() }
     }
 
     /// Returns the animal whose vertices near `at` have a grey, linear 0..=255; their triangles have material 1.
@@ -95,6 +96,7 @@ impl Animal {
             furred: &[true; 2],
             hair_m: &self.hair_m,
             head: self.head.as_ref(),
+            groups: &self.groups,
             seed: 7,
         }
     }
@@ -425,4 +427,43 @@ fn degenerate_models_are_painted_without_panic() {
             }
         }
     }
+}
+
+#[test]
+fn guides_become_locks_that_are_spread_over_the_hair() {
+    let mut animal = limbed(false);
+    let far_m = animal.bounds.radius;
+    // Guides straight away from the surface: all triangles of one side, each with three guides, and one short guide.
+    let triangles = &animal.surface.mesh.triangles;
+    let root = |triangle: usize, b: f32| TrianglePoint { triangle: triangle as u32, weights: [1.0 - b, b, 0.0] };
+    let straight = |length_m: f32| (1..=4).map(|k| Vec3::Z * length_m * k as f32 / 4.0).collect::<Vec<_>>();
+    let mut guides: Vec<(TrianglePoint, Vec<Vec3>)> =
+        (0..triangles.len() / 2).flat_map(|t| [0.1, 0.5, 0.9].map(|b| (root(t, b), straight(0.3 * far_m)))).collect();
+    guides.push((root(0, 0.3), straight(0.001 * far_m)));
+    let mut group = HairGroup { root_color: [0; 3], tip_color: [255; 3], ..HairGroup::default() };
+    group.set_guides(&guides);
+    animal.groups.push(group);
+    let pool = animal.painting();
+    let locks: Vec<&PaintStroke> = pool.strokes.iter().filter(|s| s.kind == StrokeKind::Lock).collect();
+    assert!((8..=32).contains(&locks.len()), "{} locks", locks.len());
+    for lock in &locks {
+        let [first, last] = [&lock.points[0], &lock.points[PaintStroke::POINTS - 1]];
+        let length_m = Vec3::from(last.offset_m.unwrap()).distance(Vec3::from(first.offset_m.unwrap()));
+        assert!((length_m / far_m - 0.3).abs() < 1e-3, "{length_m}");
+        assert_eq!((first.offset_m, first.darkness, last.darkness), (Some([0.0; 3]), 1.0, 0.0));
+        let share = first.half_width_m / pool.size_m;
+        assert!((0.003..0.02).contains(&share), "{share}");
+    }
+    let root = |lock: &PaintStroke| {
+        let StrokeAnchor { vertices: [a, b, _], weights } = lock.points[0].sides[0];
+        let [a, b] = [a, b].map(|v| animal.surface.mesh.positions[v as usize]);
+        a.lerp(b, f32::from(weights[0]) / 65535.0)
+    };
+    for (i, lock) in locks.iter().enumerate() {
+        for other in &locks[..i] {
+            assert!(root(lock).distance(root(other)) > 0.01 * pool.size_m, "two locks at one place");
+        }
+    }
+    animal.groups.clear();
+    assert!(animal.painting().strokes.iter().all(|s| s.kind != StrokeKind::Lock));
 }

@@ -168,7 +168,7 @@ fn fs_wash(in: Ribbon) -> @location(0) vec4<f32> {
 fn fs_ink_ribbon(in: Ribbon) -> @location(0) vec4<f32> {
     let relief = relief_at(in.position.xy);
     let kind = in.kind_seed.x;
-    if kind == TUFT {
+    if kind == TUFT || kind == LOCK {
         return vec4(0.0, split_mark(in, relief), 0.0, 0.0);
     }
     if kind == DARK {

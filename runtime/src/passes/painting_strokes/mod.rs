@@ -16,6 +16,7 @@ pub(crate) const SHADER: Shader = Shader {
     parts: &[
         include_str!("../../shared/frame.wgsl"),
         include_str!("../../shared/skinning.wgsl"),
+        include_str!("../../hair/triangle_frame.wgsl"),
         include_str!("../../surface/geometry.wgsl"),
         include_str!("../../ink/distance.wgsl"),
         include_str!("../../painting/frame.wgsl"),
@@ -38,7 +39,7 @@ pub(crate) const PASS: Pass = Pass {
            the brush along them",
     runs_when: "ink is painted with strokes",
     shaders: &[SHADER],
-    targets: &[painting_depth::DEPTH],
+    targets: &[],
     run,
 };
 

@@ -1,12 +1,12 @@
-//! uses painting/frame, painting/strokes, shared/frame, shared/skinning, surface/geometry
+//! uses hair/triangle_frame, painting/frame, painting/strokes, shared/frame, shared/skinning, surface/geometry
 // Strokes of a model in a frame: their positions on the picture, and the pressure, density and dryness of the brush.
 
 struct PoolPoint {
     // Vertices of a triangle, then the weights of the second and third, unorm 16 bits each.
     one: vec4<u32>,
-    // Point opposite to it, or the same point.
+    // Point opposite to it, or the same point; in hair, the bits of an offset from the first point.
     other: vec4<u32>,
-    // Half width, metres; darkness of the surface; 1 on an axis.
+    // Half width, metres; darkness of the surface; 1 on an axis or in hair; 1 in hair.
     brush: vec4<f32>,
 }
 
@@ -31,6 +31,9 @@ const AXIS_ROUNDS: u32 = 4u;
 // Minimum width of a stroke that is seen at a grazing angle.
 const LEAST_WIDTH: f32 = 0.42;
 
+// Number of tufts from which locks of hair are complete.
+const FULL_HAIR: f32 = 10.0;
+
 struct PosedPoint {
     position: vec3<f32>,
     normal: vec3<f32>,
@@ -50,6 +53,12 @@ fn anchor_at(at: vec4<u32>) -> PosedPoint {
 
 fn posed_point(stored: PoolPoint) -> PosedPoint {
     let one = anchor_at(stored.one);
+    if stored.brush.w > 0.5 {
+        let at = stored.one.xyz;
+        let in_triangle = triangle_frame(vertices[at.x].position, vertices[at.y].position, vertices[at.z].position);
+        let hair = one.position + in_triangle * bitcast<vec3<f32>>(stored.other.xyz);
+        return PosedPoint((instance.world_from_model * vec4(hair, 1.0)).xyz, painting.back_ws, 0.0);
+    }
     let other = anchor_at(stored.other);
     let p = (instance.world_from_model * vec4(0.5 * (one.position + other.position), 1.0)).xyz;
     let n = mat3x3(instance.normal_x.xyz, instance.normal_y.xyz, instance.normal_z.xyz) * one.normal;
@@ -113,6 +122,8 @@ fn done_share(kind: u32, rank: f32) -> f32 {
         interval = vec2(0.66, 0.71);
     } else if kind == TUFT {
         interval = vec2(0.9, 1.0);
+    } else if kind == LOCK {
+        interval = vec2(0.86, 0.96);
     }
     // Each stroke takes a fifth of the time of its kind.
     let start = mix(interval.x, interval.y, 0.8 * rank);
@@ -245,6 +256,8 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         shown = 0.8 * painting.strokes / max(painted.darks, 1.0);
     } else if stroke.kind == TUFT {
         shown = 2.2 * painting.tufts / max(painted.tufts, 1.0);
+    } else if stroke.kind == LOCK {
+        weight *= smoothstep(0.0, FULL_HAIR, painting.tufts);
     }
     weight *= 1.0 - smoothstep(shown * 0.9, shown * 1.1 + 1e-4, stroke.rank);
     let chance = hashed(i32(stroke.seed & 0xffffu), 7, stroke.seed >> 16u);
@@ -329,6 +342,10 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             density = ink * select(mix(2.1, 1.3, u), 2.5, stroke.kind == EYE);
             dryness = select(0.3 * u, 0.0, stroke.kind == EYE);
             side = select(0.3, 0.0, stroke.kind == EYE);
+        } else if stroke.kind == LOCK {
+            half *= (0.45 + 0.75 * smoothstep(0.0, 0.35, u)) * (1.0 - 0.65 * pow(u, 3.0));
+            density = clamp(0.45 + 1.1 * pool_points[first + i].brush.y + 0.3 * (chance - 0.5), 0.35, 1.9);
+            dryness = 0.04 + 0.45 * u;
         } else {
             half *= 0.35 + 0.9 * u;
             density = clamp(0.6 + 0.95 * pool_points[first].brush.y + 0.3 * (chance - 0.5), 0.35, 1.9);

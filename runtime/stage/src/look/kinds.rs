@@ -124,9 +124,9 @@ words! {
     /// Form of ink lines and washes.
     LookLines {
         /// Lines found in the pixels of the picture, and an even wash (Fang 2006).
-        #[default]
         Pixels = "pixels",
         /// Brush strokes, attached to the surface.
+        #[default]
         Strokes = "strokes",
     }
 }

@@ -39,10 +39,10 @@ pub use kinds::{
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 #[cfg(feature = "study")]
 pub use study::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};
-pub use styles::{BUILT_IN_LOOKS, BuiltInLook};
+pub use styles::{BUILT_IN_LOOKS, BuiltInLook, DEFAULT_INK};
 pub use tables::{
-    CONDITIONS, KeyLight, LightsRead, Look, LookEnvironment, LookFur, LookInk, LookLight, LookMotion, LookPicture,
-    LookShadow, ReadLights,
+    CONDITIONS, KeyLight, LightsRead, Look, LookBrush, LookEnvironment, LookFur, LookInk, LookLight, LookMotion,
+    LookPicture, LookShadow, ReadLights,
 };
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Built-in looks, which `--look NAME` and the front ends offer.
 
+use super::{Look, LookBrush, LookInk, LookStyle};
+
 /// Look that is part of the crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltInLook {
@@ -40,10 +42,59 @@ pub const BUILT_IN_LOOKS: [BuiltInLook; 4] = [
     },
 ];
 
+/// Name of the look with all knobs of ink at their defaults, beside those in [`BUILT_IN_LOOKS`].
+pub const DEFAULT_INK: &str = "default";
+
+impl Look {
+    /// Changes the look to ink in the style of a built-in look, or of [`DEFAULT_INK`]. All knobs of the tables `ink`
+    /// and `brush` get the style's values. Returns false, and changes nothing, if there is no such style.
+    pub fn set_ink_style(&mut self, name: &str) -> bool {
+        let Some((ink, brush)) = ink_style(name) else { return false };
+        self.picture.style = LookStyle::Ink;
+        (self.ink, self.brush) = (ink, brush);
+        true
+    }
+
+    /// Returns the name of the built-in look that has the same values in the tables `ink` and `brush`, [`DEFAULT_INK`]
+    /// if they are all defaults, or `None`.
+    pub fn ink_style(&self) -> Option<&'static str> {
+        let mut names = std::iter::once(DEFAULT_INK).chain(BUILT_IN_LOOKS.iter().map(|style| style.name));
+        names.find(|name| ink_style(name).is_some_and(|(ink, brush)| (&ink, &brush) == (&self.ink, &self.brush)))
+    }
+}
+
+/// Returns the tables `ink` and `brush` of a built-in look, or of [`DEFAULT_INK`].
+fn ink_style(name: &str) -> Option<(LookInk, LookBrush)> {
+    let mut look = Look::default();
+    if name != DEFAULT_INK {
+        let style = BUILT_IN_LOOKS.iter().find(|style| style.name == name)?;
+        look.read(style.text).ok()?;
+    }
+    Some((look.ink, look.brush))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::BUILT_IN_LOOKS;
+    use super::{BUILT_IN_LOOKS, DEFAULT_INK};
     use crate::{Look, LookStyle};
+
+    #[test]
+    fn ink_styles_replace_each_other() {
+        let mut look = Look::default();
+        assert_eq!(look.ink_style(), Some(DEFAULT_INK));
+        for style in BUILT_IN_LOOKS {
+            assert!(look.set_ink_style(style.name));
+            assert_eq!((look.picture.style, look.ink_style()), (LookStyle::Ink, Some(style.name)));
+        }
+        look.brush.wash = 0.123;
+        assert_eq!(look.ink_style(), None);
+        let before = look.clone();
+        assert!(!look.set_ink_style("oil"));
+        assert_eq!(look, before);
+        assert!(look.set_ink_style(DEFAULT_INK));
+        look.picture.style = LookStyle::Fur;
+        assert_eq!(look, Look::default());
+    }
 
     #[test]
     fn built_in_looks_are_valid_and_differ() {

@@ -174,32 +174,32 @@ params! {
 }
 
 params! {
-    /// `[ink]`: the style `ink`, after Fang 2006.
+    /// `[ink]`: the style `ink`.
     LookInk in ink, needs "picture.style=ink" {
         /// Form of lines and washes. `strokes` needs a package baked since it exists; otherwise `pixels` is drawn.
-        lines: LookLines = LookLines::Pixels;
+        lines: LookLines = LookLines::Strokes;
         /// Threshold T1 of Fang 2006, §2: a line is drawn where the dot product of neighbouring normals is below it.
         /// The default is the cosine of 50°.
-        threshold: f32 = 0.64, in 0.15..=1.0;
+        threshold: f32 = 0.64, in 0.15..=1.0, needs "ink.lines=pixels";
         /// Difference T1 − T2. Lines between the two thresholds are thinner and paler.
-        weak_difference: f32 = 0.15, in 0.0..=1.0;
+        weak_difference: f32 = 0.15, in 0.0..=1.0, needs "ink.lines=pixels";
         /// Width of the widest line. `auto` is 9 px at 424 rows. A width in pixels is the same at any distance; one in
         /// metres becomes thinner with distance.
-        width: LookWidth = LookWidth::Auto;
+        width: LookWidth = LookWidth::Auto, needs "ink.lines=pixels";
         /// Relative depth difference above which a line is also drawn; 0 disables the depth test.
-        depth_step: f32 = 0.01, in 0.0..=1e6;
+        depth_step: f32 = 0.01, in 0.0..=1e6, needs "ink.lines=pixels";
         /// Factor k of the lines' tone, k (0.5 cos + 0.5). A larger k gives lighter lines.
-        tone: f32 = 0.35, in 0.0..=1.0;
+        tone: f32 = 0.35, in 0.0..=1.0, needs "ink.lines=pixels";
         /// Lightness added to weak lines.
-        weak_lightness: f32 = 0.35, in 0.0..=1.0;
+        weak_lightness: f32 = 0.35, in 0.0..=1.0, needs "ink.lines=pixels";
         /// Strength with which the sphere map widens lines.
-        swell: f32 = 1.5, in 0.0..=4.0;
+        swell: f32 = 1.5, in 0.0..=4.0, needs "ink.lines=pixels";
         /// Variation of the brush pressure: 0 is an even width, 1 swells and lifts.
         pressure: f32 = 1.0, in 0.0..=1.0;
         /// Dryness of lines.
-        dryness: f32 = 0.4, in 0.0..=1.0;
+        dryness: f32 = 0.4, in 0.0..=1.0, needs "ink.lines=pixels";
         /// Displacement of the lines' edges by the paper, pixels.
-        roughness_px: f32 = 1.2, in 0.0..=8.0;
+        roughness_px: f32 = 1.2, in 0.0..=8.0, needs "ink.lines=pixels";
         /// Colour of the ink, sRGB. `auto` is nearly black.
         color: Option<Rgb> = None, or "auto";
         /// Visibility of the paper's relief.
@@ -224,7 +224,8 @@ params! {
         wetness: f32 = 0.6, in 0.0..=1.0;
         /// Dryness of the brush: 0 is full of ink to the end of a stroke, 1 breaks up early.
         dryness: f32 = 0.5, in 0.0..=1.0;
-        /// Number of tufts of fur on an animal: 0 none, 200 a shaggy coat.
+        /// Number of tufts of fur on an animal: 0 paints none and no guided hair, 10 all of that hair, 200 a shaggy
+        /// coat.
         tufts: f32 = 45.0, in 0.0..=200.0;
         /// Factor on the width of lines: 0 draws no lines, 4 is a thick brush.
         line_width: f32 = 1.0, in 0.0..=4.0;

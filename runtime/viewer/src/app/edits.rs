@@ -108,4 +108,14 @@ impl App {
         self.look_edits.released();
         self.look_changed();
     }
+
+    /// Changes the style of ink to a built-in look, as one undo step.
+    pub fn set_ink_style(&mut self, name: &str) {
+        let now = self.look_now();
+        let mut styled = now.clone();
+        if styled.set_ink_style(name) {
+            self.look_edits.set_all(&now, &styled);
+            self.look_changed();
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
-use pelage_stage::LookStyle;
+use pelage_stage::{BUILT_IN_LOOKS, DEFAULT_INK, LookStyle};
 use std::path::Path;
 
 /// Draws the panel.
@@ -26,11 +26,32 @@ pub fn show(ui: &mut Ui, app: &mut App) {
 }
 
 fn styles(ui: &mut Ui, app: &mut App) {
-    let now = app.look_now().picture.style;
+    let look = app.look_now();
+    let now = look.picture.style;
     for (style, word) in [(LookStyle::Fur, "Fur"), (LookStyle::Ink, "Ink"), (LookStyle::Bare, "Bare")] {
         if ui.selectable_label(now == style, word).clicked() {
             app.set_style(style);
         }
+    }
+    if now == LookStyle::Ink {
+        ink_styles(ui, app, look.ink_style());
+    }
+}
+
+/// Draws the choice of a style of ink. `now` is its name, `None` for knobs that are no style's.
+fn ink_styles(ui: &mut Ui, app: &mut App, now: Option<&str>) {
+    let default = (DEFAULT_INK, "All knobs of ink at their defaults.");
+    let mut chosen = None;
+    let choice = ComboBox::from_id_salt("ink style").selected_text(now.unwrap_or("own")).width(80.0);
+    choice.show_ui(ui, |ui| {
+        for (name, about) in [default].into_iter().chain(BUILT_IN_LOOKS.iter().map(|style| (style.name, style.about))) {
+            if ui.selectable_label(now == Some(name), name).on_hover_text(about).clicked() {
+                chosen = Some(name);
+            }
+        }
+    });
+    if let Some(name) = chosen {
+        app.set_ink_style(name);
     }
 }
 
