@@ -16,8 +16,10 @@ use pelage_tests::gpu::gpu;
 #[track_caller]
 fn assert_holds<D>(row: &Row<D>, findings: Vec<Finding>) {
     assert!(!findings.is_empty(), "{} has no findings", row.method);
-    for f in findings {
+    for f in &findings {
         println!("{}: {}: {}: naive {}, ours {}, bound {}", row.method, f.case, f.measure, f.naive, f.safe, f.bound);
+    }
+    for f in findings {
         assert!(f.holds(), "{}, {}: {} is {}, bound {}", row.method, f.case, f.measure, f.safe, f.bound);
         assert!(f.naive_fails(), "{}, {}: the naive form's {} is only {}", row.method, f.case, f.measure, f.naive);
     }
@@ -86,7 +88,7 @@ macro_rules! drawn_rows {
     };
 }
 
-drawn_rows!(shells, ink, strand_width, strand_light);
+drawn_rows!(shells, ink, painted_strokes, strand_width, strand_light);
 
 /// Checks that the check of the rows can fail.
 #[test]

@@ -13,7 +13,7 @@ pub fn texels(gpu: &Gpu, drawing: &Drawing<'_>) -> Vec<[f32; 4]> {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options).expect("the options are valid");
     let model: Model = renderer.load_bytes(drawing.package).expect("the package loads");
     let params = drawing.params.clone().with(|p| p.viewport = drawing.size.into());
-    let texels = draw_passes(gpu, &mut renderer, &params, &[&Instance::new(0, &model)], drawing.passes);
+    let texels = draw_passes(gpu, &mut renderer, &params, &[&Instance::new(0, &model).at(drawing.at)], drawing.passes);
     let texel = |t: &[u8]| [0, 2, 4, 6].map(|i| half_to_f32([t[i], t[i + 1]]));
     texels.chunks_exact(8).map(texel).collect()
 }

@@ -562,7 +562,7 @@ fn stability_table_is_written() {
         return;
     }
     let sandbox = Sandbox::new().with_lab();
-    let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out", "--rows", "1,9,24"]));
+    let object = json_of(&sandbox.run(&["chart", "stability", "--json", "-o", "out", "--rows", "1,9,25"]));
     let rows = object["rows"].as_array().unwrap();
     // Checks two rows computed on the CPU and one drawn on the GPU. Each also has its own test.
     for method in ["surface", "Kajiya-Kay", "light of strands"] {
@@ -589,7 +589,7 @@ fn invalid_chart_requests_are_refused() {
         (&["chart", "weather", "-o", "out"], 1, &["weather", "surface", "stability"]),
         (&["chart", "surface"], 1, &["-o DIR"]),
         (&["chart", "stability", "my torus.obj"], 1, &["neither model nor recipe"]),
-        (&["chart", "stability", "--rows", "100"], 1, &["the table has 24 rows"]),
+        (&["chart", "stability", "--rows", "100"], 1, &["the table has 25 rows"]),
         (&["chart", "stability", "--restart"], 1, &["neither model nor recipe"]),
         (&["chart", "verlet", "my torus.obj", "-o", "out"], 1, &["neither model nor recipe"]),
         (&["chart", "verlet", "--set", "hair.density=3", "-o", "out"], 1, &["neither model nor recipe"]),

@@ -173,7 +173,7 @@ mod drawn {
         let options = CanvasOptions { color_format: wgpu::TextureFormat::Rgba16Float, ..CanvasOptions::default() };
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer()).map_err(fault)?;
         let model = renderer.load_bytes(drawing.package).map_err(fault)?;
-        let instance = Instance::new(0, &model);
+        let instance = Instance::new(0, &model).at(drawing.at);
         let canvas = Canvas::new(gpu, drawing.size, &options);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let frame = renderer.prepare(&mut encoder, drawing.params, [&instance]).map_err(fault)?;

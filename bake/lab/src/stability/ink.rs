@@ -6,7 +6,7 @@ use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::{silhouette, surface};
 use crate::chart::ink::{on_blank_paper, template_px};
 use crate::mask::Mask;
-use glam::{Vec3, vec3};
+use glam::{Mat4, Vec3, vec3};
 use pelage_bake::recipe::Recipe;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
@@ -64,7 +64,13 @@ fn widest(package: &[u8], draw: &mut DrawCallback<'_>) -> Result<[f64; 2], BakeE
         for (most, template) in most.iter_mut().zip([false, true]) {
             let params = FrameParams::new(camera, [SIZE.0, SIZE.1]).with_ink(ink.clone());
             let params = params.with(|p| (p.study.template, p.debug.ink) = (template, InkDebugView::Lines));
-            let texels = draw(&Drawing { package, params: &params, size: SIZE, passes: &[PassId::INK_COMPOSITE] })?;
+            let texels = draw(&Drawing {
+                package,
+                params: &params,
+                size: SIZE,
+                passes: &[PassId::INK_COMPOSITE],
+                at: Mat4::IDENTITY,
+            })?;
             let pixels = texels.iter().map(|texel| texel[0] < 0.5).collect();
             let strokes = Mask { width: SIZE.0, height: SIZE.1, pixels };
             *most = most.max(strokes.widest_stroke().width_px / template_px);

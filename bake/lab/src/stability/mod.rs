@@ -19,6 +19,7 @@ mod measures;
 pub mod mip_levels;
 pub mod opacity_product;
 pub mod opacity_shadow;
+pub mod painted_strokes;
 pub mod parting;
 mod row;
 pub mod scattering;
@@ -62,4 +63,5 @@ pub const ROWS: &[Row] = &[
 ];
 
 /// Rows that need pictures.
-pub const DRAWN_ROWS: &[Row<DrawnRowTest>] = &[shells::ROW, ink::ROW, strand_width::ROW, strand_light::ROW];
+pub const DRAWN_ROWS: &[Row<DrawnRowTest>] =
+    &[shells::ROW, ink::ROW, painted_strokes::ROW, strand_width::ROW, strand_light::ROW];

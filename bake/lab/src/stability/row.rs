@@ -1,5 +1,6 @@
 //! Row of the stability table, and the results of its test.
 
+use glam::Mat4;
 use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, PassId};
 
@@ -24,6 +25,8 @@ pub struct Drawing<'a> {
     pub size: (u32, u32),
     /// Passes to draw, in order.
     pub passes: &'a [PassId],
+    /// Placement of the instance.
+    pub at: Mat4,
 }
 
 /// Row of the table. `D` is the type of its test.

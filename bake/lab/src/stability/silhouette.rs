@@ -6,7 +6,7 @@
 
 use super::row::{DrawCallback, Drawing};
 use crate::mask::Mask;
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use pelage_bake::pipeline;
 use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::Recipe;
@@ -38,7 +38,7 @@ fn coverage(
 ) -> Result<Coverage, BakeError> {
     let large = (size.0 * SAMPLES, size.1 * SAMPLES);
     let params = &params.clone().with(|params| params.viewport = large.into());
-    let found = draw(&Drawing { package, params, size: large, passes })?;
+    let found = draw(&Drawing { package, params, size: large, passes, at: Mat4::IDENTITY })?;
     let mut alpha = vec![0.0; (size.0 * size.1) as usize];
     for (i, [.., opacity]) in found.into_iter().enumerate() {
         let (x, y) = (i as u32 % large.0 / SAMPLES, i as u32 / large.0 / SAMPLES);

@@ -3,7 +3,7 @@
 
 use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::strand_width::{SIZE, above, bake, strands_of, true_camera};
-use glam::{Vec3, vec3};
+use glam::{Mat4, Vec3, vec3};
 use pelage_bake::recipe::{Recipe, ShadingModel, SrgbColor};
 use pelage_import::BakeError;
 use pelage_runtime::{FrameParams, Light, PassId, SelfShadow};
@@ -46,7 +46,8 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let shaded = unshaded.clone().with_fur(|fur| fur.self_shadow = SelfShadow::Auto);
     let on_axis = shaded.clone().with(|p| p.study.light_on_axis = true);
     let mut light = |params: &FrameParams| {
-        let drawing = Drawing { package: &package, params, size: (SIZE, SIZE), passes: &[PassId::STRANDS] };
+        let drawing =
+            Drawing { package: &package, params, size: (SIZE, SIZE), passes: &[PassId::STRANDS], at: Mat4::IDENTITY };
         Ok::<_, BakeError>(draw(&drawing)?.iter().map(|t| f64::from(t[0])).sum::<f64>())
     };
     let [all, ours, naive] = [light(&unshaded)?, light(&shaded)?, light(&on_axis)?];

@@ -3,7 +3,7 @@
 
 use super::row::{DrawCallback, Drawing, DrawnRowTest, Finding, Row};
 use super::surface;
-use glam::{Vec3, vec3};
+use glam::{Mat4, Vec3, vec3};
 use pelage_bake::pipeline;
 use pelage_bake::pipeline::BakeInput;
 use pelage_bake::recipe::{Coat, Recipe};
@@ -130,7 +130,8 @@ fn drive(draw: &mut DrawCallback<'_>) -> Result<Vec<Finding>, BakeError> {
     let params = above();
     let camera = true_camera(&params);
     let mut covered = |package: &[u8]| {
-        let drawing = Drawing { package, params: &params, size: (SIZE, SIZE), passes: &[PassId::STRANDS] };
+        let drawing =
+            Drawing { package, params: &params, size: (SIZE, SIZE), passes: &[PassId::STRANDS], at: Mat4::IDENTITY };
         let texels = draw(&drawing)?;
         Ok::<_, BakeError>(texels.iter().map(|t| f64::from(t[3])).sum::<f64>() / texels.len() as f64)
     };

@@ -25,6 +25,9 @@ struct Ribbon {
 // Width of the ribbon over that of the stroke: rough edges extend beyond it.
 const MARGIN: f32 = 1.3;
 
+// Minimum half width of a ribbon, pixels. Narrower strokes are as wide, and paler.
+const LEAST_HALF: f32 = 0.6;
+
 // Whether strokes of pigment are drawn, and not those of ink.
 override PIGMENT: bool = false;
 
@@ -41,7 +44,8 @@ fn vs_ribbon(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
     let way = after - before;
     let along = select(vec2(1.0, 0.0), way * inverseSqrt(max(dot(way, way), 1e-12)), dot(way, way) > 1e-8);
     let cap = select(select(0.0, MARGIN, column > STROKE_POINTS), -MARGIN, column == 0u);
-    let half = here.place.w;
+    let half = select(0.0, max(here.place.w, LEAST_HALF), here.place.w > 0.0);
+    let thinned = here.place.w / max(half, 1e-6);
     let px = here.place.xy + half * (vec2(-along.y, along.x) * side + along * cap);
     var out: Ribbon;
     let ndc = (px / painting.size - 0.5) * vec2(2.0, -2.0);
@@ -50,24 +54,29 @@ fn vs_ribbon(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
     out.position = select(vec4(2.0, 2.0, 0.5, 1.0), vec4(ndc, 0.5, 1.0), is_drawn);
     out.pigment = stroke.pigment;
     out.across = vec4(side, cap, f32(i) / f32(STROKE_POINTS - 1u), here.brush.z);
-    out.brush = vec4(half, here.brush.x, here.brush.y, here.brush.w);
+    out.brush = vec4(half, here.brush.x * thinned, here.brush.y, here.brush.w);
     out.depth = here.place.z;
     out.kind_seed = vec2(stroke.kind, stroke.seed & 0xffffu);
     out.middle = brush_points[first + STROKE_POINTS / 2u].place.xy;
     return out;
 }
 
-// Returns 1 where a stroke of a wash lies on its own part of the body, and 0 beside it. The border is uneven.
-fn on_own_part(position: vec2<f32>, depth: f32, half_m: f32) -> f32 {
+// Returns 1 where a stroke of a wash lies on its own part of the body, and 0 beside it. The border is uneven, by less
+// than `half_px`, the half width of the stroke.
+fn on_own_part(position: vec2<f32>, depth: f32, half_px: f32, half_m: f32) -> f32 {
     let jitter = vec2(
         plane_noise(position / (5.0 * painting.unit_px), 11u),
         plane_noise(position / (5.0 * painting.unit_px), 12u),
     ) - 0.5;
-    let p = clamp(vec2<i32>(position + jitter * 7.0 * painting.unit_px), vec2(0), vec2<i32>(painting.size) - 1);
+    let moved = vec2<i32>(position + jitter * min(7.0 * painting.unit_px, half_px));
+    let p = clamp(moved, vec2(0), vec2<i32>(painting.size) - 1);
     let tolerance = half_m + 0.022 * painted.size;
     let off = abs(eye_distance(painting, textureLoad(depths, p, 0)) - depth);
     return 1.0 - smoothstep(tolerance, 1.5 * tolerance, off);
 }
+
+// Maximum softness of an edge, in half widths: the middle of a narrow stroke keeps its density.
+const SOFTEST: f32 = 1.5;
 
 // Returns the mark of a brush: density and coverage. `soft`: softness of the edge, pixels; `spacing`: width of a
 // bristle, pixels; `ragged`: share of the length over which the end breaks up; `pool_rim`: pigment at the edge.
@@ -81,7 +90,7 @@ fn brush_mark(in: Ribbon, relief: f32, soft: f32, spacing: f32, ragged: f32, poo
     let r = length(in.across.xy);
     let edge = r * (1.0 + rough * (plane_noise(vec2(s / 4.5, v * 1.5 + 7.0), seed + 5u) - 0.5)
         + 0.6 * rough * (relief - 0.5));
-    let softness = soft / width;
+    let softness = min(soft / width, SOFTEST);
     let coverage = 1.0 - smoothstep(1.0 - softness, 1.0 + 0.4 * softness + 0.02, edge);
     let bristle = 0.6 * plane_noise(vec2(v * width / spacing + 50.0, s / 35.0), seed)
         + 0.4 * plane_noise(vec2(v * width / (0.45 * spacing) + 90.0, s / 16.0), seed + 1u);
@@ -157,7 +166,8 @@ fn fs_wash(in: Ribbon) -> @location(0) vec4<f32> {
     let mark = brush_mark(in, relief, select(6.5, 3.0, pale), select(3.8, 5.0, pale), 0.32, 0.12, 0.16);
     var part = 1.0;
     if in.kind_seed.x != GROUND {
-        part = on_own_part(in.position.xy, in.depth, 0.6 * in.brush.x * painted.size / max(painting.size.y, 1.0));
+        let half_m = 0.6 * in.brush.x * painted.size / max(painting.size.y, 1.0);
+        part = on_own_part(in.position.xy, in.depth, in.brush.x, half_m);
     }
     let density = mark.x * part;
     return vec4(density, mark.y * part, 0.0, density);
@@ -173,7 +183,7 @@ fn fs_ink_ribbon(in: Ribbon) -> @location(0) vec4<f32> {
     }
     if kind == DARK {
         let mark = brush_mark(in, relief, 0.8, 1.9, 0.42, 0.1, 0.18).x
-            * on_own_part(in.position.xy, in.depth, 0.02 * painted.size);
+            * on_own_part(in.position.xy, in.depth, in.brush.x, 0.02 * painted.size);
         return vec4(0.0, mark, 0.0, 0.0);
     }
     if kind == EYE {

@@ -226,7 +226,9 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let facing = dot(normal, toward_eye);
         // Lids must not cut eyes.
         let hidden_by = select(VISIBLE, 2.0 * VISIBLE, stroke.kind == EYE);
-        let tolerance = hidden_by * painted.size + select(0.0, 1.3 * posed.radius, on_axis);
+        // Depth varies by about the size of a pixel within it.
+        let pixel_m = half / max(even, 1e-3);
+        let tolerance = max(hidden_by * painted.size, pixel_m) + select(0.0, 1.3 * posed.radius, on_axis);
         let seen = visible_at(at[i], tolerance) * smoothstep(-0.05, 0.2, facing);
         let tone = tone_at(stored.brush.y, normal, toward_eye);
         brush[i] = vec4(half_px, tone, seen, facing);
