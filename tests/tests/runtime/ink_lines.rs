@@ -3,7 +3,7 @@
 
 use glam::{Mat4, Vec3, vec3};
 use pelage_bake::strands::PosedMesh;
-use pelage_lab::chart::ink::{on_blank_paper, template_px};
+use pelage_lab::chart::ink::{InkSettings, on_blank_paper, template_px};
 use pelage_lab::compare_motion::{Flicker, FlickerFrame, MeanOf, flicker};
 use pelage_lab::mask::Mask;
 use pelage_needs::data;
@@ -58,7 +58,7 @@ fn assert_lines_match_mesh(model: &Path) {
     let rows = chart(model, "1");
     let (precision, recall) = (number(&rows[0], "precision"), number(&rows[0], "recall"));
     println!("{name}: precision {precision:.3}, recall {recall:.3}");
-    assert_eq!(rows[0]["default"], true);
+    assert_eq!((&rows[0]["series"], &rows[0]["lines"]), (&"pixels".into(), &"pixels".into()));
     assert!(precision >= BAR && recall >= BAR, "{name}: precision {precision}, recall {recall}");
 }
 
@@ -114,7 +114,7 @@ impl InkRenderer {
 
     /// Draws an ink debug view, and returns its RGBA texels.
     fn draw(&mut self, instance: &Instance, camera: &Camera, study: Study, ink: InkDebugView) -> Vec<[u8; 4]> {
-        let blank = on_blank_paper(&InkParams::default());
+        let blank = on_blank_paper(&InkSettings::default().ink);
         let params = FrameParams::new(*camera, self.size.into()).with_ink(blank);
         let params = params.with(|p| (p.study, p.debug.ink) = (study, ink));
         let passes = [PassId::INK_COMPOSITE];

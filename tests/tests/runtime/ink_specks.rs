@@ -3,13 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use glam::{Vec3, vec3};
-use pelage_lab::chart::ink::{on_blank_paper, template_px};
+use pelage_lab::chart::ink::{InkSettings, on_blank_paper, template_px};
 use pelage_lab::mask::Mask;
 use pelage_needs::data;
 use pelage_runtime::formats::{InkShading, Limits, Package};
-use pelage_runtime::{
-    Camera, FrameParams, InkBackground, InkDebugView, InkParams, Instance, PassId, Renderer, RendererOptions,
-};
+use pelage_runtime::{Camera, FrameParams, InkBackground, InkDebugView, Instance, PassId, Renderer, RendererOptions};
 use pelage_stage::Gpu;
 use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
@@ -48,7 +46,7 @@ fn cameras(package: &[u8]) -> Vec<Camera> {
 fn short_lines(gpu: &Gpu, package: &[u8]) -> Specks {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &RendererOptions::default()).unwrap();
     let instance = Instance::new(0, &renderer.load_bytes(package).unwrap());
-    let ink = on_blank_paper(&InkParams::default());
+    let ink = on_blank_paper(&InkSettings::default().ink);
     let shorter_than_px = 3.0 * template_px(&ink, SIZE.1);
     let mut found = Specks::default();
     for camera in cameras(package) {
@@ -94,7 +92,7 @@ fn detached_per_mille(gpu: &Gpu, package: &[u8]) -> f64 {
     let (mut hanging, mut whole) = (0, 0);
     for camera in cameras(package) {
         let mut covered = |fur: f32| {
-            let ink = on_blank_paper(&InkParams::default()).with(|ink| {
+            let ink = on_blank_paper(&InkSettings::default().ink).with(|ink| {
                 ink.background = InkBackground::Picture;
                 ink.shading = Some(InkShading { fur, ..shading });
             });

@@ -1,5 +1,6 @@
-//! Topic `ink`: lines found in a picture of normals, compared with the lines of the mesh, and their cost. Threshold,
-//! width, picture size and rule are varied.
+//! Topic `ink`: lines of the ink style, compared with the lines of the mesh, and their cost. For lines found in a
+//! picture of normals, threshold, width, picture size and rule are varied; for painted strokes, their number, the share
+//! of the contour that is left out, and the picture size.
 //!
 //! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean measure whether lines are where
 //! they should be. The widest stroke measures whether lines stay thin; the sphere map alone blackens surfaces seen edge
@@ -8,6 +9,7 @@
 
 use super::{Cell, Panel};
 use crate::compare_lines::LineMeasures;
+use crate::measure_painting::PaintingMeasures;
 use pelage_runtime::{Anchoring, FeatureRule, InkLines, InkParams, LineWidth, SphereMapForm, Study};
 
 /// Ink settings to measure.
@@ -42,6 +44,11 @@ impl Default for InkSettings {
 }
 
 impl InkSettings {
+    /// Returns the settings of painted strokes.
+    fn strokes(change: impl FnOnce(&mut InkParams)) -> Self {
+        Self { ink: InkParams::default().with(|ink| ink.lines = InkLines::Strokes).with(change), ..Self::default() }
+    }
+
     fn with(mut self, change: impl FnOnce(&mut InkParams, &mut Study)) -> Self {
         change(&mut self.ink, &mut self.study);
         self
@@ -49,9 +56,12 @@ impl InkSettings {
 }
 
 /// Columns of the chart.
-pub const COLUMNS: [&str; 23] = [
+pub const COLUMNS: [&str; 29] = [
     "width",
     "height",
+    "lines",
+    "brush_strokes",
+    "omission",
     "threshold",
     "depth_step",
     "step_px",
@@ -72,6 +82,9 @@ pub const COLUMNS: [&str; 23] = [
     "flicker",
     "flicker_wash",
     "flicker_lines",
+    "strokes",
+    "unpainted",
+    "dark_outline",
     "frame_milliseconds",
 ];
 
@@ -101,21 +114,24 @@ const THRESHOLDS: [f32; 8] = [0.2, 0.4, 0.5, 0.64, 0.7, 0.8, 0.9, 0.97];
 const DEPTH_STEPS: [f32; 5] = [0.0, 0.005, 0.01, 0.02, 0.05];
 /// Maximum line widths, pixels.
 const WIDTHS: [f32; 5] = [3.0, 5.0, 7.0, 12.0, 16.0];
+/// Numbers of painted strokes.
+const STROKES: [f32; 3] = [20.0, 110.0, 200.0];
 /// Picture sizes, pixels.
 const SIZES: [(u32, u32); 4] = [(417, 212), SIZE, (1251, 636), (1668, 848)];
 
-/// Lists what to measure, the default first. Each other configuration differs from the default only in the setting that
-/// its series names.
+/// Lists what to measure: lines found in pixels, first at their defaults, then painted strokes, first at theirs. Each
+/// other configuration differs from the defaults of its kind only in the setting that its series names.
 pub fn configurations() -> Vec<InkConfiguration> {
     let default = InkSettings::default();
+    let shown = InkSettings { ink: InkParams::default(), ..InkSettings::default() };
     let mut out: Vec<InkConfiguration> = Vec::new();
     let mut add = |series, label: String, look: InkSettings| {
         if out.iter().all(|c| c.look != look) {
-            out.push(InkConfiguration { series, label, default: look == default, look });
+            out.push(InkConfiguration { series, label, default: look == shown, look });
         }
     };
     let of = |change: &dyn Fn(&mut InkParams, &mut Study)| InkSettings::default().with(|ink, study| change(ink, study));
-    add("default", String::new(), default.clone());
+    add("pixels", String::new(), default.clone());
     for threshold in THRESHOLDS {
         add("threshold T1", threshold.to_string(), of(&|ink, _| ink.threshold = threshold));
     }
@@ -146,6 +162,18 @@ pub fn configurations() -> Vec<InkConfiguration> {
     add("sphere map alone", "reflection".into(), any.with(|_, study| study.template = false));
     add("sphere map alone", "ours".into(), of(&|_, study| study.template = false));
     add("tied to the screen", String::new(), of(&|_, study| study.anchoring = Anchoring::Screen));
+    add("painted strokes", String::new(), InkSettings::strokes(|_| ()));
+    for strokes in STROKES {
+        let look = InkSettings::strokes(|ink| ink.brush.strokes = strokes);
+        add("number of painted strokes", strokes.to_string(), look);
+    }
+    for omission in [0.0, 0.5] {
+        add("share left out", omission.to_string(), InkSettings::strokes(|ink| ink.brush.omission = omission));
+    }
+    for size in SIZES {
+        let look = InkSettings { size, ..InkSettings::strokes(|_| ()) };
+        add("size of the picture, strokes", format!("{}x{}", size.0, size.1), look);
+    }
     out
 }
 
@@ -165,15 +193,18 @@ pub fn template_px(ink: &InkParams, height: u32) -> f64 {
     line_px(ink, height) + 1.0
 }
 
-/// Returns the same ink with lines found in pixels, on paper without relief, with smooth line edges and no dry brush.
-/// Paper does not move with the model, so relief and dry brush would change the picture on the model although nothing
-/// is wrong. A black patch must also be measured without holes in it.
+/// Returns the same ink on paper without relief, with smooth line edges and no dry brush. Paper does not move with the
+/// model, so relief and dry brush would change the picture on the model although nothing is wrong. A black patch must
+/// also be measured without holes in it.
 #[must_use]
 pub fn on_blank_paper(ink: &InkParams) -> InkParams {
-    ink.clone().with(|ink| {
-        ink.lines = InkLines::Pixels;
-        (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0);
-    })
+    ink.clone().with(|ink| (ink.paper_grain, ink.roughness_px, ink.dryness) = (0.0, 0.0, 0.0))
+}
+
+/// Returns the same ink without washes and tufts, with which the strokes leave only their lines and spots.
+#[must_use]
+pub fn lines_alone(ink: &InkParams) -> InkParams {
+    ink.clone().with(|ink| (ink.brush.wash, ink.brush.tufts, ink.brush.ground) = (0.0, 0.0, 0.0))
 }
 
 /// Results of a configuration.
@@ -184,6 +215,8 @@ pub struct InkMeasures {
     /// Mean difference between consecutive frames, grey levels 0..=1: over the mesh surface, over pixels that are lines
     /// in neither frame, and over pixels that are lines in both.
     pub flicker: [Option<f64>; 3],
+    /// Measures of the paintings of each view. Lines found in pixels have no strokes.
+    pub paintings: Vec<PaintingMeasures>,
     /// Fastest frame of the slowest view, milliseconds.
     pub frame_ms: f64,
 }
@@ -196,16 +229,25 @@ pub fn cells(look: &InkSettings, measured: &InkMeasures) -> Vec<Cell> {
         if known.is_empty() { Cell::Empty } else { Cell::Number(known.iter().sum::<f64>() / known.len() as f64) }
     };
     let number = |x: f64| Cell::Number(x);
+    let is_painted = ink.lines == InkLines::Strokes;
+    let of_kind = |wanted: bool, cell: Cell| if is_painted == wanted { cell } else { Cell::Empty };
+    let mean = |of: fn(&PaintingMeasures) -> f64| match measured.paintings.len() {
+        0 => Cell::Empty,
+        count => Cell::Number(measured.paintings.iter().map(of).sum::<f64>() / count as f64),
+    };
     let (stroke, template) =
         (measured.views.iter().map(|m| m.stroke.width_px).fold(0.0, f64::max), template_px(ink, *height));
     let word = |text: &str| Cell::Text(text.into());
     let mut cells = vec![
         number((*width).into()),
         number((*height).into()),
-        number(ink.threshold.into()),
-        number(ink.depth_step.into()),
-        number(ink.step_px.into()),
-        number(line_px(ink, *height)),
+        word(if is_painted { "strokes" } else { "pixels" }),
+        of_kind(true, number(ink.brush.strokes.into())),
+        of_kind(true, number(ink.brush.omission.into())),
+        of_kind(false, number(ink.threshold.into())),
+        of_kind(false, number(ink.depth_step.into())),
+        of_kind(false, number(ink.step_px.into())),
+        of_kind(false, number(line_px(ink, *height))),
         word(match study.features {
             FeatureRule::AnyBelow => "any",
             FeatureRule::AllBelow => "all",
@@ -226,6 +268,7 @@ pub fn cells(look: &InkSettings, measured: &InkMeasures) -> Vec<Cell> {
     cells.extend([0, 1, 2].map(|kind| share(&|m| m.recall[kind])));
     cells.extend([share(&|m| Some(1.0 - m.lines.f1())), number(stroke), number(template), number(stroke / template)]);
     cells.extend(measured.flicker.map(|f| f.map_or(Cell::Empty, number)));
+    cells.extend([of_kind(true, mean(|m| m.strokes as f64)), mean(|m| m.unpainted), mean(|m| m.dark_outline)]);
     cells.push(number(measured.frame_ms));
     cells
 }
@@ -237,11 +280,12 @@ mod tests {
     #[test]
     fn ink_configurations_are_listed_once() {
         let all = configurations();
-        assert!(all[0].default && all.iter().filter(|c| c.default).count() == 1);
+        let defaults: Vec<_> = all.iter().filter(|c| c.default).map(|c| c.series).collect();
+        assert_eq!((all[0].series, &defaults[..]), ("pixels", &["painted strokes"][..]));
         for (i, c) in all.iter().enumerate() {
             assert!(all[i + 1..].iter().all(|other| other.look != c.look), "{} {}", c.series, c.label);
         }
-        for series in ["threshold T1", "step of depth", "as published", "sphere map alone", "tied to the screen"] {
+        for series in ["threshold T1", "step of depth", "as published", "sphere map alone", "share left out"] {
             assert!(all.iter().any(|c| c.series == series), "{series}");
         }
     }
@@ -263,5 +307,12 @@ mod tests {
         assert_eq!(found(&measured, "widest_stroke_px"), Cell::Number(4.5));
         assert_eq!(found(&measured, "widest_over_template"), Cell::Number(0.5));
         assert_eq!(found(&measured, "height"), Cell::Number(32.0));
+        assert_eq!((found(&measured, "strokes"), found(&measured, "unpainted")), (Cell::Empty, Cell::Empty));
+        measured.paintings.push(PaintingMeasures { unpainted: 0.25, strokes: 7, ..PaintingMeasures::default() });
+        assert_eq!((found(&measured, "strokes"), found(&measured, "unpainted")), (Cell::Empty, Cell::Number(0.25)));
+        let painted = InkSettings::strokes(|_| ());
+        let cells = cells(&painted, &measured);
+        let at = |name| &cells[COLUMNS.iter().position(|c| *c == name).expect("a column")];
+        assert_eq!((at("strokes"), at("threshold")), (&Cell::Number(7.0), &Cell::Empty));
     }
 }

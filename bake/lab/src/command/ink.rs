@@ -7,17 +7,18 @@ use crate::chart::{Cell, ink};
 use crate::compare_lines::measure_lines;
 use crate::compare_motion::{Flicker, FlickerFrame, flicker};
 use crate::mask::Mask;
+use crate::measure_painting::{drawn_lines, measure_painting};
 use crate::truth::{LineParams, TrueLines};
-use glam::Vec3;
-use image::RgbaImage;
+use glam::{DVec2, Vec3};
 use pelage_bake::strands::PosedMesh;
-use pelage_runtime::{InkDebugView, InkParams, Style};
+use pelage_runtime::{InkDebugView, InkLines, InkParams, PictureStroke, Style};
 use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing, outline};
 use pelage_tool::exit::Failure;
 use pelage_tool::machine::measured_on;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
 use pelage_tool::view::PictureView;
+use pelage_truth::TrueCamera;
 
 /// Number of frames of the slow turn for flicker, and degrees between frames.
 const TURN: (u32, f32) = (4, 1.0);
@@ -108,29 +109,44 @@ impl Shared {
         let Some((_, scene)) = &mut self.scene else {
             return Err(pelage_import::BakeError::Internal("no scene to draw".into()).into());
         };
-        let look = |scene: &mut Stage, camera, show, ink: InkParams| -> Result<RgbaImage, Failure> {
+        let is_painted = ink.lines == InkLines::Strokes;
+        let look = |scene: &mut Stage, camera, show, ink: InkParams| -> Result<_, Failure> {
             scene.look_from(camera);
             scene.params.style = Style::Ink(ink);
             (scene.params.study, scene.params.debug.ink) = (*study, show);
-            scene.draw()?;
-            pixels(scene)
+            let frame = scene.draw()?;
+            let strokes: Vec<PictureStroke> = if is_painted { scene.strokes(&frame)? } else { Vec::new() };
+            Ok((pixels(scene)?, strokes))
         };
-        let show = |scene: &mut Stage, camera, show| look(scene, camera, show, ink::on_blank_paper(ink));
+        let blank = ink::on_blank_paper(ink);
+        // Lines in black on white, and their middles.
+        let lines_of = |scene: &mut Stage, camera| -> Result<[Mask; 2], Failure> {
+            if is_painted {
+                let (picture, strokes) = look(scene, camera, InkDebugView::Painting, ink::lines_alone(&blank))?;
+                return Ok([Mask::darker(&picture, INK), drawn_lines(&strokes, size, 0.5)]);
+            }
+            let views = [InkDebugView::Lines, InkDebugView::Features];
+            let [lines, features] = views.map(|show| look(scene, camera, show, blank.clone()));
+            Ok([Mask::darker(&lines?.0, INK), Mask::darker(&features?.0, INK)])
+        };
         let mut measured = ink::InkMeasures::default();
         for camera in cameras {
-            let truth = self.lines.visible_from(&true_camera(camera), size, &LineParams::default())?;
-            let features = Mask::darker(&show(scene, camera, InkDebugView::Features)?, INK);
-            let strokes = Mask::darker(&show(scene, camera, InkDebugView::Lines)?, INK);
-            measured.views.push(measure_lines(&features, &strokes, &truth)?);
-            look(scene, camera, InkDebugView::Painting, ink.clone())?;
+            let eye = true_camera(camera);
+            let truth = self.lines.visible_from(&eye, size, &LineParams::default())?;
+            let [lines, middles] = lines_of(scene, camera)?;
+            measured.views.push(measure_lines(&middles, &lines, &truth)?);
+            let (picture, strokes) = look(scene, camera, InkDebugView::Painting, ink.clone())?;
+            measured.paintings.push(measure_painting(&strokes, &picture, &surface(&self.lines, &eye, size))?);
             measured.frame_ms = measured.frame_ms.max(fastest(&self.meter, scene)?);
         }
         let mut sum = Flicker::default();
         let mut before: Option<(_, Vec<f32>, Mask)> = None;
         for frame in 0..TURN.0 {
             let camera = cameras[0].turned((TURN.1 * frame as f32).to_radians());
-            let lines = Mask::darker(&show(scene, camera, InkDebugView::Lines)?, FAINT);
-            let grey = greys(&show(scene, camera, InkDebugView::Painting)?);
+            let show = if is_painted { InkDebugView::Painting } else { InkDebugView::Lines };
+            let shown = if is_painted { ink::lines_alone(&blank) } else { blank.clone() };
+            let lines = Mask::darker(&look(scene, camera, show, shown)?.0, if is_painted { INK } else { FAINT });
+            let grey = greys(&look(scene, camera, InkDebugView::Painting, blank.clone())?.0);
             let camera = true_camera(camera);
             if let Some((camera_before, grey_before, lines_before)) = &before {
                 let sight = self.lines.sight();
@@ -143,4 +159,10 @@ impl Shared {
         measured.flicker = [sum.surface.mean(), sum.wash.mean(), sum.lines.mean()];
         Ok(measured)
     }
+}
+
+/// Returns the pixels of the mesh.
+fn surface(lines: &TrueLines, camera: &TrueCamera, (width, height): (u32, u32)) -> Mask {
+    let sight = lines.sight().view(camera, (width, height));
+    Mask::from_fn(width, height, |x, y| sight.at(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)).is_some())
 }

@@ -11,7 +11,7 @@ use pelage_bake::recipe::Recipe;
 use pelage_formats::{Limits, Package};
 use pelage_import::BakeError;
 use pelage_import::mesh::Model;
-use pelage_runtime::{Camera, FrameParams, InkDebugView, InkParams, PassId};
+use pelage_runtime::{Camera, FrameParams, InkDebugView, InkLines, InkParams, PassId};
 
 /// Row of the stability table.
 pub const ROW: Row<DrawnRowTest> = Row {
@@ -54,7 +54,7 @@ fn widest(package: &[u8], draw: &mut DrawCallback<'_>) -> Result<[f64; 2], BakeE
     let opened = Package::open(package, &Limits::default());
     let bounds =
         opened.map_err(|e| BakeError::Internal(format!("cannot read back the baked package: {e}")))?.manifest().bounds;
-    let ink = on_blank_paper(&InkParams::default());
+    let ink = on_blank_paper(&InkParams::default().with(|ink| ink.lines = InkLines::Pixels));
     let template_px = template_px(&ink, SIZE.1);
     let mut most = [0.0f64; 2];
     for view in 0..VIEWS {

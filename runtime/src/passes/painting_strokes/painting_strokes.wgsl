@@ -141,6 +141,10 @@ fn paint_ground(number: u32, seed: u32) {
     let last = f32(STROKE_POINTS - 1u);
     let size = painted.size;
     let done = done_share(GROUND, second);
+    // Scenery, which is wider than the picture, has no wash below it.
+    let middle = painted.ground_ws;
+    let wide_px = 2.0 * distance(on_picture(middle + painting.right_ws * painted.reach).xy, on_picture(middle).xy);
+    let scenery = smoothstep(0.9, 1.4, wide_px / painting.size.x);
     var run = 0.0;
     var before = vec2(0.0);
     for (var i = 0u; i < STROKE_POINTS; i++) {
@@ -156,7 +160,7 @@ fn paint_ground(number: u32, seed: u32) {
         before = at;
         let half = (0.016 - 0.006 * second) * size * metre * (0.2 + sin(3.14159 * pow(u, 0.8)))
             * (1.0 + 0.25 * along_noise(u, 5.0, seed + 1u));
-        let shown = select(0.0, 1.0, center.w > 0.0) * painting.ground * is_drawn(done, u);
+        let shown = select(1.0 - scenery, 0.0, center.w <= 0.0) * painting.ground * is_drawn(done, u);
         let brush = vec4((0.28 - 0.08 * second) * (1.1 - 0.7 * u) * shown, clamp(0.05 + 0.6 * u, 0.0, 0.7), run, 0.6);
         brush_points[number * STROKE_POINTS + i] = BrushPoint(vec4(at, center.z, max(half, 0.0) * sign(shown)), brush);
     }
