@@ -31,6 +31,9 @@ const AXIS_ROUNDS: u32 = 4u;
 // Minimum width of a stroke that is seen at a grazing angle.
 const LEAST_WIDTH: f32 = 0.42;
 
+// Number of strokes with which all washes are painted where the tone asks for them, and the maximum.
+const ALL_WASHES: f32 = 60.0;
+const MOST_STROKES: f32 = 200.0;
 // Number of tufts from which locks of hair are complete.
 const FULL_HAIR: f32 = 10.0;
 
@@ -242,12 +245,14 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     let mean_tone = tone_sum / max(seen_sum, 1e-3);
     let visible_share = seen_sum / (last + 1.0);
     var weight = 1.0;
+    // More strokes than the washes have also lie on paler parts.
+    let finer = mix(1.0, 0.4, clamp((painting.strokes - ALL_WASHES) / (MOST_STROKES - ALL_WASHES), 0.0, 1.0));
     if stroke.kind == PALE {
         weight = smoothstep(0.05, 0.11, mean_tone);
     } else if stroke.kind == MIDDLE {
-        weight = smoothstep(0.36, 0.5, mean_tone);
+        weight = smoothstep(0.36, 0.5, mean_tone / finer);
     } else if stroke.kind == DARK {
-        weight = smoothstep(0.54, 0.7, mean_tone);
+        weight = smoothstep(0.54, 0.7, mean_tone / finer);
     } else if stroke.kind == TUFT {
         let rim = 1.0 - smoothstep(0.12, 0.5, brush[0].w);
         weight = max(rim, smoothstep(0.25, 0.6, mean_tone) * 0.8);
