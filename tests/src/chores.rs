@@ -4,7 +4,8 @@ use crate::binary::{Run, Sandbox, run_to_end};
 use anyhow::{Context as _, ensure};
 use image::{GenericImage as _, Rgb, RgbImage};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Background colour of the pictures and of empty cells in a sheet.
 pub const BACKGROUND: Rgb<u8> = Rgb([204, 209, 217]);
@@ -70,6 +71,20 @@ impl ChoreFolder {
 }
 
 impl ChoreFolder {
+    /// Draws a package in ink on paper, with options of `pelage render`.
+    ///
+    /// # Errors
+    ///
+    /// Same as [`Self::run`].
+    pub fn paint<S: AsRef<str>>(&self, baked: &Baked, size: &str, options: &[S]) -> anyhow::Result<RgbImage> {
+        let picture = self.sandbox.path().join("painting.png").display().to_string();
+        let package = baked.package.display().to_string();
+        let mut arguments = vec!["render", &package, "-o", &picture, "--size", size, "--style", "ink", "--quiet"];
+        arguments.extend(options.iter().map(AsRef::as_ref));
+        self.run(&arguments)?;
+        Ok(image::open(&picture)?.to_rgb8())
+    }
+
     /// Draws a sequence of pictures, like [`Self::draw`].
     ///
     /// # Errors
@@ -110,4 +125,41 @@ pub fn sheet(pictures: &[RgbImage], columns: usize) -> anyhow::Result<RgbImage> 
         sheet.copy_from(picture, w * (index % columns) as u32, h * (index / columns) as u32)?;
     }
     Ok(sheet)
+}
+
+/// Saves a picture with at most 256 colours as a small PNG. Colours of about the same brightness and hue become their
+/// mean.
+///
+/// # Errors
+///
+/// If the file cannot be written.
+pub fn save_indexed(picture: &RgbImage, path: &Path) -> anyhow::Result<()> {
+    // Group of a colour: its brightness in finer steps than its hue.
+    let group = |p: &Rgb<u8>, step: i32| {
+        let [r, g, b] = p.0.map(i32::from);
+        [(r + g + b) / step, (r - g).div_euclid(4 * step), (b - g).div_euclid(4 * step)]
+    };
+    let mut means: BTreeMap<[i32; 3], [u64; 4]> = BTreeMap::new();
+    let step = (3..=96).find(|step| {
+        means.clear();
+        for p in picture.pixels() {
+            let sum = means.entry(group(p, *step)).or_default();
+            sum.iter_mut().zip(p.0.map(u64::from).into_iter().chain([1])).for_each(|(sum, value)| *sum += value);
+        }
+        means.len() <= 256
+    });
+    let step = step.context("more than 256 colours")?;
+    let numbers: BTreeMap<[i32; 3], u8> = means.keys().copied().zip(0..=255).collect();
+    let palette: Vec<u8> =
+        means.values().flat_map(|[r, g, b, n]| [r, g, b].map(|sum| ((sum + n / 2) / n) as u8)).collect();
+    let indices: Vec<u8> = picture.pixels().map(|p| numbers[&group(p, step)]).collect();
+    let file = std::fs::File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
+    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), picture.width(), picture.height());
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(palette);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.write_header()?.write_image_data(&indices)?;
+    Ok(())
 }

@@ -2,13 +2,15 @@
 
 mod coats;
 mod key_pictures;
+mod paintings;
 
-pub use key_pictures::{KEY_PICTURES, KeyPicture};
+pub use key_pictures::{INK_KEY_PICTURES, KEY_PICTURES, KeyPicture, KeyView};
+pub use paintings::{PAINTING_SHEETS, Painting, PaintingSheet};
 
 use crate::binary::{Sandbox, workspace};
 use pelage_bake::recipe::Recipe;
-use pelage_params::reference_page;
-use pelage_stage::{Look, SAMPLES, SHORT_FORMS};
+use pelage_params::{reference_page, wrap};
+use pelage_stage::{BUILT_IN_LOOKS, Look, SAMPLES, SHORT_FORMS};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -51,15 +53,25 @@ const RECIPE_INTRODUCTION: [&str; 4] = [
     "This page is made from the declarations in `bake/src/recipe/` by `cargo run --bin chores write-docs`.",
 ];
 
-/// Returns the reference of looks: every key, and the flags that set keys.
+/// Returns the reference of looks: every key, the built-in looks, and the flags that set keys.
 fn look_page() -> String {
-    let mut page = reference_page::<Look>("Look reference", &LOOK_INTRODUCTION, |_| None);
-    page += "\n## Flags\n\n";
+    let mut page = reference_page::<Look>("Look reference", &LOOK_INTRODUCTION, |key| {
+        INK_KEY_PICTURES.iter().find(|picture| picture.key == key).map(KeyPicture::markdown)
+    });
+    page += "\n## Built-in looks\n\n";
+    page += &format!("{}\n\n", wrap("", BUILT_IN_INTRODUCTION));
+    for style in BUILT_IN_LOOKS {
+        page += &format!("### `{}`\n\n{}\n\n```toml\n{}```\n\n", style.name, wrap("", style.about), style.text);
+    }
+    page += "## Flags\n\n";
     for short in SHORT_FORMS.iter().chain([&SAMPLES]) {
         page += &format!("- `--{} <{}>` sets `{}`.\n", short.flag, short.value_name, short.key);
     }
     page
 }
+
+const BUILT_IN_INTRODUCTION: &str = "`--look gongbi` sets the keys of a built-in look, and later options change them. \
+     All are styles of ink painting; [painting](painting.md) shows them.";
 
 const LOOK_INTRODUCTION: [&str; 3] = [
     "A look is everything about a picture except the models in it, the camera and the time: light, shadows, how much \

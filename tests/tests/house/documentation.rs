@@ -172,7 +172,13 @@ fn commands_in_documents_are_valid() {
     let others =
         ["path", "release", "locked", "bin", "example", "no-default-features", "workspace", "bench", "exhaustive"];
     let (mut recipes, mut keys_set, mut options_named) = (0, 0, 0);
-    for path in ["README.md", "bake/docs/artists.md", "bake/docs/scripts.md", "runtime/docs/performance.md"] {
+    for path in [
+        "README.md",
+        "bake/docs/artists.md",
+        "bake/docs/painting.md",
+        "bake/docs/scripts.md",
+        "runtime/docs/performance.md",
+    ] {
         let text = std::fs::read_to_string(workspace().join(path)).unwrap();
         for block in text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next()) {
             if let Err(error) = Recipe::parse(path, block) {
