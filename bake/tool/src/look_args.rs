@@ -200,6 +200,17 @@ fn validate_look_value(word: &str) -> Result<String, String> {
     Ok(word.to_owned())
 }
 
+/// Returns the help of `--look`, with a line for each built-in look.
+fn long_help() -> String {
+    let styles = BUILT_IN_LOOKS.map(|style| format!("{}: {}", style.name, style.about));
+    format!(
+        "Look of the picture: a file, a style of ink painting, or one key such as shadow.penumbra=0.3 \
+         (bake/docs/look.md lists them); later ones override earlier ones, and flags override all [may be given \
+         again]\n\nStyles of ink painting:\n{}",
+        styles.join("\n").trim_end_matches('.')
+    )
+}
+
 impl Args for LookArgs {
     fn augment_args(command: Command) -> Command {
         let look = Arg::new("look")
@@ -209,11 +220,13 @@ impl Args for LookArgs {
             .value_parser(validate_look_value)
             .help_heading(PICTURE)
             .hide_short_help(true)
-            .help(
-                "Look of the picture: a file, a style of ink painting (gongbi, xieyi, dry, wet), or one key such as \
-                 shadow.penumbra=0.3 (bake/docs/look.md lists them); later ones override earlier ones, and flags \
-                 override all [may be given again]",
-            );
+            .help(format!(
+                "Look of the picture: a file, a style of ink painting ({}), or one key such as shadow.penumbra=0.3 \
+                 (bake/docs/look.md lists them); later ones override earlier ones, and flags override all [may be \
+                 given again]",
+                BUILT_IN_LOOKS.map(|style| style.name).join(", ")
+            ))
+            .long_help(long_help());
         command.arg(look).args(SHORT_FORMS.iter().map(argument))
     }
 
