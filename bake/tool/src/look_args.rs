@@ -26,6 +26,12 @@ impl LookArgs {
         for word in &self.looks {
             match apply_word(word, look) {
                 Some(applied) => applied.map_err(|error| input("--look", error))?,
+                None if !word.contains(['.', '/', '\\']) && !Path::new(word).exists() => {
+                    return Err(Failure::Usage(format!(
+                        "--look {word}: found neither a file nor a style, expected a file, key=value or one of {}",
+                        style_names()
+                    )));
+                }
                 None => read(Path::new(word), look)?,
             }
         }
@@ -200,6 +206,11 @@ fn validate_look_value(word: &str) -> Result<String, String> {
     Ok(word.to_owned())
 }
 
+/// Returns the names of the built-in looks, as in a sentence.
+fn style_names() -> String {
+    BUILT_IN_LOOKS.map(|style| style.name).join(", ")
+}
+
 /// Returns the help of `--look`, with a line for each built-in look.
 fn long_help() -> String {
     let styles = BUILT_IN_LOOKS.map(|style| format!("{}: {}", style.name, style.about));
@@ -224,7 +235,7 @@ impl Args for LookArgs {
                 "Look of the picture: a file, a style of ink painting ({}), or one key such as shadow.penumbra=0.3 \
                  (bake/docs/look.md lists them); later ones override earlier ones, and flags override all [may be \
                  given again]",
-                BUILT_IN_LOOKS.map(|style| style.name).join(", ")
+                style_names()
             ))
             .long_help(long_help());
         command.arg(look).args(SHORT_FORMS.iter().map(argument))
@@ -307,6 +318,7 @@ mod tests {
             ("--detail coarse", "\"full\", \"auto\" or a level"),
             ("--look shadow.penumbr=1", "shadow.penumbr: unknown key; did you mean shadow.penumbra?"),
             ("--look shadow.penumbra=9", "shadow.penumbra: found 9, expected a number 0..=2"),
+            ("--look oil", "--look oil: found neither a file nor a style"),
         ] {
             let error = parse(line).unwrap_err();
             assert!(error.contains(message), "{line}: {error}");
@@ -325,6 +337,9 @@ mod tests {
             "Rendering style [default: fur]",
         ] {
             assert!(help.contains(part), "{part}\n{help}");
+        }
+        for style in BUILT_IN_LOOKS {
+            assert!(help.contains(&format!("{}: {}", style.name, style.about.trim_end_matches('.'))), "{help}");
         }
         // The laboratory's options are there if this is built together with it.
         let is_heading = |line: &&str| line.ends_with(':') && !line.starts_with(' ') && *line != "Laboratory:";

@@ -135,8 +135,8 @@ impl PictureSeries {
         let strokes = self.scene.strokes(&frame)?;
         let Some(ink) = self.scene.params.style.ink().filter(|_| !frame.stroke_buffers().is_empty()) else {
             return Err(Failure::Usage(
-                "-o *.svg: the picture has no strokes, expected --style ink --look ink.lines=strokes, and a package \
-                 baked by this version"
+                "-o *.svg: the picture has no strokes, expected --style ink, --ink-lines strokes (the default), and a \
+                 package baked by this version"
                     .into(),
             ));
         };

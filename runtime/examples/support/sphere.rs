@@ -2,8 +2,9 @@
 
 use pelage_runtime::formats::{
     Animation, AttributeVertex, Bounds, Channel, Clip, FurInfo, GeometryVertex, InkData, InkInfo, InkShading,
-    InkVertex, Interpolation, Joint, Manifest, Material, MeshData, Node, PackageWriter, Part, Property, Shading,
-    SkinVertex, TextureEntry, TextureFormat, encode_direction,
+    InkVertex, Interpolation, Joint, Manifest, Material, MeshData, Node, PackageWriter, PaintStroke, Part, Property,
+    Shading, SkinVertex, StrokeAnchor, StrokeKind, StrokePoint, StrokePool, TextureEntry, TextureFormat,
+    encode_direction,
 };
 use pelage_runtime::glam::{Quat, Vec2, Vec3};
 
@@ -39,6 +40,8 @@ pub struct SphereParams {
     pub bare_band: bool,
     /// Whether the ink style is included: a wash that fades from the top, a hard rim, and plain paper.
     pub ink: bool,
+    /// Whether there are painted strokes, from pole to pole.
+    pub strokes: bool,
 }
 
 impl Default for SphereParams {
@@ -58,6 +61,7 @@ impl Default for SphereParams {
             skeleton: false,
             bare_band: false,
             ink: false,
+            strokes: false,
         }
     }
 }
@@ -91,6 +95,9 @@ pub fn package(params: &SphereParams) -> Vec<u8> {
     }
     if params.skeleton {
         writer = writer.animation(&skeleton());
+    }
+    if params.strokes {
+        writer = writer.stroke_pool(&strokes(params, &mesh));
     }
     if params.ink {
         let first = 2 + u32::from(params.stripes || params.white_texture);
@@ -199,6 +206,28 @@ fn mesh(params: &SphereParams) -> MeshData {
     }
     mesh.indices.extend(band);
     mesh
+}
+
+/// Returns twelve strokes of the second wash along meridians. Their points are the vertices nearest to them.
+fn strokes(params: &SphereParams, mesh: &MeshData) -> StrokePool {
+    let nearest = |p: Vec3| {
+        let off = |v: &usize| Vec3::from(mesh.geometry[*v].position).distance_squared(p);
+        (0..mesh.geometry.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0) as u32
+    };
+    let point = |turn: f32, k: usize| {
+        let (rise, around) = (1.2 - 2.4 * k as f32 / (PaintStroke::POINTS - 1) as f32, Quat::from_rotation_y(turn));
+        let vertex = nearest(around * Vec3::new(rise.cos(), rise.sin(), 0.0) * params.radius_m);
+        let anchor = StrokeAnchor { vertices: [vertex; 3], weights: [0; 2] };
+        StrokePoint { sides: [anchor; 2], offset_m: None, half_width_m: 0.2 * params.radius_m, darkness: 0.8 }
+    };
+    let stroke = |number: u32| PaintStroke {
+        kind: StrokeKind::Middle,
+        rank: number as f32 / 11.0,
+        seed: number * 7919,
+        pigment: None,
+        points: (0..PaintStroke::POINTS).map(|k| point(std::f32::consts::TAU * number as f32 / 12.0, k)).collect(),
+    };
+    StrokePool { size_m: 3.5 * params.radius_m, strokes: (0..12).map(stroke).collect() }
 }
 
 /// Returns the ink style. Its textures have indices from `first` on.

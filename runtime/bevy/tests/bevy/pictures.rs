@@ -1,6 +1,6 @@
 //! Tests of pictures: the ball among Bevy's meshes, the comparison with the runtime alone, and several cameras.
 
-use crate::support::{Picture, TestApp, TestCamera, ball_package, gpu};
+use crate::support::{Picture, TestApp, TestCamera, ball_package, gpu, painted_ball_package};
 use bevy_asset::Handle;
 use bevy_camera::visibility::RenderLayers;
 use bevy_camera::{Camera, Viewport};
@@ -80,12 +80,12 @@ fn animal_and_cube_occlude_each_other() {
     );
 }
 
-fn runtime_picture(pelage: &Pelage) -> Picture {
+fn runtime_picture(pelage: &Pelage, package: &[u8]) -> Picture {
     let gpu = Gpu::with(runtime::wgpu::Features::TEXTURE_COMPRESSION_BC, None).unwrap();
     let options = CanvasOptions::default();
     let canvas = Canvas::new(&gpu, (SIZE[0], SIZE[1]), &options);
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, &options.renderer()).unwrap();
-    let model = renderer.load_bytes(&ball_package()).unwrap();
+    let model = renderer.load_bytes(package).unwrap();
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let projection = runtime::Projection::Perspective { fov_y_rad: 0.6, aspect, near_m: 0.1, far_m: f32::INFINITY };
     let camera = runtime::Camera::look_at(EYE, Vec3::ZERO, projection);
@@ -106,12 +106,14 @@ fn runtime_picture(pelage: &Pelage) -> Picture {
 #[test]
 fn bevy_frame_equals_that_of_the_runtime_alone() {
     let Some(mut test_app) = gpu("bevy_frame_equals_that_of_the_runtime_alone") else { return };
-    let model = test_app.add_model("ball", &ball_package());
+    let packages = [ball_package(), painted_ball_package()];
+    let [model, painted] = [0, 1].map(|k| test_app.add_model(["ball", "painted"][k], &packages[k]));
     // The runtime draws the ball's shadow on itself: a sun with shadow maps enables `soft_shadow`.
     test_app.spawn_sun(SUN, true);
     let camera = test_app.spawn_camera(SIZE, Msaa::Off, front_view());
-    for pelage in [Pelage::fur(model.clone()), Pelage::ink(model)] {
-        let alone = runtime_picture(&pelage);
+    // Without strokes, ink is drawn with lines found in pixels.
+    for (pelage, package) in [(Pelage::fur(model.clone()), 0), (Pelage::ink(model), 0), (Pelage::ink(painted), 1)] {
+        let alone = runtime_picture(&pelage, &packages[package]);
         let ball = test_app.world().spawn(pelage.clone()).id();
         let picture = test_app.picture(&camera);
         // Tolerance: Bevy blends in half floats and encodes at the end, while the canvas blends in bytes.

@@ -234,3 +234,9 @@ fn remove_padding(bytes: &[u8], [width, height]: [u32; 2]) -> Vec<u8> {
 pub fn ball_package() -> Vec<u8> {
     sphere::package(&SphereParams { skeleton: true, ink: true, quads: 12, ..SphereParams::default() })
 }
+
+/// Returns the package of the ball of [`ball_package`] with painted strokes.
+pub fn painted_ball_package() -> Vec<u8> {
+    let params = SphereParams { skeleton: true, ink: true, strokes: true, quads: 12, ..SphereParams::default() };
+    sphere::package(&params)
+}

@@ -21,7 +21,7 @@ pub(crate) const PASS: Pass = Pass {
     styles: &[StyleKind::Ink],
     lines: Some(InkLines::Pixels),
     does: "draws paper, wash and lines into the application's pass, with the depth of what is painted",
-    runs_when: "the style is ink",
+    runs_when: "ink lines are found in pixels",
     shaders: &[SHADER],
     targets: &[],
     run,

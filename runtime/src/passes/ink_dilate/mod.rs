@@ -24,7 +24,7 @@ pub(crate) const PASS: Pass = Pass {
     lines: Some(InkLines::Pixels),
     does: "for each pixel, finds the feature in the same row whose line extends farthest over the pixel, and the \
          weighted share of features within reach",
-    runs_when: "the style is ink",
+    runs_when: "ink lines are found in pixels",
     shaders: &[SHADER],
     targets: &[ROWS],
     run,

@@ -24,7 +24,7 @@ pub(crate) const PASS: Pass = Pass {
     lines: Some(InkLines::Pixels),
     does: "finds the pixels that lines run through, from neighbouring normals at two thresholds (Fang 2006, §2) and \
          from depth steps",
-    runs_when: "the style is ink",
+    runs_when: "ink lines are found in pixels",
     shaders: &[SHADER],
     targets: &[FEATURES],
     run,

@@ -32,7 +32,7 @@ pub(crate) const PASS: Pass = Pass {
     styles: &[StyleKind::Ink],
     lines: Some(InkLines::Pixels),
     does: "draws fins and two outer shells as dry strokes",
-    runs_when: "the style is ink, and a package has strokes of fur",
+    runs_when: "ink lines are found in pixels, and a package has strokes of fur",
     shaders: &[SHADER],
     targets: &[],
     run,

@@ -48,7 +48,7 @@ pub(crate) const PASS: Pass = Pass {
     does: "draws all surfaces into three textures of the picture's size, which the other ink passes read: depth; \
            the face's normal, in the frame perpendicular to the view, and 1 / clip w; \
            grey of the wash, grey of the sphere map's stroke, width and dryness of lines",
-    runs_when: "the style is ink",
+    runs_when: "ink lines are found in pixels",
     shaders: &[SHADER],
     targets: &[NORMALS, SURFACES, DEPTH],
     run,

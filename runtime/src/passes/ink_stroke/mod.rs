@@ -24,7 +24,7 @@ pub(crate) const PASS: Pass = Pass {
     lines: Some(InkLines::Pixels),
     does: "repeats the search of `ink_dilate` along columns, and writes opacity and darkness of the line: the brush \
          fills its core, the sphere map the rest of its width",
-    runs_when: "the style is ink",
+    runs_when: "ink lines are found in pixels",
     shaders: &[SHADER],
     targets: &[STROKES],
     run,

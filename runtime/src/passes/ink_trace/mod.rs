@@ -25,7 +25,7 @@ pub(crate) const PASS: Pass = Pass {
     lines: Some(InkLines::Pixels),
     does: "follows the line of each feature in both directions: removes lines that end soon inside the body, and \
          smooths strength and width",
-    runs_when: "the style is ink",
+    runs_when: "ink lines are found in pixels",
     shaders: &[SHADER],
     targets: &[TRACED],
     run,

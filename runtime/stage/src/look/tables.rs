@@ -207,7 +207,7 @@ params! {
         /// Two distances in metres: where mist begins, and where only mist is visible.
         mist_m: Option<Interval> = None, or "none";
         /// Output: the painting, its lines or features in black on white, or the wash.
-        show: LookShow = LookShow::Painting;
+        show: LookShow = LookShow::Painting, needs "ink.lines=pixels";
     }
 }
 
