@@ -103,7 +103,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "ink",
         makes: Painting,
-        reads: &[Model, Layout, Groomed, Guided],
+        reads: &[Model, Layout, Groomed, Guided, Ink],
         tables: &["ink.enabled", "ink.seed"],
         run: run_step::painting,
     },
@@ -117,7 +117,7 @@ pub const STEPS: &[Step] = &[
     Step {
         stage: "contours",
         makes: Contours,
-        reads: &[Model, Layout, Groomed, Painting],
+        reads: &[Model, Layout, Groomed, Ink, Painting],
         tables: &["ink.enabled"],
         run: run_step::contours,
     },

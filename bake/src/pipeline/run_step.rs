@@ -185,7 +185,7 @@ pub(super) fn ink(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), Ba
 pub(super) fn painting(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(), BakeError> {
     let (laid, groomed) = (required(&outputs.laid, Layout)?, required(&outputs.groomed, Groomed)?);
     let model = laid.model(required(&outputs.model, Model)?);
-    let guided = required(&outputs.guided, Guided)?;
+    let (guided, ink) = (required(&outputs.guided, Guided)?, required(&outputs.ink, Ink)?);
     let hair_m: Vec<f32> = groomed.coat.length.iter().map(|share| share * laid.lengths.length_m).collect();
     let paint = || {
         Arc::new(painting::painting(&PaintedModel {
@@ -196,6 +196,7 @@ pub(super) fn painting(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(
             furred: &laid.furred,
             hair_m: &hair_m,
             head: laid.head.as_ref(),
+            ink: ink.as_ref().map_or(&[], |ink| &ink.vertices),
             groups: &guided.groups,
             seed: input.recipe.ink.seed,
         }))
@@ -218,6 +219,7 @@ pub(super) fn contours(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(
     let laid = required(&outputs.laid, Layout)?;
     let model = laid.model(required(&outputs.model, Model)?);
     let self::Groomed { surface, colors, .. } = &**required(&outputs.groomed, Groomed)?;
+    let ink = required(&outputs.ink, Ink)?;
     let target = ContourTarget {
         mesh: &surface.mesh,
         rest: &surface.rest,
@@ -225,6 +227,7 @@ pub(super) fn contours(input: &BakeInput<'_>, outputs: &Outputs<'_>) -> Result<(
         colors,
         furred: &laid.furred,
         animation: model.animation.as_ref(),
+        ink: ink.as_ref().map_or(&[], |ink| &ink.vertices),
         painting: required(&outputs.painting, Painting)?.as_deref(),
     };
     let made = input.recipe.ink.enabled.then(|| Arc::new(contour_mesh(&target)));

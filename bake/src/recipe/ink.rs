@@ -37,9 +37,9 @@ named_table! {
 }
 
 params! {
-    /// `[ink]`: the model as an ink-wash painting. Only `enabled`, `seed`, `paper_fibres`, `paper_tone` and
-    /// `paper_texels` affect brush strokes; all keys affect lines found in pixels (Fang 2006, `--ink-lines pixels`).
-    /// Maps have the same form as in `[groom]` and are read at the vertices.
+    /// `[ink]`: the model as an ink-wash painting. Only `enabled`, `seed`, `wash`, `solid`, `lines`, `material`,
+    /// `paper_fibres`, `paper_tone` and `paper_texels` affect brush strokes; all keys affect lines found in pixels
+    /// (Fang 2006, `--ink-lines pixels`). Maps have the same form as in `[groom]` and are read at the vertices.
     InkParams in ink, needs "ink.enabled=true" {
         /// Whether the package supports the ink style.
         enabled: bool = true;

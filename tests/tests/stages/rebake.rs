@@ -99,8 +99,8 @@ fn changes_rerun_only_the_affected_stages() {
     assert_eq!(stages_of(&shading, &images), ["pack"]);
     assert_eq!(
         stages_of(&ink, &images),
-        ["ink", "pack"],
-        "only the ink and its packing must run; the shading was restored"
+        ["ink", "contours", "pack"],
+        "only ink, its contours and packing must run; the shading was restored"
     );
     assert_eq!(stages_of(&hair, &images), pipeline::STAGES);
     assert_eq!(stages_of(&hair, &others), pipeline::STAGES, "images may have changed on disk");

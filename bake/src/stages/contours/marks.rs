@@ -58,8 +58,8 @@ pub(super) fn marks(
     weld.representatives.iter().map(mark).collect()
 }
 
-/// Returns the amount of lines at each vertex, 0..=1: none on parts that are painted with a single stroke along their
-/// axis, which would be painted twice.
+/// Returns the amount of lines at each vertex, 0..=1: that of the recipe, and none on parts that are painted with a
+/// single stroke along their axis, which would be painted twice.
 fn line_amounts(target: &ContourTarget<'_>) -> Vec<f32> {
     let positions = &target.rest.positions;
     let center = |point: &StrokePoint| {
@@ -70,7 +70,8 @@ fn line_amounts(target: &ContourTarget<'_>) -> Vec<f32> {
         };
         (middle(&point.sides[0]) + middle(&point.sides[1])) / 2.0
     };
-    let mut amounts = vec![1.0_f32; positions.len()];
+    let of_recipe = target.ink.iter().map(|ink| f32::from(ink.line) / 255.0);
+    let mut amounts: Vec<f32> = of_recipe.chain(std::iter::repeat(1.0)).take(positions.len()).collect();
     let strokes = target.painting.map_or(&[][..], |pool| &pool.strokes);
     for bone in strokes.iter().filter(|stroke| stroke.kind == StrokeKind::Bone) {
         let axis: Vec<(Vec3, f32)> = bone.points.iter().map(|p| (center(p), p.half_width_m.max(1e-9))).collect();

@@ -1,7 +1,7 @@
 //! Input of the stage.
 
 use crate::stages::groom::Colors;
-use pelage_formats::{Animation, StrokePool};
+use pelage_formats::{Animation, InkVertex, StrokePool};
 use pelage_import::mesh::{Mesh, RestPose};
 
 /// Model whose contour lines are drawn.
@@ -19,6 +19,8 @@ pub struct ContourTarget<'a> {
     pub furred: &'a [bool],
     /// Skeleton, whose joints tell where the head is.
     pub animation: Option<&'a Animation>,
+    /// Ink of each vertex by the recipe, whose line is a factor; empty for lines everywhere.
+    pub ink: &'a [InkVertex],
     /// Strokes with which the model is painted.
     pub painting: Option<&'a StrokePool>,
 }

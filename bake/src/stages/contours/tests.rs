@@ -20,7 +20,16 @@ fn contours_with(mesh: &Mesh, painting: Option<&StrokePool>) -> ContourMesh {
         ..Colors::default()
     };
     let furred = &[false];
-    contour_mesh(&ContourTarget { mesh, rest: &rest, radius, colors: &colors, furred, animation: None, painting })
+    contour_mesh(&ContourTarget {
+        mesh,
+        rest: &rest,
+        radius,
+        colors: &colors,
+        furred,
+        animation: None,
+        ink: &[],
+        painting,
+    })
 }
 
 fn sphere() -> Mesh {

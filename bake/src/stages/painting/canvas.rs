@@ -8,8 +8,8 @@ use crate::stages::surface::Surface;
 use crate::stages::triangle_tree::TriangleTree;
 use glam::{Vec3, Vec3A};
 use obvhs::triangle::Triangle;
-use pelage_formats::StrokeAnchor;
 use pelage_formats::meaning::{linear_to_srgb, luminance};
+use pelage_formats::{InkVertex, StrokeAnchor};
 
 /// Display brightness of the surface from which it counts as white, and up to which it counts as black.
 const WHITE: f32 = 0.82;
@@ -35,7 +35,7 @@ pub(super) struct Canvas {
     pub(super) thickness: Vec<f32>,
     /// Unit combing direction at each welded vertex, tangential.
     pub(super) comb: Vec<Vec3>,
-    /// Darkness of the colour at each welded vertex, 0 for white to 1 for black.
+    /// Darkness at each welded vertex, 0 for white to 1 for black: of the colour, by the recipe's washes and full ink.
     pub(super) darkness: Vec<f32>,
     /// Mineral colour at each welded vertex, linear RGB, where the colour is vivid.
     pub(super) pigment: Vec<Option<[f32; 3]>>,
@@ -60,7 +60,7 @@ pub(super) struct Place {
 
 impl Canvas {
     pub(super) fn new(model: &PaintedModel<'_>, is_eye: impl Fn(&str) -> bool) -> Self {
-        let PaintedModel { surface, colors, bounds, materials, furred, head, .. } = *model;
+        let PaintedModel { surface, colors, bounds, materials, furred, head, ink, .. } = *model;
         let Surface { mesh, rest, input_vertex, .. } = surface;
         let center = Vec3::from(bounds.center);
         let diagonal = Vec3::from(bounds.min).distance(Vec3::from(bounds.max));
@@ -104,13 +104,18 @@ impl Canvas {
         let corners = |f: &[u32; 3]| f.map(|p| Vec3A::from(positions[p as usize]));
         let triangles: Vec<Triangle> =
             skin.faces.iter().map(corners).map(|[v0, v1, v2]| Triangle { v0, v1, v2 }).collect();
+        let mut darkness: Vec<f32> = colors.iter().copied().map(darkness_of).collect();
+        for (darkness, [wash, solid]) in darkness.iter_mut().zip(ink_of(&skin, ink)) {
+            let washed = *darkness * wash;
+            *darkness = washed + (1.0 - washed) * solid;
+        }
         let mut canvas = Self {
             size,
             unit,
             vertex_of,
             thickness,
             comb: Vec::new(),
-            darkness: colors.iter().copied().map(darkness_of).collect(),
+            darkness,
             pigment: colors.iter().map(vivid).collect(),
             furred: hair,
             eye,
@@ -203,6 +208,17 @@ impl Canvas {
         let vertices = self.skin.faces[place.face].map(|p| self.vertex_of[p as usize]);
         anchor(vertices, place.weights.y, place.weights.z)
     }
+}
+
+/// Returns the amount of wash and of full ink at each welded vertex, 0..=1, the mean over the vertices there.
+fn ink_of(skin: &WeldedMesh, ink: &[InkVertex]) -> Vec<[f32; 2]> {
+    let mut sums = vec![([0.0_f32; 2], 0.0_f32); skin.positions.len()];
+    for (place, own) in skin.place_of.iter().zip(ink) {
+        let (sum, count) = &mut sums[*place as usize];
+        let own = [own.amount, own.solid].map(|share| f32::from(share) / 255.0);
+        (*sum, *count) = ([sum[0] + own[0], sum[1] + own[1]], *count + 1.0);
+    }
+    sums.iter().map(|(sum, count)| if *count > 0.0 { sum.map(|x| x / count) } else { [1.0, 0.0] }).collect()
 }
 
 /// Returns the darkness of a linear colour, 0 for white to 1 for black.

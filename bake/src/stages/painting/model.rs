@@ -2,7 +2,7 @@
 
 use crate::stages::groom::{Colors, HeadShape};
 use crate::stages::surface::Surface;
-use pelage_formats::{Bounds, HairGroup};
+use pelage_formats::{Bounds, HairGroup, InkVertex};
 use pelage_import::mesh::Material;
 
 /// Model to be painted.
@@ -22,6 +22,8 @@ pub struct PaintedModel<'a> {
     pub hair_m: &'a [f32],
     /// Head with a snout; `None` if none is known.
     pub head: Option<&'a HeadShape>,
+    /// Ink of each vertex of the mesh by the recipe: amount of wash, full ink; empty for a wash everywhere.
+    pub ink: &'a [InkVertex],
     /// Guided hair.
     pub groups: &'a [HairGroup],
     /// Seed of all irregularities.

@@ -3,7 +3,7 @@ use crate::stages::fixtures::{on_threads, part};
 use crate::stages::groom::{Colors, HeadShape, MaterialColor};
 use crate::stages::surface::{Measures, Surface};
 use glam::{Vec2, Vec4};
-use pelage_formats::{Bounds, HairGroup, TrianglePoint};
+use pelage_formats::{Bounds, HairGroup, InkVertex, TrianglePoint};
 use pelage_import::mesh::{Material, Mesh, RestPose};
 use std::f32::consts::{PI, TAU};
 
@@ -25,6 +25,7 @@ struct Animal {
     hair_m: Vec<f32>,
     head: Option<HeadShape>,
     groups: Vec<HairGroup>,
+    ink: Vec<InkVertex>,
 }
 
 impl Animal {
@@ -63,7 +64,16 @@ impl Animal {
         let colors = Colors { materials: vec![white; 2], vertices: vec![[255; 4]; count], ..Colors::default() };
         let material = |name: &str| Material { name: name.into(), ..Material::default() };
         let materials = vec![material("Body"), material("Body")];
-        Self { surface, colors, bounds, materials, hair_m: vec![0.05; count], head: None, groups: Vec::new() }
+        Self {
+            surface,
+            colors,
+            bounds,
+            materials,
+            hair_m: vec![0.05; count],
+            head: None,
+            groups: Vec::new(),
+            ink: Vec::new(),
+        }
     }
 
     /// Returns the animal whose vertices near `at` have a grey, linear 0..=255; their triangles have material 1.
@@ -96,6 +106,7 @@ impl Animal {
             furred: &[true; 2],
             hair_m: &self.hair_m,
             head: self.head.as_ref(),
+            ink: &self.ink,
             groups: &self.groups,
             seed: 7,
         }
@@ -466,4 +477,23 @@ fn guides_become_locks_that_are_spread_over_the_hair() {
     }
     animal.groups.clear();
     assert!(animal.painting().strokes.iter().all(|s| s.kind != StrokeKind::Lock));
+}
+
+#[test]
+fn recipe_changes_the_tone_of_strokes() {
+    let mut animal = limbed(false);
+    let count = animal.surface.mesh.positions.len();
+    let mean = |animal: &Animal| {
+        let canvas = animal.canvas();
+        canvas.darkness.iter().sum::<f32>() / canvas.darkness.len() as f32
+    };
+    animal.colors.vertices = vec![[60, 60, 60, 255]; count];
+    let plain = mean(&animal);
+    assert!((0.2..0.95).contains(&plain), "{plain}");
+    let ink = |amount, solid| vec![InkVertex { amount, solid, line: 255, ..InkVertex::default() }; count];
+    for (amount, solid, expected) in [(255, 0, plain), (0, 0, 0.0), (51, 0, 0.2 * plain), (255, 255, 1.0), (0, 51, 0.2)]
+    {
+        animal.ink = ink(amount, solid);
+        assert!((mean(&animal) - expected).abs() < 1e-3, "{amount} {solid}: {}", mean(&animal));
+    }
 }
