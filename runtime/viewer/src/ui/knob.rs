@@ -287,6 +287,7 @@ mod tests {
                 format!("fur.detail: {of_ink} ink: needs fur."),
                 format!("fur.fins: {of_ink} ink: needs fur."),
                 format!("fur.strand_edges: {of_ink} ink: needs fur."),
+                "ink.width: No effect while ink.lines is strokes: needs pixels.".into(),
             ]
         );
     }
