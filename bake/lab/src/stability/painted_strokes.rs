@@ -320,7 +320,7 @@ fn far(draw: &mut DrawCallback<'_>) -> Found<Finding> {
         measure: "change of its mean density, over that of a near body",
         naive,
         safe,
-        bound: 0.5,
+        bound: 0.15,
         fails_above: 1.0,
     })
 }
