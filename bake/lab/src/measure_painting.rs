@@ -4,9 +4,11 @@
 //! compared with the diagonal of the animal's bounding box in the picture.
 
 use crate::mask::Mask;
+use glam::DVec2;
 use image::RgbaImage;
 use pelage_import::BakeError;
 use pelage_runtime::{PictureStroke, StrokeLayer, StrokeMark};
+use pelage_truth::{SurfaceVisibility, TrueCamera};
 use std::collections::BTreeSet;
 
 /// Density from which paper counts as painted.
@@ -147,6 +149,12 @@ pub fn diagonal(mask: &Mask) -> f64 {
     };
     let width = mask.width as usize;
     range(&|i| i % width).hypot(range(&|i| i / width))
+}
+
+/// Returns the pixels of a posed mesh.
+pub fn body(sight: &SurfaceVisibility, camera: &TrueCamera, size: (u32, u32)) -> Mask {
+    let view = sight.view(camera, size);
+    Mask::from_fn(size.0, size.1, |x, y| view.at(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)).is_some())
 }
 
 /// Returns the pixels at the border of a mask, within it.

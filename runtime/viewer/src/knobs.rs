@@ -113,17 +113,15 @@ impl Edits {
     /// Sets the values of all knobs of `to` that differ from `now`, as one undo step.
     pub fn set_all(&mut self, now: &dyn Knobs, to: &dyn Knobs) {
         let knobs = to.tables().iter().flat_map(|table| table.knobs);
-        let differs = |knob: &&'static Knob| now.value(knob) != to.value(knob);
-        let before = self.now.clone();
-        for knob in knobs.filter(differs) {
+        let edit = |knob: &'static Knob| {
             let value = to.value(knob).or_else(|| to.default_value(knob)).unwrap_or_default();
-            self.now.retain(|edit| edit.key != knob.name);
-            self.now.push(Edit { key: knob.name, value });
-        }
-        if self.now != before {
-            let after = std::mem::replace(&mut self.now, before);
+            (now.value(knob) != to.value(knob)).then_some(Edit { key: knob.name, value })
+        };
+        let edits: Vec<Edit> = knobs.filter_map(edit).collect();
+        if !edits.is_empty() {
             self.remember();
-            self.now = after;
+            self.now.retain(|old| edits.iter().all(|edit| edit.key != old.key));
+            self.now.extend(edits);
         }
     }
 

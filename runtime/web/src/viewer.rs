@@ -8,8 +8,8 @@ use glam::{Vec2, Vec3};
 use pelage_runtime::{FrameParams, Light};
 use pelage_stage::sky::environment_from_toml;
 use pelage_stage::{
-    BUILT_IN_LOOKS, Cast, DEFAULT_INK, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, SkyKind,
-    SkySource, Stage, Viewpoint, find_clip, find_morph,
+    Cast, Framing, Gpu, Look, LookStyle, NamedPackage, Navigator, Size, SkyKind, SkySource, Stage, Viewpoint,
+    find_clip, find_morph,
 };
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
@@ -159,8 +159,7 @@ impl Viewer {
     pub fn set_ink_style(&mut self, name: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         if !look.set_ink_style(name) {
-            let expected: Vec<_> = ink_style_names().collect();
-            let text = format!("ink style: found {name:?}, expected {}", expected.join(", "));
+            let text = format!("ink style: found {name:?}, expected {}", Self::ink_styles().join(", "));
             return Err(pelage_error("asked", &text));
         }
         self.apply_look(look)
@@ -173,7 +172,7 @@ impl Viewer {
 
     /// Returns the names of the styles of ink, the default first.
     pub fn ink_styles() -> Vec<String> {
-        ink_style_names().map(str::to_owned).collect()
+        Look::ink_styles().map(|(name, _)| name.to_owned()).collect()
     }
 
     /// Sets an environment map, given in TOML as lights fitted to a sky. It replaces the ambient light until the key
@@ -451,10 +450,6 @@ pub(crate) fn frame_params(look: &Look, light_color: Vec3) -> FrameParams {
         let (Light::Directional { color, .. } | Light::Point { color, .. }) = &mut params.light;
         *color *= light_color;
     })
-}
-
-fn ink_style_names() -> impl Iterator<Item = &'static str> {
-    std::iter::once(DEFAULT_INK).chain(BUILT_IN_LOOKS.iter().map(|style| style.name))
 }
 
 fn no_ink_error(file: &str) -> JsValue {

@@ -7,8 +7,8 @@ use pelage_bake::strands::PosedMesh;
 use pelage_lab::compare_motion::{FlickerFrame, flicker};
 use pelage_lab::mask::Mask;
 use pelage_lab::measure_painting::{
-    Densities, PaintingMeasures, continued_lines, diagonal, drawn_lines, flying_white, is_of_body, measure_painting,
-    outside, stroke_ink,
+    Densities, PaintingMeasures, body, continued_lines, diagonal, drawn_lines, flying_white, is_of_body,
+    measure_painting, outside, stroke_ink,
 };
 use pelage_lab::truth::{LineKind, LineParams, TrueLines};
 use pelage_needs::data;
@@ -85,12 +85,6 @@ fn painted(stage: &mut Stage, ink: InkParams) -> (RgbaImage, Vec<PictureStroke>)
 fn true_camera(view: &Viewpoint, size: (u32, u32)) -> TrueCamera {
     let lens = Lens::Perspective { fov_y_rad: view.fov_deg.to_radians() };
     TrueCamera::from_view(pelage_stage::camera(view, aspect(size)).view_from_world, lens)
-}
-
-fn body(sight: &SurfaceVisibility, camera: &TrueCamera, size: (u32, u32)) -> Mask {
-    let look = sight.view(camera, size);
-    let centre = |x, y| glam::DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-    Mask::from_fn(size.0, size.1, |x, y| look.at(centre(x, y)).is_some())
 }
 
 /// Returns ten animals, of which the prototype's criteria were chosen on three; without test data, four.

@@ -7,9 +7,9 @@ use crate::chart::{Cell, ink};
 use crate::compare_lines::measure_lines;
 use crate::compare_motion::{Flicker, FlickerFrame, flicker};
 use crate::mask::Mask;
-use crate::measure_painting::{drawn_lines, measure_painting};
+use crate::measure_painting::{body, drawn_lines, measure_painting};
 use crate::truth::{LineParams, TrueLines};
-use glam::{DVec2, Vec3};
+use glam::Vec3;
 use pelage_bake::strands::PosedMesh;
 use pelage_runtime::{InkDebugView, InkLines, InkParams, PictureStroke, Style};
 use pelage_stage::{Gpu, LookStyle, Meter, NamedPackage, Stage, fastest, framing, outline};
@@ -18,7 +18,6 @@ use pelage_tool::machine::measured_on;
 use pelage_tool::stages::{pixels, stage_of};
 use pelage_tool::truth::true_camera;
 use pelage_tool::view::PictureView;
-use pelage_truth::TrueCamera;
 
 /// Number of frames of the slow turn for flicker, and degrees between frames.
 const TURN: (u32, f32) = (4, 1.0);
@@ -136,7 +135,7 @@ impl Shared {
             let [lines, middles] = lines_of(scene, camera)?;
             measured.views.push(measure_lines(&middles, &lines, &truth)?);
             let (picture, strokes) = look(scene, camera, InkDebugView::Painting, ink.clone())?;
-            measured.paintings.push(measure_painting(&strokes, &picture, &surface(&self.lines, &eye, size))?);
+            measured.paintings.push(measure_painting(&strokes, &picture, &body(self.lines.sight(), &eye, size))?);
             measured.frame_ms = measured.frame_ms.max(fastest(&self.meter, scene)?);
         }
         let mut sum = Flicker::default();
@@ -159,10 +158,4 @@ impl Shared {
         measured.flicker = [sum.surface.mean(), sum.wash.mean(), sum.lines.mean()];
         Ok(measured)
     }
-}
-
-/// Returns the pixels of the mesh.
-fn surface(lines: &TrueLines, camera: &TrueCamera, (width, height): (u32, u32)) -> Mask {
-    let sight = lines.sight().view(camera, (width, height));
-    Mask::from_fn(width, height, |x, y| sight.at(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)).is_some())
 }

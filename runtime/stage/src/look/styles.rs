@@ -1,6 +1,7 @@
 //! Built-in looks, which `--look NAME` and the front ends offer.
 
 use super::{Look, LookBrush, LookInk, LookStyle};
+use std::sync::LazyLock;
 
 /// Look that is part of the crate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,32 +46,40 @@ pub const BUILT_IN_LOOKS: [BuiltInLook; 4] = [
 /// Name of the look with all knobs of ink at their defaults, beside those in [`BUILT_IN_LOOKS`].
 pub const DEFAULT_INK: &str = "default";
 
+/// Style of ink: its name, its description, and the tables of the look that it sets.
+type InkStyle = (&'static str, &'static str, LookInk, LookBrush);
+
+/// Styles of ink, read only once, because a window asks for them in each frame.
+static INK_STYLES: LazyLock<Vec<InkStyle>> = LazyLock::new(|| {
+    let default = BuiltInLook { name: DEFAULT_INK, about: "All knobs of ink at their defaults.", text: "" };
+    let read = |style: &BuiltInLook| {
+        let mut look = Look::default();
+        look.read(style.text).ok().map(|()| (style.name, style.about, look.ink, look.brush))
+    };
+    std::iter::once(&default).chain(&BUILT_IN_LOOKS).filter_map(read).collect()
+});
+
 impl Look {
+    /// Returns name and description of each style of ink: [`DEFAULT_INK`], then [`BUILT_IN_LOOKS`].
+    pub fn ink_styles() -> impl Iterator<Item = (&'static str, &'static str)> {
+        INK_STYLES.iter().map(|(name, about, ..)| (*name, *about))
+    }
+
     /// Changes the look to ink in the style of a built-in look, or of [`DEFAULT_INK`]. All knobs of the tables `ink`
     /// and `brush` get the style's values. Returns false, and changes nothing, if there is no such style.
     pub fn set_ink_style(&mut self, name: &str) -> bool {
-        let Some((ink, brush)) = ink_style(name) else { return false };
+        let Some((.., ink, brush)) = INK_STYLES.iter().find(|style| style.0 == name) else { return false };
         self.picture.style = LookStyle::Ink;
-        (self.ink, self.brush) = (ink, brush);
+        (self.ink, self.brush) = (ink.clone(), brush.clone());
         true
     }
 
     /// Returns the name of the built-in look that has the same values in the tables `ink` and `brush`, [`DEFAULT_INK`]
     /// if they are all defaults, or `None`.
     pub fn ink_style(&self) -> Option<&'static str> {
-        let mut names = std::iter::once(DEFAULT_INK).chain(BUILT_IN_LOOKS.iter().map(|style| style.name));
-        names.find(|name| ink_style(name).is_some_and(|(ink, brush)| (&ink, &brush) == (&self.ink, &self.brush)))
+        let is_own = |(.., ink, brush): &&InkStyle| (ink, brush) == (&self.ink, &self.brush);
+        INK_STYLES.iter().find(is_own).map(|style| style.0)
     }
-}
-
-/// Returns the tables `ink` and `brush` of a built-in look, or of [`DEFAULT_INK`].
-fn ink_style(name: &str) -> Option<(LookInk, LookBrush)> {
-    let mut look = Look::default();
-    if name != DEFAULT_INK {
-        let style = BUILT_IN_LOOKS.iter().find(|style| style.name == name)?;
-        look.read(style.text).ok()?;
-    }
-    Some((look.ink, look.brush))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
-use pelage_stage::{BUILT_IN_LOOKS, DEFAULT_INK, LookStyle};
+use pelage_stage::{Look, LookStyle};
 use std::path::Path;
 
 /// Draws the panel.
@@ -40,11 +40,10 @@ fn styles(ui: &mut Ui, app: &mut App) {
 
 /// Draws the choice of a style of ink. `now` is its name, `None` for knobs that are no style's.
 fn ink_styles(ui: &mut Ui, app: &mut App, now: Option<&str>) {
-    let default = (DEFAULT_INK, "All knobs of ink at their defaults.");
     let mut chosen = None;
     let choice = ComboBox::from_id_salt("ink style").selected_text(now.unwrap_or("own")).width(80.0);
     choice.show_ui(ui, |ui| {
-        for (name, about) in [default].into_iter().chain(BUILT_IN_LOOKS.iter().map(|style| (style.name, style.about))) {
+        for (name, about) in Look::ink_styles() {
             if ui.selectable_label(now == Some(name), name).on_hover_text(about).clicked() {
                 chosen = Some(name);
             }
