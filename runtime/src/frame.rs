@@ -44,6 +44,7 @@ pub(crate) const PASSES: &[&Pass] = &[
     &ink_composite::PASS,
     &ink_fur::PASS,
     &painting_sheet::PASS,
+    &ink_seal::PASS,
     #[cfg(test)]
     &probe::PASS,
 ];

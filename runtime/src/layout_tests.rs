@@ -10,10 +10,11 @@ use crate::painting::{BrushPoint, PaintedModel, PaintingFrame};
 use crate::passes::fur_motion::FurMotion;
 use crate::passes::hair_motion::HairMotion;
 use crate::passes::ink_normals::{INK_ATTRIBUTES, REST_ATTRIBUTES};
+use crate::passes::ink_seal::StampedSeal;
 use crate::passes::{
-    fins, fur_motion, hair_motion, ink_contours, ink_fur, ink_lines, ink_normals, ink_stroke, painting_ribbons,
-    painting_sheet, painting_strokes, painting_wet, pose, shadow_width, shells, skin, strand_blend, strand_gather,
-    strand_light, strand_pose, strand_shadow, strands,
+    fins, fur_motion, hair_motion, ink_contours, ink_fur, ink_lines, ink_normals, ink_seal, ink_stroke,
+    painting_ribbons, painting_sheet, painting_strokes, painting_wet, pose, shadow_width, shells, skin, strand_blend,
+    strand_gather, strand_light, strand_pose, strand_shadow, strands,
 };
 use crate::scene::{NEAREST, NearestHairBlock, TILE};
 use crate::shared::deep_opacity::{self, DeepOpacity};
@@ -219,6 +220,7 @@ fn uniform_structs_match_wgsl() {
     for shader in [painting_strokes::SHADER, painting_ribbons::SHADER] {
         assert_eq!(members(&shader.wgsl(), "PaintedModel"), struct_fields::<PaintedModel>(), "{}", shader.name);
     }
+    assert_eq!(members(&ink_seal::SHADER.wgsl(), "StampedSeal"), struct_fields::<StampedSeal>());
     let (wgsl, size) = members(&ink_fur::SHADER.wgsl(), "InkModel");
     let (fields, rust_size) = struct_fields::<InkModel>();
     assert_eq!((&wgsl[..16], wgsl[16].1, size), (&fields[..16], fields[16].1, rust_size));

@@ -91,7 +91,7 @@ pub use painting::{PictureStroke, StrokeLayer, StrokeMark};
 pub use params::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};
 pub use params::{
     BrushParams, BrushSheet, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
-    InkBackground, InkDebugView, InkLines, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering,
+    InkBackground, InkDebugView, InkLines, InkParams, LineWidth, MAX_FILL_LIGHTS, RendererOptions, Scattering, Seal,
     SelfShadow, ShadowParams, StrandEdges, Style, StyleKind, ToneMapping, Wind,
 };
 pub use passes::{PassId, PassStage};
@@ -103,6 +103,7 @@ pub use pelage_formats as formats;
 pub use pelage_formats::ClipLayer;
 pub use pelage_formats::meaning::environment::{Environment, LightLobe, Sun};
 pub use pelage_formats::meaning::hair_motion::Capsule;
+pub use pelage_formats::meaning::seal::SealImage;
 pub use wgpu;
 
 /// Rust code of the Markdown documents, compiled as doc tests together with the examples in these comments.

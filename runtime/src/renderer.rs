@@ -5,6 +5,7 @@ use crate::error::RuntimeError;
 use crate::frame::{self, Frame};
 use crate::gpu::{Cache, Gpu, Pool, UniformRing};
 use crate::hooks::Hooks;
+use crate::ink::SealTexture;
 use crate::instance::Instance;
 use crate::light::EnvironmentCache;
 use crate::model::{self, Model};
@@ -41,6 +42,7 @@ impl Renderer {
             nearest: Pool::default(),
             painted: Pool::default(),
             skies: EnvironmentCache::default(),
+            seal: SealTexture::default(),
             ring: UniformRing::default(),
         };
         Ok(Self { state: kept })

@@ -53,6 +53,7 @@ mod render;
 mod scene;
 #[cfg(feature = "schema")]
 mod schemas;
+mod seal;
 mod sequence;
 #[doc(hidden)]
 pub mod share;

@@ -4,6 +4,7 @@ use super::backdrop;
 use super::camera_args::CameraArgs;
 use super::environment::Sky;
 use super::exit::Failure;
+use super::seal;
 use super::view_args::{Blend, MorphWeight, ViewArgs};
 use glam::Vec3;
 use pelage_formats::{ClipLayer, Package};
@@ -59,6 +60,7 @@ impl PictureView {
     pub fn new(args: &ViewArgs, mut look: Look) -> Result<Self, Failure> {
         args.look.apply(&mut look)?;
         backdrop::check(&look)?;
+        seal::read_of(&mut look)?;
         let (clip, blend, morphs) = (args.clip.clone(), args.blend.clone(), args.morph.clone());
         let sky = Sky::of(&look)?.map(Arc::new);
         let view = Self { look, sky, clip, blend, morphs, time_s: args.time, crowd: args.crowd, ..Self::default() };

@@ -20,6 +20,7 @@ pub mod openness;
 pub mod planting;
 mod root;
 pub mod scattering;
+pub mod seal;
 mod skinning;
 mod srgb;
 mod tile_frame;

@@ -1,6 +1,7 @@
 //! Parameters of the ink-wash style: brush strokes, or lines found in pixels (Fang 2006).
 
 use super::brush::BrushParams;
+use super::seal::Seal;
 use crate::error::RuntimeError;
 use glam::Vec3;
 use pelage_formats::InkShading;
@@ -57,6 +58,8 @@ pub struct InkParams {
     pub mist_m: Option<[f32; 2]>,
     /// Constants of the models' wash, fur and lines that replace those of their packages (default `None`).
     pub shading: Option<InkShading>,
+    /// Seal on the painting (default `None`).
+    pub seal: Option<Seal>,
 }
 
 /// Form of the lines and washes of an ink painting.
@@ -118,6 +121,7 @@ impl Default for InkParams {
             background: InkBackground::Paper,
             mist_m: None,
             shading: None,
+            seal: None,
         }
     }
 }
@@ -159,6 +163,7 @@ impl InkParams {
             }
         }
         self.brush.check()?;
+        self.seal.as_ref().map_or(Ok(()), Seal::check)?;
         match self.width {
             LineWidth::Pixels(px) if !(px > 0.0 && px <= WIDEST_PX) => {
                 return fail("InkParams::width", format!("{px} pixels"), "above 0 and at most 32 pixels");

@@ -8,6 +8,7 @@ mod fur;
 mod hair_motion;
 mod ink;
 mod renderer;
+mod seal;
 mod shadows;
 #[cfg(feature = "study")]
 mod study;
@@ -23,6 +24,7 @@ pub use fur::{FurParams, HairGeometry, Scattering, SelfShadow, StrandEdges};
 pub use hair_motion::{HairMotionParams, Wind};
 pub use ink::{InkBackground, InkLines, InkParams, LineWidth};
 pub use renderer::RendererOptions;
+pub use seal::Seal;
 pub use shadows::ShadowParams;
 #[cfg(feature = "study")]
 pub use study::{Anchoring, FeatureRule, LightingStage, OpacityForm, PenumbraForm, SlantForm, SphereMapForm, Study};

@@ -12,6 +12,7 @@ pub(crate) mod ink_features;
 pub(crate) mod ink_fur;
 pub(crate) mod ink_lines;
 pub(crate) mod ink_normals;
+pub(crate) mod ink_seal;
 pub(crate) mod ink_stroke;
 pub(crate) mod ink_trace;
 pub(crate) mod layer_shadow;

@@ -255,6 +255,7 @@ pub(crate) fn begin<'f>(
         nearest,
         targets,
         ink,
+        seal: &mut kept.seal,
         painting,
         uniforms,
         ring: &mut kept.ring,

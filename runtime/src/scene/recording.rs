@@ -10,6 +10,7 @@ use crate::gpu::{
     Cache, ComputeSpec, Constants, Draw, DrawBindGroup, Gpu, Pool, RenderSpec, Shader, TargetSet, UniformRange,
     UniformRing, UniformSlot, depth_state, primitive_state,
 };
+use crate::ink::SealTexture;
 use crate::light::{Casters, EnvironmentCache, ShadowMaps};
 use crate::model::Part;
 use crate::motion::OwnerStates;
@@ -35,6 +36,7 @@ pub(crate) struct RendererState {
     pub(crate) nearest: Pool<NearestBuffers>,
     pub(crate) painted: Pool<PaintedStrokes>,
     pub(crate) skies: EnvironmentCache,
+    pub(crate) seal: SealTexture,
     pub(crate) ring: UniformRing,
 }
 
@@ -56,6 +58,7 @@ pub(crate) struct Recording<'f> {
     /// Textures of the picture's size that passes share.
     pub(crate) targets: Arc<TargetSet>,
     pub(crate) ink: Option<InkScene>,
+    pub(crate) seal: &'f mut SealTexture,
     /// Location of the [`crate::painting::PaintingFrame`] block, if ink is painted with strokes.
     pub(crate) painting: Option<UniformRange>,
     pub(crate) uniforms: UniformSlot,

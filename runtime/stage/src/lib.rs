@@ -56,8 +56,8 @@ pub use look::{
     BUILT_IN_LOOKS, Background, BuiltInLook, CONDITIONS, DEFAULT_INK, FillLight, Interval, KeyLight, LightsRead, Look,
     LookDetail, LookEnvironment, LookFur, LookFurShow, LookHair, LookInk, LookLight, LookLines, LookMotion,
     LookPicture, LookScattering, LookSelfShadow, LookShadow, LookSheet, LookShow, LookStrandEdges, LookStudio,
-    LookStyle, LookToneMapping, LookWidth, ReadLights, Rgb, SAMPLES, SHORT_FORMS, Samples, ShortForm, Size, SkyKind,
-    SkySource,
+    LookStyle, LookToneMapping, LookWidth, ReadLights, ReadSeal, Rgb, SAMPLES, SHORT_FORMS, Samples, SealSource,
+    ShortForm, Size, SkyKind, SkySource,
 };
 #[cfg(feature = "study")]
 pub use look::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, LookSphereMap, LookStudy};

@@ -24,7 +24,7 @@ mod worker;
 mod workshop;
 
 pub use knobs::{Edit, Edits, Knobs};
-pub use lights::LoadLights;
+pub use lights::{LoadLights, LoadSeal};
 pub use subject::{ClipInfo, Subject};
 pub use watch::{Stamp, stamp};
 pub use window::{ViewError, ViewOptions, view};

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::events::Events;
-use crate::lights::{Lights, LoadLights};
+use crate::lights::{Lights, LoadLights, LoadSeal};
 use crate::save;
 use crate::show::Show;
 use crate::ui;
@@ -39,6 +39,8 @@ pub struct ViewOptions {
     pub panels: bool,
     /// Function that loads an environment map.
     pub lights_of: LoadLights,
+    /// Function that loads the image of a seal.
+    pub seal_of: LoadSeal,
     /// Event log for scripts, one line of JSON per event.
     pub events: Option<Box<dyn Write + Send>>,
     /// Start time of the program; times in the event log are relative to it.
@@ -215,7 +217,7 @@ impl OpenWindow {
         events.log("adapter", json!({ "adapter": adapter, "software": is_software }));
         let mut app = App::new(Show::new(gpu.clone()), workers, events, options.folder, options.look);
         app.panels = options.panels;
-        app.lights = Lights::new(options.lights_of);
+        app.lights = Lights::new(options.lights_of, options.seal_of);
         app.adapter = if is_software {
             format!("{adapter} (software rendering: lower resolution while moving)")
         } else {

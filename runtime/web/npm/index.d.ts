@@ -217,6 +217,12 @@ export class Pelage extends EventTarget {
    * instead.
    */
   setEnvironment(toml: string | null): void;
+  /**
+   * Sets the seal on ink paintings; `null` removes it. White and transparent parts of the image leave the painting as
+   * it was. `place`: its centre, across and down from the upper left corner, and its height, as shares of the picture's
+   * width, height and height; default 0.9, 0.88, 0.1.
+   */
+  setSeal(image: ImageData | null, place?: readonly [number, number, number]): void;
   /** The look, as TOML. An assignment sets omitted keys to their defaults; `picture.size` is the size of the canvas. */
   look: string;
   /** Drawing style; `ink` requires a package with `info.hasInk`. */

@@ -201,6 +201,13 @@ export class Pelage extends EventTarget {
     this.#change((viewer) => (toml === null ? viewer.set_look("environment.sky=none") : viewer.set_environment(toml)));
   }
 
+  setSeal(image, place = []) {
+    this.#change((viewer) => {
+      if (image === null) viewer.set_look("ink.seal=none");
+      else viewer.set_seal(image.width, image.height, new Uint8Array(image.data), [...place]);
+    });
+  }
+
   get look() {
     return this.#liveViewer().look();
   }

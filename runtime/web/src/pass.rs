@@ -3,7 +3,7 @@
 use crate::canvas::OpenedDevice;
 use crate::js_error::{invalid_argument, pelage_error, stage_error};
 use crate::report;
-use crate::viewer::{frame_params, reject_environment_files, with_environment};
+use crate::viewer::{frame_params, reject_files, with_environment};
 use glam::{Mat4, Vec3};
 use js_sys::Reflect;
 use pelage_runtime::{Camera, Instance, Model, Motion, Projection, Renderer, RendererOptions, RuntimeError, wgpu};
@@ -69,7 +69,7 @@ impl Pass {
                 "picture.style: found ink, expected fur or bare: ink paints the whole picture",
             ));
         }
-        self.look = reject_environment_files(look)?;
+        self.look = reject_files(look)?;
         Ok(())
     }
 

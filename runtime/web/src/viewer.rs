@@ -5,6 +5,7 @@ use crate::js_error::{invalid_argument, pelage_error, stage_error};
 use crate::player::Player;
 use crate::report::{self, object};
 use glam::{Vec2, Vec3};
+use pelage_runtime::SealImage;
 use pelage_runtime::{FrameParams, Light};
 use pelage_stage::sky::environment_from_toml;
 use pelage_stage::{
@@ -140,7 +141,7 @@ impl Viewer {
     pub fn set_look(&mut self, assignment: &str) -> Result<(), JsValue> {
         let mut look = self.look.clone();
         look.set(assignment).map_err(invalid_argument)?;
-        self.apply_look(reject_environment_files(look)?)
+        self.apply_look(reject_files(look)?)
     }
 
     /// Replaces the look by one from TOML; missing keys get their defaults. The size of the canvas is unchanged.
@@ -150,7 +151,7 @@ impl Viewer {
         let mut look = Look::of_picture();
         look.read(text).map_err(invalid_argument)?;
         look.picture.size = self.look.picture.size;
-        self.apply_look(reject_environment_files(look)?)
+        self.apply_look(reject_files(look)?)
     }
 
     /// Changes the look to ink in a style of [`Self::ink_styles`].
@@ -181,6 +182,26 @@ impl Viewer {
     /// Fails with an error of kind `asked` with line, key, what was found and expected.
     pub fn set_environment(&mut self, text: &str) -> Result<(), JsValue> {
         let look = with_environment(&self.look, text)?;
+        self.apply_look(look)
+    }
+
+    /// Sets the seal on ink paintings, until the key `ink.seal = "none"` removes it.
+    ///
+    /// * `width`, `height`, `rgba`: size of an image in pixels, and its rows of sRGB-encoded red, green, blue and
+    ///   straight alpha
+    /// * `place`: no numbers, or three as in the look's `ink.seal`
+    ///
+    /// Fails with an error of kind `asked` with what was found and expected.
+    pub fn set_seal(&mut self, width: u32, height: u32, rgba: Vec<u8>, place: &[f32]) -> Result<(), JsValue> {
+        let image =
+            SealImage::new([width, height], rgba).map_err(|reason| invalid_argument(&format!("seal: {reason}")))?;
+        let mut look = self.look.clone();
+        let numbers: Vec<String> = place.iter().map(f32::to_string).collect();
+        let at = if numbers.is_empty() { String::new() } else { format!(":{}", numbers.join(",")) };
+        look.set(&format!("ink.seal=seal.png{at}")).map_err(invalid_argument)?;
+        if let Some(seal) = &mut look.ink.seal {
+            seal.image = Some(Arc::new(image));
+        }
         self.apply_look(look)
     }
 
@@ -432,14 +453,17 @@ pub(crate) fn with_environment(look: &Look, text: &str) -> Result<Look, JsValue>
     Ok(look)
 }
 
-/// Rejects a look that refers to an environment map file, which a page cannot read.
-pub(crate) fn reject_environment_files(look: Look) -> Result<Look, JsValue> {
+/// Rejects a look that refers to a file, which a page cannot read.
+pub(crate) fn reject_files(look: Look) -> Result<Look, JsValue> {
     let unread =
         look.environment.sky.as_ref().is_some_and(|sky| matches!(sky.kind, SkyKind::File(_)) && sky.lights.is_none());
     if unread {
         return Err(invalid_argument(
             "environment.sky: found a file, expected a colour or two; setEnvironment takes lights as text",
         ));
+    }
+    if look.ink.seal.as_ref().is_some_and(|seal| seal.image.is_none()) {
+        return Err(invalid_argument("ink.seal: found a file, expected none; setSeal takes an image"));
     }
     Ok(look)
 }

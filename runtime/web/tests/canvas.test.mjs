@@ -2,6 +2,7 @@
 
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { after, before } from "node:test";
 import { inBrowser, LONG_MS } from "./needs.mjs";
 import { found } from "./browser.mjs";
@@ -9,6 +10,8 @@ import { assertOther, assertSame, bare, bytesOf, colorAt, isFur, open, OUT } fro
 import { page, picture, rendered, SITE } from "./stage.mjs";
 
 const SIZE = [320, 240];
+/** Image of a seal. */
+const SEAL = join(import.meta.dirname, "../../../assets/seals/fur.png");
 /** A cheap look whose shadow maps are redrawn for every pose. */
 const SMALL = "[picture]\nsamples = 1\n[shadow]\nmap_texels = 64\n";
 let opened;
@@ -81,6 +84,35 @@ radiance = [0.4, 0.8, 1.6]
   assertSame(lit, await picture(page, "sky_still"));
   await page.evaluate(() => pelage.setEnvironment(null));
   assertSame(keyed, await picture(page, "sky_ended"));
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+inBrowser("page_stamps_the_seal_of_render", async () => {
+  const { page, faults, close } = await bare(opened, { size: SIZE });
+  await page.evaluate(() => (pelage.style = "ink"));
+  const plain = await picture(page, "seal_none");
+  await page.evaluate(async (base64) => {
+    const response = await fetch(`data:image/png;base64,${base64}`);
+    const bitmap = await createImageBitmap(await response.blob());
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    pelage.setSeal(context.getImageData(0, 0, bitmap.width, bitmap.height), [0.2, 0.3, 0.25]);
+  }, readFileSync(SEAL).toString("base64"));
+  const stamped = await picture(page, "seal_page");
+  assertSame(stamped, rendered("seal_render", SIZE, "--style", "ink", "--ink-seal", `${SEAL}:0.2,0.3,0.25`));
+  assertOther(stamped, plain);
+  // A page cannot read files, and says what to do.
+  const said = await page.evaluate(() => {
+    try {
+      pelage.setLook("ink.seal", "other.png");
+    } catch (error) {
+      return error.message;
+    }
+  });
+  assert.match(said, /setSeal/);
+  await page.evaluate(() => pelage.setSeal(null));
+  assertSame(plain, await picture(page, "seal_ended"));
   assert.deepEqual(faults, []);
   await close();
 });

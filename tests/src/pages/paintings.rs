@@ -44,7 +44,7 @@ impl PaintingSheet {
 }
 
 /// Pictures of several paintings on the pages for artists.
-pub const PAINTING_SHEETS: [PaintingSheet; 4] = [
+pub const PAINTING_SHEETS: [PaintingSheet; 5] = [
     PaintingSheet {
         name: "ink",
         size: "300x330",
@@ -75,6 +75,16 @@ pub const PAINTING_SHEETS: [PaintingSheet; 4] = [
             Painting::new("ox", "", "--look xieyi"),
             Painting::new("ox", "", "--look dry"),
             Painting::new("ox", "", "--look wet"),
+        ],
+        pages: &["painting.md"],
+    },
+    PaintingSheet {
+        name: "painting_seal",
+        size: "400x340",
+        columns: 2,
+        paintings: &[
+            Painting::new("crane", "", "--ink-seal assets/seals/fur.png"),
+            Painting::new("hare", "", "--ink-seal assets/seals/fur.png:0.1,0.2,0.16 --brush-sheet silk"),
         ],
         pages: &["painting.md"],
     },

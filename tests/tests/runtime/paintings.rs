@@ -12,8 +12,11 @@ use pelage_lab::measure_painting::{
 };
 use pelage_lab::truth::{LineKind, LineParams, TrueLines};
 use pelage_needs::data;
+use pelage_runtime::formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_runtime::formats::{Limits, Package};
-use pelage_runtime::{BrushParams, ClipLayer, FrameParams, InkLines, InkParams, PictureStroke, StrokeLayer};
+use pelage_runtime::{
+    BrushParams, ClipLayer, FrameParams, InkLines, InkParams, PictureStroke, Seal, SealImage, StrokeLayer,
+};
 use pelage_stage::{Cast, Framing, Gpu, NamedPackage, Stage, TargetSettings, Viewpoint, framing, outline};
 use pelage_tests::binary::workspace;
 use pelage_tests::gpu::gpu;
@@ -22,6 +25,7 @@ use pelage_truth::{Lens, SurfaceVisibility, TrueCamera};
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Bake settings with little fur: the painting needs only its length.
 const QUICK: [&str; 4] = ["slice.layers=4", "slice.tile_texels=64", "fins.enabled=false", "hair.density=50"];
@@ -273,4 +277,40 @@ fn strokes_appear_one_after_the_other() {
     assert!(inks[0] < 0.01 * inks[10], "{inks:?}");
     assert!(inks.windows(2).all(|pair| pair[1] >= 0.999 * pair[0]), "{inks:?}");
     assert!(inks[5] > 0.1 * inks[10] && inks[5] < 0.9 * inks[10], "{inks:?}");
+}
+
+#[test]
+fn seals_cover_their_place_alone() {
+    let Some(gpu) = gpu("seals_cover_their_place_alone") else { return };
+    let size = (200, 100);
+    let crane = Animal::of_project("crane");
+    let mut stage = crane.stage(gpu, size, None, crane.view(size, SIDES[0]));
+    // Red with a white right half; twice as wide as high.
+    let rgba = |x: u32| if x < 400 { [200, 20, 10, 255] } else { [255, 255, 255, 255] };
+    let bytes = (0..400).flat_map(|_| (0..800).flat_map(rgba)).collect();
+    let image = Arc::new(SealImage::new([800, 400], bytes).unwrap());
+    // The share of white in the red, which is its blue, lets the painting through.
+    let white = srgb_to_linear(10);
+    let covered = |below: &image::Rgba<u8>| {
+        let channel = |k: usize| {
+            let color = srgb_to_linear([200, 20, 10][k]);
+            linear_to_srgb(color - white + white * srgb_to_linear(below.0[k]))
+        };
+        image::Rgba([channel(0), channel(1), channel(2), 255])
+    };
+    for lines in [InkLines::Strokes, InkLines::Pixels] {
+        let plain = InkParams::default().with(|ink| (ink.lines, ink.paper_grain) = (lines, 0.0));
+        let place = Seal::new(image.clone()).at(glam::vec2(0.8, 0.5), 0.4);
+        let sealed = plain.clone().with(|ink| ink.seal = Some(place));
+        let [(without, _), (with, _)] = [plain, sealed].map(|ink| painted(&mut stage, ink));
+        for (x, y, pixel) in with.enumerate_pixels() {
+            // The seal covers columns 120 to 200 and rows 30 to 70, and its red half the columns up to 160.
+            let (expected, tolerance) = match (120..160).contains(&x) && (30..70).contains(&y) {
+                true => (covered(without.get_pixel(x, y)), 1),
+                false => (*without.get_pixel(x, y), 0),
+            };
+            let off = pixel.0.iter().zip(expected.0).map(|(a, b)| a.abs_diff(b)).max();
+            assert!(off <= Some(tolerance), "{lines:?} at {x}, {y}: found {pixel:?}, expected {expected:?}");
+        }
+    }
 }

@@ -12,6 +12,7 @@ use super::exit::{Exit, Failure};
 use super::guard::OutputFile;
 use super::look_args::{LookArgs, SamplesArgs};
 use super::output::{Output, require_parent};
+use super::seal;
 use super::view_args::{ALL_OPTIONS, COMMON_OPTIONS};
 use pelage_import::BakeError;
 use pelage_stage::{Look, Size};
@@ -64,6 +65,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
     args.look.apply(&mut look)?;
     args.samples.apply(&mut look)?;
     look.read_environment(&mut lights_of).map_err(|reason| Failure::Usage(format!("--environment: {reason}")))?;
+    seal::read_of(&mut look)?;
     if !args.save_to.is_dir() {
         return Err(Failure::Usage(format!("--save-to {}: there is no such folder", args.save_to.display())));
     }
@@ -88,6 +90,7 @@ pub fn run(args: &WindowArgs, output: &mut Output) -> Result<Exit, Failure> {
         folder: args.save_to.clone(),
         panels: !args.no_panels,
         lights_of,
+        seal_of: seal::read_text,
         events,
         began,
     };

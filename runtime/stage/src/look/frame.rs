@@ -6,11 +6,11 @@ use super::kinds::{
 };
 use super::tables::{KeyLight, Look};
 use crate::{GroundKind, TargetSettings, Viewpoint, camera};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_runtime::{
     BrushParams, BrushSheet, DebugView, Detail, FrameParams, FurDebugView, FurParams, HairGeometry, HairMotionParams,
-    InkBackground, InkDebugView, InkLines, InkParams, Light, LineWidth, Scattering, SelfShadow, ShadowParams,
+    InkBackground, InkDebugView, InkLines, InkParams, Light, LineWidth, Scattering, Seal, SelfShadow, ShadowParams,
     StrandEdges, Style, ToneMapping,
 };
 
@@ -44,7 +44,7 @@ impl Look {
     ///
     /// With an environment map, its sun is the key light, unless the look sets the key light's strength. Without a sun
     /// the key light is black, and its direction only serves to measure the depth of hair. If the map is a file, call
-    /// [`Look::read_environment`] first.
+    /// [`Look::read_environment`] first, and [`Look::read_seal`] for a seal.
     pub fn frame_params(&self) -> FrameParams {
         let size = self.picture.size;
         let style = match self.picture.style {
@@ -162,6 +162,10 @@ impl Look {
             ink.paper = self.background().map_or(ink.paper, linear);
             ink.paper_grain = look.paper_grain;
             ink.mist_m = look.mist_m.map(|mist| mist.0);
+            ink.seal = look.seal.as_ref().and_then(|seal| {
+                let [x, y, height] = seal.place;
+                Some(Seal::new(seal.image.clone()?).at(Vec2::new(x, y), height))
+            });
             ink.background = match self.picture.background {
                 Some(Background::Transparent | Background::Sky | Background::Studio) => InkBackground::Picture,
                 Some(Background::Color(_)) | None => InkBackground::Paper,

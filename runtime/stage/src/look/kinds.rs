@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use pelage_formats::meaning::environment::Environment;
+use pelage_formats::meaning::seal::SealImage;
 use pelage_params::{Control, Field, Item, Range, Raw, hex, words};
 use std::sync::Arc;
 
@@ -425,6 +426,49 @@ text_field!(
     control Control::Text,
     read |raw| SkySource::of_text(string(raw)?),
     write |source| toml::Value::String(source.text()).to_string()
+);
+
+/// Seal on a painting: the file of its image, and its place. As text `seal.png` or `seal.png:0.9,0.88,0.1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SealSource {
+    /// Path of the image.
+    pub file: String,
+    /// Centre as shares of the picture's width and height from the upper left corner, and height as a share of the
+    /// picture's height.
+    pub place: [f32; 3],
+    /// Image read from the file by [`crate::Look::read_seal`]; not part of the text.
+    pub image: Option<Arc<SealImage>>,
+}
+
+impl SealSource {
+    /// Place of a seal that names none.
+    pub const PLACE: [f32; 3] = [0.9, 0.88, 0.1];
+
+    fn of_text(text: &str) -> Option<Self> {
+        let numbers = |text: &str| text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<Vec<f32>>>();
+        let placed =
+            text.rsplit_once(':').and_then(|(file, at)| Some((file, <[f32; 3]>::try_from(numbers(at)?).ok()?)));
+        let (file, place) = placed.unwrap_or((text, Self::PLACE));
+        let is_image = ["png", "jpg", "jpeg"]
+            .iter()
+            .any(|end| file.len() > end.len() + 1 && file.to_ascii_lowercase().ends_with(&format!(".{end}")));
+        let [x, y, height] = place;
+        let is_placed = [x, y].iter().all(|share| (0.0..=1.0).contains(share)) && (0.001..=1.0).contains(&height);
+        (is_image && is_placed).then(|| Self { file: file.into(), place, image: None })
+    }
+
+    fn text(&self) -> String {
+        let [x, y, height] = self.place;
+        if self.place == Self::PLACE { self.file.clone() } else { format!("{}:{x:?},{y:?},{height:?}", self.file) }
+    }
+}
+
+text_field!(
+    SealSource,
+    expected "the path of a .png or .jpg file; append \":X,Y,HEIGHT\" to place it, with shares of the picture 0..=1",
+    control Control::Text,
+    read |raw| SealSource::of_text(string(raw)?),
+    write |seal| toml::Value::String(seal.text()).to_string()
 );
 
 /// Two distances, metres, the second greater. As text `10,60`.

@@ -33,8 +33,8 @@ mod tables;
 
 pub use kinds::{
     Background, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookLines, LookScattering, LookSelfShadow,
-    LookSheet, LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, Rgb, Samples, Size,
-    SkyKind, SkySource,
+    LookSheet, LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, Rgb, Samples, SealSource,
+    Size, SkyKind, SkySource,
 };
 pub use short::{SAMPLES, SHORT_FORMS, ShortForm};
 #[cfg(feature = "study")]
@@ -42,7 +42,7 @@ pub use study::{LookAnchoring, LookLighting, LookPenumbra, LookRule, LookSlant, 
 pub use styles::{BUILT_IN_LOOKS, BuiltInLook, DEFAULT_INK};
 pub use tables::{
     CONDITIONS, KeyLight, LightsRead, Look, LookBrush, LookEnvironment, LookFur, LookInk, LookLight, LookMotion,
-    LookPicture, LookShadow, ReadLights,
+    LookPicture, LookShadow, ReadLights, ReadSeal,
 };
 
 #[cfg(test)]

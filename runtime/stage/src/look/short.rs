@@ -75,6 +75,7 @@ pub const SHORT_FORMS: &[ShortForm] = &[
     short("ink-color", "R,G,B", "ink.color"),
     short("ink-paper-grain", "G", "ink.paper_grain"),
     short("ink-mist", "FROM,TO", "ink.mist_m"),
+    short("ink-seal", "FILE", "ink.seal"),
     short("brush-strokes", "N", "brush.strokes"),
     short("brush-wash", "F", "brush.wash"),
     short("brush-wetness", "SHARE", "brush.wetness"),

@@ -3,7 +3,7 @@
 use super::kinds::{
     Background, DirectionField, FillLight, Interval, LookDetail, LookFurShow, LookHair, LookLines, LookScattering,
     LookSelfShadow, LookSheet, LookShow, LookStrandEdges, LookStudio, LookStyle, LookToneMapping, LookWidth, PLACE,
-    Rgb, Samples, Size, SkyKind, SkySource,
+    Rgb, Samples, SealSource, Size, SkyKind, SkySource,
 };
 use super::short::laboratory_hint;
 #[cfg(feature = "study")]
@@ -12,6 +12,7 @@ use crate::framing::TOWARDS_LIGHT;
 use crate::sky::studio;
 use glam::Vec3;
 use pelage_formats::meaning::environment::Environment;
+use pelage_formats::meaning::seal::SealImage;
 use pelage_formats::meaning::srgb_to_linear;
 use pelage_params::{ParamError, params, tables};
 use std::path::Path;
@@ -206,6 +207,9 @@ params! {
         paper_grain: f32 = 1.0, in 0.0..=1.0;
         /// Two distances in metres: where mist begins, and where only mist is visible.
         mist_m: Option<Interval> = None, or "none";
+        /// Image of a seal, stamped last: its white leaves the painting as it was. `seal.png:0.9,0.88,0.1` has its
+        /// centre at .9 of the width and .88 of the height, and is .1 of the picture high, which is the default place.
+        seal: Option<SealSource> = None, or "none";
         /// Output: the painting, its lines or features in black on white, or the wash.
         show: LookShow = LookShow::Painting, needs "ink.lines=pixels";
     }
@@ -271,6 +275,9 @@ pub type LightsRead = Result<Arc<Environment>, String>;
 /// Callback that loads an environment map. Arguments: path, number of lobes to fit, and albedo of a ground below it
 /// ([`LookEnvironment::ground_color`]).
 pub type ReadLights<'a> = dyn FnMut(&Path, u32, Option<[f32; 3]>) -> LightsRead + 'a;
+
+/// Callback that loads the image of a seal.
+pub type ReadSeal<'a> = dyn FnMut(&Path) -> Result<Arc<SealImage>, String> + 'a;
 
 impl Look {
     /// Returns the default look of a still picture. It has four samples per pixel, because a still picture is viewed
@@ -350,6 +357,16 @@ impl Look {
         Ok(())
     }
 
+    /// Reads the image of the seal with `read`, unless it has been read already or there is none.
+    ///
+    /// Fails with the error of `read`.
+    pub fn read_seal(&mut self, read: &mut ReadSeal<'_>) -> Result<(), String> {
+        if let Some(SealSource { file, image: image @ None, .. }) = &mut self.ink.seal {
+            *image = Some(read(Path::new(file))?);
+        }
+        Ok(())
+    }
+
     /// Returns the look with the built-in studio as its environment map, if it names neither a light nor a map
     /// ([`LookStudio::Auto`]). The style must be fur with scattering.
     ///
@@ -383,10 +400,13 @@ impl Look {
         self.light.strength.unwrap_or(if self.environment.sky.is_some() { 0.0 } else { 1.0 })
     }
 
-    /// Resolves a relative path of the environment map file against `folder`.
+    /// Resolves relative paths of the environment map file and the seal against `folder`.
     pub fn resolve_files(&mut self, folder: &Path) {
         if let Some(SkySource { kind: SkyKind::File(path), .. }) = &mut self.environment.sky {
             *path = folder.join(&*path).display().to_string();
+        }
+        if let Some(seal) = &mut self.ink.seal {
+            seal.file = folder.join(&seal.file).display().to_string();
         }
     }
 
@@ -394,12 +414,11 @@ impl Look {
     ///
     /// Fails like [`Look::read`].
     pub fn read_in(&mut self, folder: &Path, text: &str) -> Result<(), ParamError> {
-        let before = self.environment.sky.take();
+        let (sky, seal) = (self.environment.sky.take(), self.ink.seal.take());
         let read = self.read(text);
-        match &self.environment.sky {
-            Some(_) => self.resolve_files(folder),
-            None => self.environment.sky = before,
-        }
+        self.resolve_files(folder);
+        self.environment.sky = self.environment.sky.take().or(sky);
+        self.ink.seal = self.ink.seal.take().or(seal);
         read
     }
 
