@@ -53,7 +53,7 @@ pub struct PaintingMeasures {
     pub unpainted: f64,
     /// Share of the animal's outline with a dark edge.
     pub dark_outline: f64,
-    /// Share of strokes whose narrowest part has at most 40 % of the greatest width.
+    /// Share of strokes whose narrowest part has at most 40 % of the greatest width, without dabs: spots and eyes.
     pub lifted: f64,
     /// Share of the outline with ink within 2 % of the diagonal.
     pub marked_outline: f64,
@@ -215,10 +215,12 @@ pub fn measure_painting(
     let scale = body.height as f32 / ROWS;
 
     let body_strokes: Vec<_> = strokes.iter().filter(|s| is_of_body(s)).collect();
+    // Strokes begin and end with points without ink.
+    let inked = |s: &PictureStroke, value: fn(&StrokeMark) -> f32| {
+        s.marks.iter().filter(|m| m.density > FAINT).map(value).collect::<Vec<_>>()
+    };
     let of_body = |value: fn(&StrokeMark) -> f32, measure: &dyn Fn(&[f32]) -> f64| {
-        // Strokes begin and end with points without ink.
-        let inked = |s: &PictureStroke| s.marks.iter().filter(|m| m.density > FAINT).map(value).collect::<Vec<_>>();
-        let each = body_strokes.iter().map(|s| measure(&inked(s)));
+        let each = body_strokes.iter().map(|s| measure(&inked(s, value)));
         each.sum::<f64>() / body_strokes.len().max(1) as f64
     };
     let most = |v: &[f32]| v.iter().copied().fold(0.0, f32::max);
@@ -228,7 +230,9 @@ pub fn measure_painting(
         f64::from((v.iter().map(|x| (x - mean).powi(2)).sum::<f32>() / v.len() as f32).sqrt() / mean.max(1e-6))
     };
     let fall = |v: &[f32]| f64::from(1.0 - least(v) / most(v).max(1e-6));
-    let lifts = |v: &[f32]| f64::from(u8::from(least(v) <= LIFTS * most(v)));
+    let is_dab = |s: &&&PictureStroke| matches!(s.layer, StrokeLayer::Spot | StrokeLayer::Eye);
+    let drawn: Vec<_> = body_strokes.iter().filter(|s| !is_dab(s)).map(|s| inked(s, |m| m.half_width)).collect();
+    let lifted = drawn.iter().filter(|v| least(v) <= LIFTS * most(v)).count();
     let inks: Vec<(f64, f64)> =
         strokes.iter().filter(|s| s.layer != StrokeLayer::Ground).map(|s| (stroke_length(s), stroke_ink(s))).collect();
     let in_long: f64 = inks.iter().filter(|(long, _)| *long > LONG * diagonal).map(|(_, ink)| ink).sum();
@@ -261,7 +265,7 @@ pub fn measure_painting(
         tone_fall: of_body(|m| m.density, &fall),
         unpainted: share((0..body.pixels.len()).filter(is_paper).count(), body.count()),
         dark_outline: share(outline.iter().filter(|i| spread[**i] > IS_DARK).count(), outline.len()),
-        lifted: of_body(|m| m.half_width, &lifts),
+        lifted: share(lifted, drawn.len()),
         marked_outline: 1.0 - share(bare.count(), border.count()),
         longest_gap: share(largest_part(&bare), border.count()),
     })
@@ -283,7 +287,7 @@ pub fn flying_white(strokes: &[PictureStroke], picture: &RgbaImage) -> Option<f6
     let (mut white, mut all) = (0, 0);
     for mark in strokes.iter().filter(|s| is_of_body(s)).flat_map(|s| &s.marks) {
         let reach = MIDDLE * mark.half_width;
-        if mark.dryness < DRY || reach < 0.5 {
+        if mark.dryness < DRY || mark.density < FAINT || reach < 0.5 {
             continue;
         }
         let [x, y] = mark.position;

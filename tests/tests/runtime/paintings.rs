@@ -15,7 +15,7 @@ use pelage_needs::data;
 use pelage_runtime::formats::meaning::{linear_to_srgb, srgb_to_linear};
 use pelage_runtime::formats::{Limits, Package};
 use pelage_runtime::{
-    BrushParams, ClipLayer, FrameParams, InkLines, InkParams, PictureStroke, Seal, SealImage, StrokeLayer,
+    BrushParams, ClipLayer, FrameParams, InkLines, InkParams, PictureStroke, Seal, SealImage, StrokeLayer, StrokeMark,
 };
 use pelage_stage::{Cast, Framing, Gpu, NamedPackage, Stage, TargetSettings, Viewpoint, framing, outline};
 use pelage_tests::binary::workspace;
@@ -154,29 +154,28 @@ fn assert_criteria(name: &str, side: usize, row: &Row) {
         assert!(range.contains(&value), "{name}, side {side}: {measure} is {value}, expected {range:?}: {row:?}");
     };
     // At most 80.
-    within("number of strokes", m.strokes as f64, 20.0..=112.0);
+    within("number of strokes", m.strokes as f64, 20.0..=92.0);
     // At most 60.
     within("number of tufts", m.tufts as f64, 0.0..=66.0);
     within("ink in long strokes", m.in_long, 0.55..=1.0);
-    // At most 0.60.
-    within("variation of width", m.width_variation, 0.25..=0.64);
+    within("variation of width", m.width_variation, 0.25..=0.6);
     within("fall of tone", m.tone_fall, 0.3..=1.0);
     // At least 0.10.
     within("unpainted share", m.unpainted, 0.08..=0.9);
     // At most 0.80.
-    within("outline with a dark edge", m.dark_outline, 0.3..=0.88);
+    within("outline with a dark edge", m.dark_outline, 0.3..=0.86);
     // At least 0.90.
-    within("strokes that lift", m.lifted, 0.78..=1.0);
+    within("strokes that lift", m.lifted, 0.86..=1.0);
     // At least 0.95.
-    within("outline near ink", m.marked_outline, 0.92..=1.0);
+    within("outline near ink", m.marked_outline, 0.94..=1.0);
     within("longest gap", m.longest_gap, 0.0..=0.1);
     // At most 0.90.
-    within("contour with a line", row.kept, 0.3..=0.95);
+    within("contour with a line", row.kept, 0.3..=0.91);
     // At least 0.95.
-    within("lines on true lines", row.precision, 0.85..=1.0);
+    within("lines on true lines", row.precision, 0.88..=1.0);
     within("ink outside", row.outside, 0.0..=0.01);
-    // At most 0.35.
-    row.flying_white.iter().for_each(|white| within("flying white", *white, 0.05..=0.62));
+    // 0.05 to 0.35.
+    row.flying_white.iter().for_each(|white| within("flying white", *white, 0.02..=0.4));
 }
 
 #[test]
@@ -261,6 +260,24 @@ fn paintings_are_reproducible_and_independent_of_the_size() {
         let share = large.intersection(&small).count() as f64 / large.union(&small).count() as f64;
         println!("{}: {share:.3} of {} strokes at half the size", animal.name, large.len());
         assert!(share >= 0.95, "{}: {large:?} and {small:?}", animal.name);
+    }
+}
+
+#[test]
+fn eyes_are_whole_on_both_sides() {
+    let Some(gpu) = gpu("eyes_are_whole_on_both_sides") else { return };
+    for name in ["hare", "pony", "ox", "crane"] {
+        let animal = Animal::of_project(name);
+        for towards in [vec3(1.0, 0.1, 0.3), vec3(-1.0, 0.1, 0.3)] {
+            let mut stage = animal.stage(gpu, SIZE, None, animal.view(SIZE, towards));
+            let (_, strokes) = painted(&mut stage, brush(|_| ()));
+            let eyes: Vec<_> = strokes.iter().filter(|s| s.layer == StrokeLayer::Eye).collect();
+            let [eye] = eyes[..] else { panic!("{name}: found {} eyes, expected 1", eyes.len()) };
+            let full = eye.marks.iter().map(|mark| mark.density).fold(0.0, f32::max);
+            let widest = eye.marks.iter().map(|mark| mark.half_width).fold(0.0, f32::max);
+            let is_whole = |mark: &StrokeMark| mark.density > 0.95 * full && mark.half_width > 0.6 * widest;
+            assert!(full > 2.0 && eye.marks.iter().all(is_whole), "{name}: {:?}", eye.marks);
+        }
     }
 }
 

@@ -15,6 +15,8 @@ const SMOOTHINGS: usize = 2;
 /// Distance from the axis of a bone stroke over which lines return, in half widths of the stroke. Rims of ears, which
 /// are flat, are beyond it.
 const BESIDE_BONE: [f32; 2] = [1.15, 1.45];
+/// The same for an eye, whose stroke is in front of its ball.
+const BESIDE_EYE: [f32; 2] = [2.0, 2.4];
 /// Share of a bone stroke, from its root, over which lines end.
 const ROOT: [f32; 2] = [0.04, 0.25];
 
@@ -58,8 +60,8 @@ pub(super) fn marks(
     weld.representatives.iter().map(mark).collect()
 }
 
-/// Returns the amount of lines at each vertex, 0..=1: that of the recipe, and none on parts that are painted with a
-/// single stroke along their axis, which would be painted twice.
+/// Returns the amount of lines at each vertex, 0..=1: that of the recipe; none on eyes and on parts that are painted
+/// with a single stroke along their axis; those would be painted twice.
 fn line_amounts(target: &ContourTarget<'_>) -> Vec<f32> {
     let positions = &target.rest.positions;
     let center = |point: &StrokePoint| {
@@ -73,11 +75,13 @@ fn line_amounts(target: &ContourTarget<'_>) -> Vec<f32> {
     let of_recipe = target.ink.iter().map(|ink| f32::from(ink.line) / 255.0);
     let mut amounts: Vec<f32> = of_recipe.chain(std::iter::repeat(1.0)).take(positions.len()).collect();
     let strokes = target.painting.map_or(&[][..], |pool| &pool.strokes);
-    for bone in strokes.iter().filter(|stroke| stroke.kind == StrokeKind::Bone) {
-        let axis: Vec<(Vec3, f32)> = bone.points.iter().map(|p| (center(p), p.half_width_m.max(1e-9))).collect();
+    for stroke in strokes.iter().filter(|stroke| matches!(stroke.kind, StrokeKind::Bone | StrokeKind::Eye)) {
+        let is_eye = stroke.kind == StrokeKind::Eye;
+        let beside = if is_eye { BESIDE_EYE } else { BESIDE_BONE };
+        let axis: Vec<(Vec3, f32)> = stroke.points.iter().map(|p| (center(p), p.half_width_m.max(1e-9))).collect();
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (p, half) in &axis {
-            (low, high) = (low.min(*p - BESIDE_BONE[1] * half), high.max(*p + BESIDE_BONE[1] * half));
+            (low, high) = (low.min(*p - beside[1] * half), high.max(*p + beside[1] * half));
         }
         for (p, amount) in positions.iter().zip(&mut amounts) {
             if p.cmplt(low).any() || p.cmpgt(high).any() {
@@ -88,8 +92,8 @@ fn line_amounts(target: &ContourTarget<'_>) -> Vec<f32> {
                 let along = ((*p - from).dot(to - from) / from.distance_squared(to).max(1e-20)).clamp(0.0, 1.0);
                 let off = p.distance(from.lerp(to, along)) / (first + (second - first) * along);
                 let u = (k as f32 + along) / (PaintStroke::POINTS - 1) as f32;
-                let covered =
-                    smooth_step(ROOT[0], ROOT[1], u) * (1.0 - smooth_step(BESIDE_BONE[0], BESIDE_BONE[1], off));
+                let begun = if is_eye { 1.0 } else { smooth_step(ROOT[0], ROOT[1], u) };
+                let covered = begun * (1.0 - smooth_step(beside[0], beside[1], off));
                 *amount = amount.min(1.0 - covered);
             }
         }

@@ -186,11 +186,16 @@ impl Canvas {
 
     /// Returns the nearest point of the surface that faces about as `normal`; `None` if none does.
     pub(super) fn nearest(&self, p: Vec3, normal: Vec3) -> Option<Place> {
+        self.nearest_on(p, normal, &|_| true)
+    }
+
+    /// Returns the nearest point of the faces chosen by `on` that face about as `normal`; `None` if none does.
+    pub(super) fn nearest_on(&self, p: Vec3, normal: Vec3, on: &dyn Fn([u32; 3]) -> bool) -> Option<Place> {
         let mut found = None;
         self.tree.minimum(p, |face, best| {
             let corners = self.corners(face as usize);
             let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-            if across.dot(normal) < 0.0 {
+            if across.dot(normal) < 0.0 || !on(self.skin.faces[face as usize]) {
                 return f32::INFINITY;
             }
             let weights = closest_barycentric(p, corners);

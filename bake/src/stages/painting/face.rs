@@ -189,7 +189,7 @@ pub(super) fn add_hidden_spots(model: &PaintedModel<'_>, canvas: &Canvas, spots:
     }
     let spot = |kind: StrokeKind, patch: &Patch| {
         let shape = Ellipse::around(&patch.points, patch.center, patch.normal, f32::INFINITY)?;
-        let (places, half_widths) = shape.stroke(canvas, PaintStroke::POINTS)?;
+        let (places, half_widths) = shape.stroke(canvas, PaintStroke::POINTS, None)?;
         Some(Spot { kind, pigment: None, darkness: 1.0, places, half_widths, opposite: None, vertices: Vec::new() })
     };
     if !has_nose {

@@ -54,10 +54,11 @@ fn opening(canvas: &Canvas, ball: &[u32], center: Vec3) -> Option<(Vec3, f32)> {
         .filter(|p| canvas.skin.pieces[*p] != piece && canvas.positions[*p].distance(center) < 1.9 * radius)
         .collect();
     let normal = near.iter().map(|p| canvas.skin.normals[*p] * canvas.skin.areas[*p]).sum::<Vec3>().try_normalize()?;
+    // Points within the ball hide nothing of it.
     let mut lids: Vec<f32> = near
         .iter()
         .map(|p| canvas.positions[*p] - center)
-        .filter(|d| d.dot(normal) > 0.0)
+        .filter(|d| d.dot(normal) > 0.0 && d.length() > 0.95 * radius)
         .map(|d| (d - normal * d.dot(normal)).length())
         .collect();
     lids.sort_unstable_by(f32::total_cmp);
@@ -168,7 +169,9 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
         } else {
             StrokeKind::Spot
         };
-        if let Some((places, half_widths)) = shape.stroke(canvas, count) {
+        // The stroke of a ball stays on it, in front; its socket may be nearer to its middle.
+        let ball = opening.map(|_| (0.5 * reach, &of[..]));
+        if let Some((places, half_widths)) = shape.stroke(canvas, count, ball) {
             let pigment = canvas.pigment[first].filter(|_| colored);
             spots.push(Spot { kind, pigment, darkness: 1.0, places, half_widths, opposite: None, vertices: of });
         }
@@ -222,14 +225,28 @@ impl Ellipse {
     }
 
     /// Returns the stroke along the longer axis and its half widths; `None` if the surface is missing somewhere.
-    pub(super) fn stroke(&self, canvas: &Canvas, count: usize) -> Option<(Vec<Place>, Vec<f32>)> {
+    ///
+    /// * `ball`: radius and sorted vertices of a ball around the center
+    pub(super) fn stroke(
+        &self,
+        canvas: &Canvas,
+        count: usize,
+        ball: Option<(f32, &[u32])>,
+    ) -> Option<(Vec<Place>, Vec<f32>)> {
         let Self { center, normal, long, from, to, width } = *self;
         let (half, reach) = (0.5 * width, to - from);
-        let inset = (0.55 * half).min(0.35 * reach);
+        // The ends of the brush are round: that of a ball stays within its outline.
+        let inset = if ball.is_some() { (0.9 * half).min(0.45 * reach) } else { (0.55 * half).min(0.35 * reach) };
         let point = |i: usize| {
             let along = (to - inset) + (from - to + 2.0 * inset) * (i as f32 / (count - 1) as f32);
             let share = (along - 0.5 * (from + to)) / (0.5 * reach).max(1e-6);
-            let place = canvas.nearest(center + long * along, normal)?;
+            let place = match ball {
+                None => canvas.nearest(center + long * along, normal),
+                Some((radius, of)) => {
+                    let in_front = center + long * along + normal * radius;
+                    canvas.nearest_on(in_front, normal, &|face| face.iter().all(|p| of.binary_search(p).is_ok()))
+                }
+            }?;
             Some((place, half * (1.0 - 0.9 * share * share).max(0.05).sqrt()))
         };
         (0..count).map(point).collect::<Option<Vec<_>>>().map(|points| points.into_iter().unzip())

@@ -30,6 +30,8 @@ const CORNER: vec2<f32> = vec2(0.785, 1.187);
 const LIT_FROM: vec2<f32> = vec2(-0.57, -0.82);
 // Half width of lines as a share of the model's diagonal.
 const HALF_WIDTH: f32 = 0.0036;
+// Lengths at which strokes begin to appear and are complete, as shares of the model's diagonal.
+const SCRAP: vec2<f32> = vec2(0.03, 0.055);
 
 fn chain_thread(id: vec3<u32>, groups: vec3<u32>) -> u32 {
     return id.y * groups.x * 64u + id.x;
@@ -184,7 +186,9 @@ fn narrow_lines(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workg
 // `inside`, `outside`: density of the wash on both sides; `lit`: 1 towards the light, -1 away from it; `noise`: smooth
 // noise of the surface, -1..=1.
 fn line_need(inside: f32, outside: f32, lit: f32, emphasis: f32, noise: f32) -> f32 {
-    let need = 0.94 - 0.95 * smoothstep(0.3, 0.95, abs(inside - outside)) - 0.38 * smoothstep(0.1, 0.9, lit)
+    // Lit edges of bodies without a wash have nothing else.
+    let left_out = 0.38 * smoothstep(0.1, 0.9, lit) * mix(0.8, 1.0, smoothstep(0.03, 0.15, inside));
+    let need = 0.94 - 1.15 * smoothstep(0.15, 0.6, abs(inside - outside)) - left_out
         + 0.22 * smoothstep(0.0, 0.8, -lit) + 0.4 * emphasis + 0.18 * smoothstep(0.05, 0.2, outside) + 0.42 * noise;
     return smoothstep(0.47, 0.67, need);
 }
@@ -332,8 +336,9 @@ fn load_brush(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgro
     let swell = (0.5 + 0.75 * smoothstep(-0.5, 0.8, -lit)) * (0.75 + 0.6 * min(1.0, long / (0.22 * diagonal)))
         * pressed * (1.0 + 0.55 * (slow - 0.35));
     var half = HALF_WIDTH * diagonal * contours.width * mix(0.8, swell, contours.pressure);
-    // Short strokes vanish.
-    half *= smoothstep(0.012, 0.03, long / diagonal);
+    // Short strokes vanish, shorter ones on the head.
+    let scrap = SCRAP * mix(1.0, 0.5, unpack4x8unorm(nodes[i].marks).y);
+    half *= smoothstep(scrap.x, scrap.y, long / diagonal);
     // Share of the stroke that is drawn, from its upper end.
     let down = smoothstep(-0.5, 0.5, drawn.tangent.y);
     let drawn_share = mix(to_end, from_start, down) / max(long, 1e-3);

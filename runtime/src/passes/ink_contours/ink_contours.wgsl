@@ -160,6 +160,34 @@ fn seen_share(px: vec2<f32>, outward: vec2<f32>, depth: f32, is_crease: bool) ->
     return smoothstep(0.15, 0.65, sum / 15.0);
 }
 
+// Rows of pixels, one unit apart, in which the outline of a coarse mesh is looked for.
+const OUTLINE_ROWS: u32 = 8u;
+
+// Returns whether the surface at a pixel is the one at a distance from the eye: 0 or 1, and between them within the
+// tolerance.
+fn same_surface(pixel: vec2<i32>, depth: f32) -> f32 {
+    let at = clamp(pixel, vec2(0), vec2<i32>(contours.size) - 1);
+    let surface = distance_of_depth(contours.depth_rows, textureLoad(depths, at, 0));
+    return 1.0 - smoothstep(1.0, 2.0, abs(surface - depth) / contours.tolerance);
+}
+
+// Returns the distance from a node to the outline of its surface, outwards, pixels. The zero set of smooth normals lies
+// inside the outline of a coarse mesh. 0 if the surface continues farther than the rows reach.
+fn distance_to_outline(px: vec2<f32>, outward: vec2<f32>, depth: f32) -> f32 {
+    var covered = 1.0;
+    var sum = 0.0;
+    for (var row = 0u; row < OUTLINE_ROWS; row++) {
+        let at = px + outward * (f32(row) + 0.5) * contours.unit - 0.5;
+        let corner = vec2<i32>(floor(at));
+        let share = at - floor(at);
+        let upper = mix(same_surface(corner, depth), same_surface(corner + vec2(1, 0), depth), share.x);
+        let lower = mix(same_surface(corner + vec2(0, 1), depth), same_surface(corner + vec2(1, 1), depth), share.x);
+        covered = min(covered, mix(upper, lower, share.y));
+        sum += covered;
+    }
+    return sum * contours.unit * (1.0 - covered);
+}
+
 // Writes a node between two vertices. `share`: that of the second vertex.
 fn place_node(number: u32, ends: vec2<u32>, share: f32, neighbors: vec2<u32>, is_crease: bool) {
     let a = posed[ends.x];
@@ -189,6 +217,9 @@ fn place_node(number: u32, ends: vec2<u32>, share: f32, neighbors: vec2<u32>, is
     node.weight = 0.0;
     if clip.w > 1e-6 {
         node.weight = seen_share(node.px, node.outward, node.depth, is_crease);
+        if !is_crease {
+            node.px += node.outward * distance_to_outline(node.px, node.outward, node.depth);
+        }
     }
     nodes[number] = node;
     state[2u * number] = vec4(node.px, node.weight * marks.x, 0.0);

@@ -74,7 +74,7 @@ fn fs_line(in: LineVarying) -> @location(0) vec4<f32> {
     let lane = v * width / 0.8;
     let bristle = 0.6 * space_noise(14.0 * rest + vec3(lane, 0.7 * lane, 50.0), 6u)
         + 0.4 * space_noise(32.0 * rest + vec3(2.2 * lane, 90.0, 1.5 * lane), 7u);
-    let threshold = in.brush.w * 0.95 - 0.12 + 0.35 * in.rest_lift.w * in.rest_lift.w;
+    let threshold = in.brush.w * 0.85 - 0.1 + 0.35 * in.rest_lift.w * in.rest_lift.w;
     let grain = smoothstep(0.12, 0.88, 0.68 * bristle + 0.32 * relief);
     let touching = smoothstep(threshold - 0.1, threshold + 0.14, grain);
     let k = (1.0 - edge) * width / 1.5;

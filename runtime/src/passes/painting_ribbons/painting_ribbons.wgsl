@@ -18,8 +18,8 @@ struct Ribbon {
     @location(2) depth: f32,
     @location(3) @interpolate(flat) kind_seed: vec2<u32>,
     @location(5) @interpolate(flat) pigment: u32,
-    // Middle of the stroke, pixels.
-    @location(4) @interpolate(flat) middle: vec2<f32>,
+    // Middle of the stroke and half width there, pixels.
+    @location(4) @interpolate(flat) middle: vec3<f32>,
 }
 
 // Width of the ribbon over that of the stroke: rough edges extend beyond it.
@@ -57,7 +57,8 @@ fn vs_ribbon(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number
     out.brush = vec4(half, here.brush.x * thinned, here.brush.y, here.brush.w);
     out.depth = here.place.z;
     out.kind_seed = vec2(stroke.kind, stroke.seed & 0xffffu);
-    out.middle = brush_points[first + STROKE_POINTS / 2u].place.xy;
+    let middle = brush_points[first + STROKE_POINTS / 2u].place;
+    out.middle = vec3(middle.xy, middle.w);
     return out;
 }
 
@@ -96,7 +97,7 @@ fn brush_mark(in: Ribbon, relief: f32, soft: f32, spacing: f32, ragged: f32, poo
         + 0.4 * plane_noise(vec2(v * width / (0.45 * spacing) + 90.0, s / 16.0), seed + 1u);
     let end = 1.0 - ragged * plane_noise(vec2(0.8 * v * width / spacing + 20.0, 3.0), seed + 9u);
     let lifted = smoothstep(end - 0.12, end + 0.02, in.across.z) * select(0.0, 1.0, ragged > 0.0);
-    let threshold = in.brush.z * 0.95 - 0.12 + 1.1 * lifted;
+    let threshold = in.brush.z * 0.62 - 0.06 + 0.8 * lifted;
     let grain = smoothstep(0.12, 0.88, 0.68 * bristle + 0.32 * relief);
     var touching = smoothstep(threshold - 0.1, threshold + 0.14, grain);
     if in.brush.z <= 0.001 && lifted <= 0.0 {
@@ -142,16 +143,17 @@ fn split_mark(in: Ribbon, relief: f32) -> f32 {
     return in.brush.y * mark;
 }
 
-// Returns the mark of an eye: full ink around a spared highlight.
-fn eye_mark(in: Ribbon, relief: f32) -> f32 {
+// Returns the mark of an eye: density of full ink, and the highlight that it and the washes spare.
+fn eye_mark(in: Ribbon, relief: f32) -> vec2<f32> {
     let width = max(in.brush.x, 1e-3) / painting.unit_px;
     let edge = length(in.across.xy) * (1.0 + 0.12 * (relief - 0.5));
     let covered = 1.0 - smoothstep(1.0 - 0.8 / width, 1.0 + 0.3 / width, edge);
     // The light is above and left of the middle. Small eyes have none.
-    let radius = 0.24 * width;
-    let off = distance(in.position.xy, in.middle - vec2(0.28, 0.36) * in.brush.x) / painting.unit_px;
-    let spared = (1.0 - smoothstep(radius - 0.4, radius + 0.4, off)) * smoothstep(1.3, 2.2, width);
-    return in.brush.y * covered * (1.0 - spared);
+    let whole = in.middle.z / painting.unit_px;
+    let radius = 0.24 * whole;
+    let off = distance(in.position.xy, in.middle.xy - vec2(0.28, 0.36) * in.middle.z) / painting.unit_px;
+    let spared = (1.0 - smoothstep(radius - 0.4, radius + 0.4, off)) * smoothstep(1.3, 2.2, whole);
+    return vec2(in.brush.y * covered * (1.0 - spared), spared * min(in.brush.y, 1.0));
 }
 
 fn relief_at(position: vec2<f32>) -> f32 {
@@ -182,14 +184,15 @@ fn fs_ink_ribbon(in: Ribbon) -> @location(0) vec4<f32> {
         return vec4(0.0, split_mark(in, relief), 0.0, 0.0);
     }
     if kind == DARK {
-        let mark = brush_mark(in, relief, 0.8, 1.9, 0.42, 0.1, 0.18).x
+        let mark = brush_mark(in, relief, 0.8, 1.9, 0.3, 0.1, 0.18).x
             * on_own_part(in.position.xy, in.depth, in.brush.x, 0.02 * painted.size);
         return vec4(0.0, mark, 0.0, 0.0);
     }
     if kind == EYE {
-        return vec4(eye_mark(in, relief), 0.0, 0.0, 0.0);
+        let mark = eye_mark(in, relief);
+        return vec4(mark.x, 0.0, 0.0, mark.y);
     }
-    let wet = brush_mark(in, relief, 0.7, 1.7, select(0.0, 0.22, kind == BONE), 0.15, 0.2).x;
+    let wet = brush_mark(in, relief, 0.7, 1.7, select(0.0, 0.12, kind == BONE), 0.15, 0.2).x;
     return vec4(wet, 0.0, 0.0, 0.0);
 }
 

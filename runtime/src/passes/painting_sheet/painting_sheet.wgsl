@@ -87,6 +87,7 @@ fn fs_sheet(@builtin(position) position: vec4<f32>) -> Sheet {
     let wetted = smoothstep(0.1, 0.7, textureSampleLevel(wet, clamped, uv, 0.0).w);
     let damp = 0.88 * wetted * painting.wetness * painting.bleed;
     var density = STRENGTH * (wash_density(uv, position.xy, sheet.a) + ink_density(uv, damp));
+    density *= 1.0 - textureSampleLevel(inks, clamped, uv, 0.0).w;
     if painting.mist_to > painting.mist_from {
         let far = eye_distance(painting, depth);
         density *= 1.0 - clamp((far - painting.mist_from) / (painting.mist_to - painting.mist_from), 0.0, 1.0);

@@ -26,8 +26,9 @@ const LIGHT: vec3<f32> = vec3(-0.5, 0.72, 0.48);
 const LIT: vec2<f32> = vec2(0.3, 0.93);
 // Share of the model's size within which a point counts as visible.
 const VISIBLE: f32 = 0.012;
-// Number of smoothing rounds of an axis.
+// Number of smoothing rounds of an axis, and of a dab.
 const AXIS_ROUNDS: u32 = 4u;
+const DAB_ROUNDS: u32 = 20u;
 // Minimum width of a stroke that is seen at a grazing angle.
 const LEAST_WIDTH: f32 = 0.42;
 
@@ -197,9 +198,12 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         world[i] = p;
         at[i] = on_picture(p);
     }
-    // Points of an axis are middles of chords, which are rarely through the centre of the limb.
-    if pool_points[first].brush.z > 0.5 {
-        for (var round = 0u; round < AXIS_ROUNDS; round++) {
+    // Points of an axis are middles of chords, which are rarely through the centre of the limb. Those of a dab are on
+    // the faces of a small part, such as a nose, and jump where it is coarse.
+    let is_dab = stroke.kind == SPOT || stroke.kind == EYE;
+    if pool_points[first].brush.z > 0.5 || is_dab {
+        let rounds = select(AXIS_ROUNDS, DAB_ROUNDS, is_dab);
+        for (var round = 0u; round < rounds; round++) {
             var before = world[0];
             for (var i = 1u; i + 1u < STROKE_POINTS; i++) {
                 let here = world[i];
@@ -231,7 +235,7 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         let seen_half = distance(on_picture(world[i] + across * half).xy, at[i].xy);
         let half_px = select(max(seen_half, LEAST_WIDTH * even), even, on_axis);
         let facing = dot(normal, toward_eye);
-        // Lids must not cut eyes.
+        // Lids must not hide eyes.
         let hidden_by = select(VISIBLE, 2.0 * VISIBLE, stroke.kind == EYE);
         // Depth varies by about the size of a pixel within it.
         let pixel_m = half / max(even, 1e-3);
@@ -243,7 +247,15 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         seen_sum += seen;
     }
     let mean_tone = tone_sum / max(seen_sum, 1e-3);
-    let visible_share = seen_sum / (last + 1.0);
+    var visible_share = seen_sum / (last + 1.0);
+    // Lids must not cut an eye: it is seen as a whole, or not.
+    if stroke.kind == EYE {
+        let whole = smoothstep(0.1, 0.4, visible_share);
+        visible_share = 1.0;
+        for (var i = 0u; i < STROKE_POINTS; i++) {
+            brush[i].z = whole;
+        }
+    }
     var weight = 1.0;
     // More strokes than the washes have also lie on paler parts.
     let finer = mix(1.0, 0.4, clamp((painting.strokes - ALL_WASHES) / (MOST_STROKES - ALL_WASHES), 0.0, 1.0));
@@ -258,13 +270,14 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         weight = max(rim, smoothstep(0.25, 0.6, mean_tone) * 0.8);
     }
     weight *= smoothstep(0.1, 0.3, visible_share);
-    var shown = 1.0;
+    // Ranks up to this number are painted; they end at 1.
+    var shown = 2.0;
     if stroke.kind == PALE {
         shown = painting.strokes / 40.0;
     } else if stroke.kind == MIDDLE {
         shown = painting.strokes / 48.0;
     } else if stroke.kind == DARK {
-        shown = 0.8 * painting.strokes / max(painted.darks, 1.0);
+        shown = 0.5 * painting.strokes / max(painted.darks, 1.0);
     } else if stroke.kind == TUFT {
         shown = 2.2 * painting.tufts / max(painted.tufts, 1.0);
     } else if stroke.kind == LOCK {
@@ -283,7 +296,9 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
     // A stroke whose visible part is short is narrower, so that it does not read as a bead.
     var long_px = 0.0;
     var wide_px = 0.0;
+    var whole_px = 0.0;
     for (var i = 1u; i < STROKE_POINTS; i++) {
+        whole_px += distance(at[i].xy, at[i - 1u].xy);
         long_px += distance(at[i].xy, at[i - 1u].xy) * 0.5 * (brush[i].z + brush[i - 1u].z);
         wide_px = max(wide_px, brush[i].x * brush[i].z);
     }
@@ -294,6 +309,16 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
         if stroke.kind == DARK {
             slender *= smoothstep(6.0, 11.0, long_px / max(wide_px, 1e-3));
         }
+    }
+    // A spot seen along its stroke is as flat as its part of the surface.
+    var flat = 1.0;
+    if stroke.kind == SPOT {
+        var long_m = 0.0;
+        for (var i = 1u; i < STROKE_POINTS; i++) {
+            long_m += distance(world[i], world[i - 1u]);
+        }
+        let aside = on_picture(world[0] + painting.right_ws * max(long_m, 1e-6)).xy;
+        flat = sqrt(clamp(whole_px / max(distance(aside, at[0].xy), 1e-3), 0.2, 1.0));
     }
     var run = 0.0;
     let done = done_share(stroke.kind, stroke.rank);
@@ -335,7 +360,7 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             dryness = clamp(-0.06 + 0.62 * pow(clamp((u - 0.4) / 0.6, 0.0, 1.0), 1.3) * (0.3 + 0.9 * chance),
                 0.0, 0.68);
             if tier == DARK {
-                dryness = clamp(0.06 + 0.75 * pow(clamp((u - 0.12) / 0.88, 0.0, 1.0), 1.1), 0.0, 0.8)
+                dryness = clamp(0.06 + 0.64 * pow(clamp((u - 0.12) / 0.88, 0.0, 1.0), 1.1), 0.0, 0.7)
                     * select(0.3, 1.0, chance < 0.7);
             }
             side = loaded;
@@ -345,11 +370,11 @@ fn pose_painting(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_work
             density = clamp((0.35 + 1.75 * pool_points[first + i].brush.y)
                 * (1.12 - 0.45 * u + 0.12 * along_noise(u, 3.0, seed + 5u))
                 * (0.62 + 0.38 * smoothstep(-0.02, 0.1, u)), 0.2, 2.3);
-            dryness = clamp(0.02 + 0.42 * pow(u, 1.5) + 0.08 * along_noise(u, 5.0, seed + 9u), 0.0, 0.6);
+            dryness = clamp(0.02 + 0.42 * u + 0.08 * along_noise(u, 5.0, seed + 9u), 0.0, 0.6);
             side = 0.25 * select(-1.0, 1.0, chance > 0.5);
         } else if stroke.kind == SPOT || stroke.kind == EYE {
             let ink = pool_points[first + i].brush.y;
-            half = max(half, 0.8 * ink * painting.unit_px) * select(0.98, 1.08, stroke.kind == EYE);
+            half = max(half * flat, 0.8 * ink * painting.unit_px) * select(0.98, 1.08, stroke.kind == EYE);
             density = ink * select(mix(2.1, 1.3, u), 2.5, stroke.kind == EYE);
             dryness = select(0.3 * u, 0.0, stroke.kind == EYE);
             side = select(0.3, 0.0, stroke.kind == EYE);
