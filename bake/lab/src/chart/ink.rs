@@ -56,7 +56,7 @@ impl InkSettings {
 }
 
 /// Columns of the chart.
-pub const COLUMNS: [&str; 29] = [
+pub const COLUMNS: [&str; 30] = [
     "width",
     "height",
     "lines",
@@ -83,6 +83,7 @@ pub const COLUMNS: [&str; 29] = [
     "flicker_wash",
     "flicker_lines",
     "strokes",
+    "tufts",
     "unpainted",
     "dark_outline",
     "frame_milliseconds",
@@ -248,27 +249,39 @@ pub fn cells(look: &InkSettings, measured: &InkMeasures) -> Vec<Cell> {
         of_kind(false, number(ink.depth_step.into())),
         of_kind(false, number(ink.step_px.into())),
         of_kind(false, number(line_px(ink, *height))),
-        word(match study.features {
-            FeatureRule::AnyBelow => "any",
-            FeatureRule::AllBelow => "all",
-        }),
-        word(match study.sphere_map {
-            SphereMapForm::Perpendicular => "perpendicular",
-            SphereMapForm::Reflection => "reflection",
-            SphereMapForm::Printed => "printed",
-        }),
-        word(if study.template { "on" } else { "off" }),
-        word(match study.anchoring {
-            Anchoring::Surface => "surface",
-            Anchoring::Screen => "screen",
-        }),
+        of_kind(
+            false,
+            word(match study.features {
+                FeatureRule::AnyBelow => "any",
+                FeatureRule::AllBelow => "all",
+            }),
+        ),
+        of_kind(
+            false,
+            word(match study.sphere_map {
+                SphereMapForm::Perpendicular => "perpendicular",
+                SphereMapForm::Reflection => "reflection",
+                SphereMapForm::Printed => "printed",
+            }),
+        ),
+        of_kind(false, word(if study.template { "on" } else { "off" })),
+        of_kind(
+            false,
+            word(match study.anchoring {
+                Anchoring::Surface => "surface",
+                Anchoring::Screen => "screen",
+            }),
+        ),
         share(&|m| m.lines.precision),
         share(&|m| m.lines.recall),
     ];
     cells.extend([0, 1, 2].map(|kind| share(&|m| m.recall[kind])));
-    cells.extend([share(&|m| Some(1.0 - m.lines.f1())), number(stroke), number(template), number(stroke / template)]);
+    cells.push(share(&|m| Some(1.0 - m.lines.f1())));
+    // The widest painted stroke is a spot or an eye.
+    cells.extend([stroke, template, stroke / template].map(|width| of_kind(false, number(width))));
     cells.extend(measured.flicker.map(|f| f.map_or(Cell::Empty, number)));
-    cells.extend([of_kind(true, mean(|m| m.strokes as f64)), mean(|m| m.unpainted), mean(|m| m.dark_outline)]);
+    cells.extend([mean(|m| m.strokes as f64), mean(|m| m.tufts as f64)].map(|cell| of_kind(true, cell)));
+    cells.extend([mean(|m| m.unpainted), mean(|m| m.dark_outline)]);
     cells.push(number(measured.frame_ms));
     cells
 }
@@ -314,5 +327,6 @@ mod tests {
         let cells = cells(&painted, &measured);
         let at = |name| &cells[COLUMNS.iter().position(|c| *c == name).expect("a column")];
         assert_eq!((at("strokes"), at("threshold")), (&Cell::Number(7.0), &Cell::Empty));
+        assert_eq!((at("rule"), at("widest_stroke_px")), (&Cell::Empty, &Cell::Empty));
     }
 }
