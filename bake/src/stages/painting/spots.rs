@@ -101,6 +101,7 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
     let high = canvas.positions.iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
     // Bare ends of furred legs.
     let has_fur = canvas.furred.contains(&true);
+    let has_named = (0..canvas.positions.len()).any(|p| canvas.eye[p] && canvas.darkness[p] > DARK_EYE);
     let is_hoof = |p: usize| has_fur && !canvas.furred[p] && canvas.positions[p].y < low + HOOF_HEIGHT * (high - low);
     let is_dark = |p: usize| {
         let from = if is_hoof(p) {
@@ -164,11 +165,9 @@ pub(super) fn spots(canvas: &Canvas, count: usize) -> Vec<Spot> {
         let named = of.iter().filter(|p| canvas.eye[**p as usize]).count() * 2 > of.len();
         let is_nose = canvas.face.is_some_and(|frame| frame.is_nose(center));
         let is_high = !is_nose && center.y > low + 0.55 * (high - low);
-        let kind = if !colored && (named || share < EYE_AREA && is_high && reach < 2.6 * width) {
-            StrokeKind::Eye
-        } else {
-            StrokeKind::Spot
-        };
+        // Where eyes are named, other dark patches, such as tips of ears, are none.
+        let looks_like_one = !has_named && share < EYE_AREA && is_high && reach < 2.6 * width;
+        let kind = if !colored && (named || looks_like_one) { StrokeKind::Eye } else { StrokeKind::Spot };
         // The stroke of a ball stays on it, in front; its socket may be nearer to its middle.
         let ball = opening.map(|_| (0.5 * reach, &of[..]));
         if let Some((places, half_widths)) = shape.stroke(canvas, count, ball) {

@@ -297,6 +297,20 @@ fn dark_patches_are_spots_and_eyes_are_recognised_by_name() {
     assert_eq!(spots_of(&grey), []);
     grey.materials[1].name = "Eye".into();
     assert_eq!(spots_of(&grey), [StrokeKind::Eye]);
+    // A small patch high on the body is an eye only if none has that name.
+    let high = limbed(false).with_patch(Vec3::new(-0.95, 0.31, 0.0), 0.13, 0);
+    assert_eq!(spots_of(&high), [StrokeKind::Eye]);
+    let mut both = high.with_patch(low, 0.22, 0);
+    both.materials[1].name = "Eye".into();
+    for spot in both.painting().strokes {
+        let is_low = both.surface.mesh.positions[spot.points[0].sides[0].vertices[0] as usize].y < 0.0;
+        match spot.kind {
+            StrokeKind::Spot => assert!(!is_low),
+            StrokeKind::Eye => assert!(is_low),
+            _ => {}
+        }
+    }
+    assert_eq!(spots_of(&both).len(), 2);
 }
 
 /// Returns an egg along x from -2 to 2 m that has its head at x > 0.8.
