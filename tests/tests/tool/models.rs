@@ -277,7 +277,7 @@ fn bad_render_and_bench_requests_are_refused() {
     // The benchmark poses the model in every frame, and fur motion follows the posed surface. It lists all passes of
     // the style, also those of painted strokes.
     let before = [&["pose", "fur_motion"].map(Value::from)[..], &passes[..5], &strokes.map(Value::from)].concat();
-    assert_eq!(names, [&before[..], &passes[5..], &[Value::from("painting_sheet")]].concat());
+    assert_eq!(names, [&before[..], &passes[5..], &[Value::from("painting_sheet"), Value::from("ink_seal")]].concat());
     let bytes = |object: &Value| object["gpu_bytes"].as_u64().unwrap();
     // The sum lists the bytes per pixel of normals, surface, features, line features, rows, strokes and depth.
     assert_eq!(bytes(&large) - bytes(&small), 3 * 48 * 32 * (8 + 4 + 4 + 4 + 4 + 4 + 4));
