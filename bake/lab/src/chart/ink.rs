@@ -5,7 +5,8 @@
 //! The truth is `crate::truth::TrueLines`. Precision, recall and their harmonic mean measure whether lines are where
 //! they should be. The widest stroke measures whether lines stay thin; the sphere map alone blackens surfaces seen edge
 //! on (Fang 2006, Fig. 3). Flicker measures whether wash and lines keep their position on the model while the camera
-//! slowly circles it. Width and flicker are measured on blank paper ([`on_blank_paper`]).
+//! slowly circles it. Width and flicker are measured on blank paper ([`on_blank_paper`]). `flicker_lines` of the two
+//! kinds cannot be compared: it covers dense ink of strokes, and all ink of lines in pixels.
 
 use super::{Cell, Panel};
 use crate::compare_lines::LineMeasures;
